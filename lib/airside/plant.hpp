@@ -1,0 +1,29 @@
+#pragma once
+// What the control loop needs of the world. Modbus hardware (hal) and simulation (sim) both satisfy it, so one
+// loop, the same object code, drives both.
+
+#include <concepts>
+
+#include "airside/civil_time.hpp"
+#include "airside/command.hpp"
+#include "airside/fault.hpp"
+#include "airside/reading.hpp"
+
+namespace airside {
+
+/// sense(): all signals now. actuate(): write, read back.  Neither may block longer than the plant's deadline.
+template <class P, class T>
+concept Plant = Topology<T> && requires(P plant, const Command& command) {
+  { plant.sense() } -> std::same_as<Expected<Reading<T>>>;
+  { plant.actuate(command) } -> std::same_as<Expected<Applied>>;
+};
+
+/// now(): civil time. sleep_until(t): returns true at t, false if it was told to stop before.
+/// A simulated clock makes its plant reach t; a real one waits.
+template <class C>
+concept Clock = requires(C clock, CivilTime t) {
+  { clock.now() } -> std::same_as<CivilTime>;
+  { clock.sleep_until(t) } -> std::same_as<bool>;
+};
+
+}  // namespace airside

@@ -1,0 +1,26 @@
+#pragma once
+// What a plant says at one instant, before anybody has checked it.
+
+#include <Eigen/Core>
+#include <limits>
+
+#include "airside/civil_time.hpp"
+#include "airside/topology.hpp"
+
+namespace airside {
+
+/// One sample of all sensed signals. Shape: value, age_s: Layout<T>::signals. Units: signals.hpp.
+template <Topology T>
+struct Reading {
+  using Vector = Eigen::Matrix<double, Layout<T>::signals, 1>;
+
+  CivilTime time;
+  Vector value = Vector::Constant(std::numeric_limits<double>::quiet_NaN());
+  Vector age_s = Vector::Zero();  ///< s since the device took the value
+  /// What the AHU says its setpoint is, degC; NaN where it cannot be read back.
+  double setpoint_degc = std::numeric_limits<double>::quiet_NaN();
+  /// Measured supply-air temperature, degC; NaN where there is no sensor. Not a network input.
+  double supply_temp_degc = std::numeric_limits<double>::quiet_NaN();
+};
+
+}  // namespace airside
