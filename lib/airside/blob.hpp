@@ -1,0 +1,238 @@
+#pragma once
+// The weight blob: scaler, network weights, room head and provenance in one checked piece of bytes. FORMATS.md has
+// the byte table; this header is the only code that knows it.
+
+#include <array>
+#include <bit>
+#include <cstring>
+#include <span>
+
+#include "airside/crc32c.hpp"
+#include "airside/fault.hpp"
+#include "airside/room_head.hpp"
+#include "airside/scaler.hpp"
+#include "airside/signals.hpp"
+
+namespace airside {
+
+static_assert(std::endian::native == std::endian::little, "the blob codec copies little-endian memory");
+
+/// Why a blob was refused, and the field of FORMATS.md that says so.
+struct BlobError {
+  Fault fault;
+  const char* field;
+};
+
+/// Fixed header. Every field is little-endian; reserved bytes are zero.
+struct BlobHeader {
+  std::array<char, 8> magic{'A', 'I', 'R', 'S', 'I', 'D', 'E', 'B'};
+  std::uint16_t format_version = 1;
+  std::uint16_t header_bytes = 192;
+  std::uint32_t endian_mark = 0x01020304;
+  double float_mark = 0.15625;
+  std::uint64_t topology_hash = 0;
+  std::uint64_t units_hash = 0;
+  std::uint64_t security_counter = 0;
+  std::array<std::uint8_t, 8> key_id{};
+  std::array<char, 32> site_scope{};  ///< zero-padded; empty: any site
+  std::uint32_t payload_bytes = 0;
+  std::uint32_t parameters = 0;   ///< network weights
+  std::uint32_t head_states = 0;  ///< 0: no head; else theta and covariance follow
+  std::uint32_t digest_kind = 1;  ///< 1: CRC-32C in the digest's first four bytes
+  std::array<std::uint8_t, 32> digest{};
+  std::int64_t created_s = 0;     ///< civil time of training's end
+  std::array<std::uint8_t, 48> reserved{};
+};
+static_assert(sizeof(BlobHeader) == 192 && std::is_trivially_copyable_v<BlobHeader>);
+
+constexpr std::size_t blob_signature_bytes = 64;    ///< Ed25519; zero while unsigned
+constexpr std::size_t blob_provenance_bytes = 512;  ///< UTF-8, zero-padded
+
+namespace blob_detail {
+constexpr std::uint64_t fnv1a(std::uint64_t hash, std::uint64_t value) {
+  for (int i = 0; i < 8; ++i) hash = (hash ^ ((value >> (8 * i)) & 0xFF)) * 0x100000001B3u;
+  return hash;
+}
+constexpr std::uint64_t fnv1a(std::uint64_t hash, const char* text) {
+  for (; *text != '\0'; ++text) hash = (hash ^ static_cast<std::uint8_t>(*text)) * 0x100000001B3u;
+  return hash;
+}
+constexpr std::uint64_t fnv_seed = 0xCBF29CE484222325u;
+}  // namespace blob_detail
+
+/// Hash of the counts and of the network's widths.
+template <Topology T>
+constexpr std::uint64_t topology_hash(int parameters) {
+  using blob_detail::fnv1a;
+  std::uint64_t h = fnv1a(blob_detail::fnv_seed, T::name);
+  for (const int n : {T::vavs, T::fcus, T::powers, parameters}) h = fnv1a(h, static_cast<std::uint64_t>(n));
+  return h;
+}
+
+/// Hash of kind, place and unit of every input, in order.
+template <Topology T>
+constexpr std::uint64_t units_hash() {
+  using blob_detail::fnv1a;
+  std::uint64_t h = blob_detail::fnv_seed;
+  for (int i = 0; i < Layout<T>::inputs; ++i) {
+    const SignalId id = signal_id<T>(i);
+    h = fnv1a(fnv1a(h, static_cast<std::uint64_t>(id.kind)), static_cast<std::uint64_t>(id.place));
+    h = fnv1a(h, text_of(id.kind).unit);
+  }
+  return h;
+}
+
+/// What a blob carries, beside its header. Shape: weights as many as the topology's network has.
+template <Topology T, int Parameters>
+struct BlobPayload {
+  Scaler<T> scaler;
+  std::array<float, static_cast<std::size_t>(Parameters)> weights{};
+  std::uint32_t head_states = 0;
+  std::uint32_t head_updates = 0;
+  typename RoomHead<T>::State head_theta = RoomHead<T>::State::Zero();
+  typename RoomHead<T>::Covariance head_covariance = RoomHead<T>::Covariance::Zero();
+  std::array<char, blob_provenance_bytes> provenance{};
+
+  static constexpr std::size_t bytes(std::uint32_t head_states) {
+    const std::size_t n = head_states;
+    return 2 * sizeof(double) * static_cast<std::size_t>(Layout<T>::inputs) + sizeof(float) * Parameters +
+           sizeof(std::uint32_t) + sizeof(double) * (n + n * (n + 1) / 2) + blob_provenance_bytes;
+  }
+};
+
+/// Encodes and decodes blobs of one topology.
+template <Topology T, int Parameters>
+class BlobCodec {
+ public:
+  using Payload = BlobPayload<T, Parameters>;
+  static constexpr std::size_t max_bytes =
+      sizeof(BlobHeader) + Payload::bytes(RoomHead<T>::states) + blob_signature_bytes;
+
+  /// Size of a blob with a head of so many states, bytes.
+  static constexpr std::size_t size(std::uint32_t head_states) {
+    return sizeof(BlobHeader) + Payload::bytes(head_states) + blob_signature_bytes;
+  }
+
+  /// Writes header and payload to `out`, fills in sizes, hashes and digest; the signature stays zero.
+  /// Errors: 0 if `out` is too small. Returns the blob's size.
+  static std::size_t encode(BlobHeader header, const Payload& payload, std::span<std::byte> out) {
+    const std::size_t total = size(payload.head_states);
+    if (out.size() < total) return 0;
+    header.topology_hash = topology_hash<T>(Parameters);
+    header.units_hash = units_hash<T>();
+    header.payload_bytes = static_cast<std::uint32_t>(Payload::bytes(payload.head_states));
+    header.parameters = static_cast<std::uint32_t>(Parameters);
+    header.head_states = payload.head_states;
+    std::byte* at = out.data() + sizeof(BlobHeader);
+    const auto put = [&at](const void* from, std::size_t n) {
+      std::memcpy(at, from, n);
+      at += n;
+    };
+    put(payload.scaler.mean.data(), sizeof(double) * Layout<T>::inputs);
+    put(payload.scaler.scale.data(), sizeof(double) * Layout<T>::inputs);
+    put(payload.weights.data(), sizeof(float) * Parameters);
+    put(&payload.head_updates, sizeof(std::uint32_t));
+    const int n = static_cast<int>(payload.head_states);
+    put(payload.head_theta.data(), sizeof(double) * payload.head_states);
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        const double c = payload.head_covariance(i, j);
+        put(&c, sizeof c);
+      }
+    }
+    put(payload.provenance.data(), blob_provenance_bytes);
+    std::memset(at, 0, blob_signature_bytes);
+    const std::uint32_t crc = digest(header, out.subspan(sizeof(BlobHeader), header.payload_bytes));
+    header.digest = {};
+    std::memcpy(header.digest.data(), &crc, sizeof crc);
+    std::memcpy(out.data(), &header, sizeof header);
+    return total;
+  }
+
+  /// Reads a blob whole, or not at all: `payload` is complete on success and unspecified on error.
+  /// Errors: BlobError naming the field; checked in the order length, magic, version, architecture, size, digest,
+  /// topology, units, scope, values.
+  static tl::expected<BlobHeader, BlobError> decode(std::span<const std::byte> in, std::span<const char> site_scope,
+                                                    Payload& payload) {
+    const auto refuse = [](Fault fault, const char* field) { return tl::unexpected(BlobError{fault, field}); };
+    if (in.size() < sizeof(BlobHeader)) return refuse(Fault::blob_truncated, "header");
+    BlobHeader header;
+    std::memcpy(&header, in.data(), sizeof header);
+    if (header.magic != BlobHeader{}.magic) return refuse(Fault::blob_magic, "magic");
+    if (header.format_version != BlobHeader{}.format_version) return refuse(Fault::blob_version, "format_version");
+    if (header.header_bytes != sizeof header) return refuse(Fault::blob_version, "header_bytes");
+    if (header.endian_mark != BlobHeader{}.endian_mark) return refuse(Fault::blob_architecture, "endian_mark");
+    if (header.float_mark != BlobHeader{}.float_mark) return refuse(Fault::blob_architecture, "float_mark");
+    const std::size_t total = sizeof header + std::size_t{header.payload_bytes} + blob_signature_bytes;
+    if (in.size() < total) return refuse(Fault::blob_truncated, "payload_bytes");
+    if (in.size() > total) return refuse(Fault::blob_size, "payload_bytes");
+    if (header.digest_kind != 1) return refuse(Fault::blob_digest, "digest_kind");
+    std::uint32_t crc = 0;
+    std::memcpy(&crc, header.digest.data(), sizeof crc);
+    if (crc != digest(header, in.subspan(sizeof header, header.payload_bytes))) {
+      return refuse(Fault::blob_digest, "digest");
+    }
+    if (header.topology_hash != topology_hash<T>(Parameters)) return refuse(Fault::blob_topology, "topology_hash");
+    if (header.units_hash != units_hash<T>()) return refuse(Fault::blob_units, "units_hash");
+    if (header.parameters != Parameters) return refuse(Fault::blob_size, "parameters");
+    constexpr auto one = static_cast<std::uint32_t>(RoomHead<T>::regressors + RoomHead<T>::slots);
+    const bool known_head = header.head_states == 0 || header.head_states == one ||
+                            header.head_states == static_cast<std::uint32_t>(RoomHead<T>::states);
+    if (!known_head) return refuse(Fault::blob_size, "head_states");
+    if (header.payload_bytes != Payload::bytes(header.head_states)) return refuse(Fault::blob_size, "payload_bytes");
+    if (!scope_matches(header, site_scope)) return refuse(Fault::blob_scope, "site_scope");
+    read_payload(header, in.subspan(sizeof header), payload);
+    if (!payload.scaler.finite()) return refuse(Fault::blob_value, "scaler");
+    for (const float w : payload.weights) {
+      if (!(w >= -1e3f && w <= 1e3f)) return refuse(Fault::blob_value, "weights");
+    }
+    if (!payload.head_theta.allFinite()) return refuse(Fault::blob_value, "head_theta");
+    if (!payload.head_covariance.allFinite()) return refuse(Fault::blob_value, "head_covariance");
+    if (!(payload.head_covariance.diagonal().array() >= 0).all()) return refuse(Fault::blob_value, "head_covariance");
+    return header;
+  }
+
+ private:
+  /// Over everything but the digest itself and the signature.
+  static std::uint32_t digest(BlobHeader header, std::span<const std::byte> payload) {
+    header.digest = {};
+    std::array<std::byte, sizeof(BlobHeader)> bytes{};
+    std::memcpy(bytes.data(), &header, sizeof header);
+    return crc32c(payload, crc32c(bytes));
+  }
+
+  static bool scope_matches(const BlobHeader& header, std::span<const char> site_scope) {
+    if (header.site_scope[0] == '\0') return true;
+    for (std::size_t i = 0; i < header.site_scope.size(); ++i) {
+      if (header.site_scope[i] != (i < site_scope.size() ? site_scope[i] : '\0')) return false;
+    }
+    return true;
+  }
+
+  static void read_payload(const BlobHeader& header, std::span<const std::byte> in, Payload& payload) {
+    const std::byte* at = in.data();
+    const auto get = [&at](void* to, std::size_t n) {
+      std::memcpy(to, at, n);
+      at += n;
+    };
+    get(payload.scaler.mean.data(), sizeof(double) * Layout<T>::inputs);
+    get(payload.scaler.scale.data(), sizeof(double) * Layout<T>::inputs);
+    get(payload.weights.data(), sizeof(float) * Parameters);
+    get(&payload.head_updates, sizeof(std::uint32_t));
+    payload.head_states = header.head_states;
+    payload.head_theta.setZero();
+    payload.head_covariance.setZero();
+    const int n = static_cast<int>(header.head_states);
+    get(payload.head_theta.data(), sizeof(double) * header.head_states);
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        double c = 0;
+        get(&c, sizeof c);
+        payload.head_covariance(i, j) = payload.head_covariance(j, i) = c;
+      }
+    }
+    get(payload.provenance.data(), blob_provenance_bytes);
+  }
+};
+
+}  // namespace airside

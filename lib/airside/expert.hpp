@@ -1,0 +1,21 @@
+#pragma once
+// The expert's schedule: what the AHU did before, and what it falls back to.
+
+#include "airside/civil_time.hpp"
+#include "airside/settings.hpp"
+
+namespace airside {
+
+/// Whether t lies in working hours.  work_start <= time of day < work_end, on working days.
+constexpr bool in_working_hours(const ControllerSettings& s, CivilTime t) {
+  if (s.weekday_only != 0 && t.weekday() >= 5) return false;
+  const double h = t.second_of_day() / 3600.0;
+  return h >= s.work_start_h && h < s.work_end_h;
+}
+
+/// The schedule's setpoint, degC.  Source: spec 6.3, OPEN-19.
+constexpr double expert_setpoint_degc(const ControllerSettings& s, CivilTime t) {
+  return in_working_hours(s, t) ? s.expert_work_degc : s.expert_off_degc;
+}
+
+}  // namespace airside

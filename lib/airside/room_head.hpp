@@ -1,0 +1,170 @@
+#pragma once
+// The room head: a recursive linear forecast of how far the mean room temperature will move in the next cycle,
+// with a profile of the day's disturbances. It corrects the network where a room is nearly linear and learns within
+// days; the network gives it the gain it starts from.
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "airside/reading.hpp"
+#include "airside/settings.hpp"
+#include "airside/validation.hpp"
+
+namespace airside {
+
+/// The regressors x of one instant that do not depend on the next setpoint.
+struct HeadFeatures {
+  static constexpr int count = 9;
+  static constexpr int setpoint_change = 1;  ///< filled in when the next setpoint is known
+  Eigen::Matrix<double, count, 1> x = Eigen::Matrix<double, count, 1>::Zero();
+};
+
+/// ds = x' theta_x + profile(slot) + ma e.
+/// x = [last change of the room mean; change of the setpoint; changes of mean FCU temperature, last power, MAU outlet,
+/// number of FCUs on, number of VAVs on; 2 mean((1 - on) dS); mean(d on (S - A_prev)) / 2].
+/// Shape: 9 regressors and 80 slots a day type. Units: K; power in units of the scaler.
+/// Cost: one Kalman update a cycle, O((9 + 80 d)^2).  Source: CLOSED_LOOP "The room head, in full".
+template <Topology T>
+class RoomHead {
+ public:
+  static constexpr int regressors = HeadFeatures::count;
+  static constexpr int slots = cycles_per_day;
+  static constexpr int day_types = 2;
+  static constexpr int states = regressors + slots * day_types;
+  using State = Eigen::Matrix<double, states, 1>;
+  using Covariance = Eigen::Matrix<double, states, states>;
+
+  /// Forgets everything but the prior: gain `gain` +- `gain_sd` K/K, other regressors 0 +- 0.5, a smooth profile.
+  void reset(const ControllerSettings& s, double gain, double gain_sd) {
+    theta_.setZero();
+    covariance_.setZero();
+    for (int i = 0; i < regressors; ++i) covariance_(i, i) = 0.25;
+    theta_(HeadFeatures::setpoint_change) = gain;
+    covariance_(HeadFeatures::setpoint_change, HeadFeatures::setpoint_change) = gain_sd * gain_sd;
+    add_profile_covariance(s, 1.0);
+    last_innovation_k_ = 0;
+    updates_ = 0;
+  }
+
+  /// The regressors between two instants one cycle apart, `before` and `now`; `setpoint_before` was applied between.
+  static HeadFeatures features(const typename Reading<T>::Vector& before, const typename Reading<T>::Vector& now,
+                               double setpoint_before_degc, double power_scale_kw) {
+    using L = Layout<T>;
+    HeadFeatures f;
+    const auto rooms_now = now.template head<L::rooms>();
+    const auto rooms_before = before.template head<L::rooms>();
+    const auto on_now = now.template segment<L::rooms>(L::vav_on);
+    const auto on_before = before.template segment<L::rooms>(L::vav_on);
+    f.x(0) = rooms_now.mean() - rooms_before.mean();
+    if constexpr (T::fcus > 0) {
+      f.x(2) = now.template segment<T::fcus>(L::fcu_temp).mean() - before.template segment<T::fcus>(L::fcu_temp).mean();
+      f.x(5) = now.template segment<T::fcus>(L::fcu_on).sum() - before.template segment<T::fcus>(L::fcu_on).sum();
+    }
+    constexpr int last_power = L::power + T::powers - 1;
+    f.x(3) = (now(last_power) - before(last_power)) / power_scale_kw;
+    f.x(4) = now(L::mau_temp) - before(L::mau_temp);
+    f.x(6) = on_now.sum() - on_before.sum();
+    f.x(7) = 2.0 * ((1.0 - on_now.array()) * (rooms_now - rooms_before).array()).mean();
+    f.x(8) = 0.5 * ((on_now - on_before).array() * (rooms_now.array() - setpoint_before_degc)).mean();
+    return f;
+  }
+
+  /// Expected change of the room mean over the next cycle if the setpoint stays, K.
+  double drift_k(const ControllerSettings& s, CivilTime t, const HeadFeatures& f) const {
+    return row(s, t, f).dot(theta_) + s.head_moving_average * last_innovation_k_;
+  }
+
+  /// Setpoint gain, K room per K setpoint in one cycle, within its bounds.
+  double gain(const ControllerSettings& s) const {
+    return std::clamp(theta_(HeadFeatures::setpoint_change), s.head_gain_min, s.head_gain_max);
+  }
+  double gain_sd() const {
+    constexpr int g = HeadFeatures::setpoint_change;
+    return std::sqrt(std::max(0.0, covariance_(g, g)));
+  }
+
+  /// The setpoint that removes `head_correction` of the present error by the end of the cycle, degC.
+  double setpoint_degc(const ControllerSettings& s, CivilTime t, const HeadFeatures& f, double room_mean_degc,
+                       double setpoint_before_degc) const {
+    const double wanted_k = s.head_correction * (s.target_degc - room_mean_degc);
+    return setpoint_before_degc + (wanted_k - drift_k(s, t, f)) / gain(s);
+  }
+
+  /// Learns from one completed cycle: features f at t, then the room mean moved by `moved_k`.
+  /// `noise_factor` > 1 weakens the update (overlapping samples of a history). Returns the innovation, K.
+  /// Errors: an input that is not finite changes nothing and returns NaN.
+  double update(const ControllerSettings& s, CivilTime t, const HeadFeatures& f, double moved_k,
+                double noise_factor = 1.0) {
+    const State h = row(s, t, f);
+    const double innovation = moved_k - h.dot(theta_) - s.head_moving_average * last_innovation_k_;
+    if (!std::isfinite(innovation)) return innovation;
+    const double clipped = std::clamp(innovation, -s.head_clip_k, s.head_clip_k);
+    work_.noalias() = covariance_ * h;
+    const double noise = s.head_noise_k * noise_factor;
+    const double variance = h.dot(work_) + noise * noise;
+    theta_ += work_ * (clipped / variance);
+    // Joseph form is not needed at this size; symmetry is kept by construction of the outer product.
+    covariance_.noalias() -= work_ * (work_.transpose() / variance);
+    last_innovation_k_ = clipped;
+    ++updates_;
+    return innovation;
+  }
+
+  /// Lets the profile change: returns `share` of its prior variance.
+  void grow(const ControllerSettings& s, double share) { add_profile_covariance(s, share); }
+
+  const State& theta() const { return theta_; }
+  State& theta() { return theta_; }
+  const Covariance& covariance() const { return covariance_; }
+  Covariance& covariance() { return covariance_; }
+  std::uint32_t updates() const { return updates_; }
+  void set_updates(std::uint32_t n) { updates_ = n; }
+  bool finite() const { return theta_.allFinite() && covariance_.allFinite(); }
+
+ private:
+  /// h = [x | slot weights], linear between neighbouring slots.
+  static State row(const ControllerSettings& s, CivilTime t, const HeadFeatures& f) {
+    State h = State::Zero();
+    h.template head<regressors>() = f.x;
+    const int type = s.head_day_types == 2 && t.weekday() >= 5 ? 1 : 0;
+    const double position = static_cast<double>(t.second_of_day()) / cycle_s;
+    const int slot = std::min(static_cast<int>(position), slots - 1);
+    const double share = position - slot;
+    const int first = regressors + type * slots;
+    h(first + slot) = 1.0 - share;
+    h(first + (slot + 1) % slots) += share;
+    return h;
+  }
+
+  void add_profile_covariance(const ControllerSettings& s, double share) {
+    const double variance = share * s.head_profile_sd_k * s.head_profile_sd_k;
+    std::array<double, slots> kernel{};
+    for (int d = 0; d < slots; ++d) {
+      kernel[static_cast<std::size_t>(d)] = variance * std::exp(-std::min(d, slots - d) / s.head_profile_length);
+    }
+    const int types = s.head_day_types;
+    for (int a = 0; a < types; ++a) {
+      for (int b = 0; b < types; ++b) {
+        // Days off resemble working days at night: half of the prior is shared.
+        const double alike = a == b ? 1.0 : 0.5;
+        for (int i = 0; i < slots; ++i) {
+          for (int j = 0; j < slots; ++j) {
+            covariance_(regressors + a * slots + i, regressors + b * slots + j) +=
+                alike * kernel[static_cast<std::size_t>(i > j ? i - j : j - i)];
+          }
+        }
+      }
+    }
+  }
+
+  State theta_ = State::Zero();
+  Covariance covariance_ = Covariance::Zero();
+  State work_ = State::Zero();
+  double last_innovation_k_ = 0;
+  std::uint32_t updates_ = 0;
+};
+
+}  // namespace airside

@@ -1,0 +1,188 @@
+#pragma once
+// Every number that a person may choose about control and learning, with meaning, default and range. Two presets:
+// `paper_settings()` follows the printed method with the decisions of spec section 15; `product_settings()` is
+// what the rooms showed to be best (DESIGN.md, "Why the default differs from the paper").
+
+#include <array>
+
+namespace airside {
+
+constexpr int max_candidates = 192;  ///< setpoints scored in one decision
+constexpr int max_batch = 1000;      ///< samples of one optimiser step
+
+struct ControllerSettings {
+  // Goal and schedule
+  double target_degc = 25.25;       ///< room temperature to hold, mean of the VAVs (spec 1)
+  double work_start_h = 7.0;        ///< hours; scoring and the expert's day start here (spec 2)
+  double work_end_h = 19.0;         ///< hours
+  int weekday_only = 0;             ///< 1: Saturday and Sunday are days off (spec OPEN-19)
+  double expert_work_degc = 20.5;   ///< schedule in working hours (spec 6.3)
+  double expert_off_degc = 25.0;    ///< schedule outside
+
+  // Action set (OPEN-15)
+  double action_min_degc = 20.0;
+  double action_max_degc = 26.0;
+  double action_step_k = 0.1;
+  double refine_step_k = 0.0;       ///< 0 off; else a second, finer grid around the best candidate
+
+  // Score (6.1)
+  double score_alpha = 1.0;         ///< a_s, weight of |S_long - target|
+  double score_beta = 0.9;          ///< b_s, weight of |S_long - S|
+  double tie_degc = 1e-6;           ///< scores closer than this tie (OPEN-16)
+  double move_penalty = 0.0;        ///< per K^2, calms the network's choice
+  double gamma = 0.5;               ///< g, discount of the long-term prediction
+
+  // Confidence (6.2)
+  double confidence_smoothing = 0.2;  ///< b_c
+  double confidence_scale = 1.0;      ///< sigma_c
+  double confidence_initial = 0.5;    ///< c_0
+  double confidence_full = 1.0;       ///< c at and above which the schedule has no weight
+  int confidence_strb_only = 0;       ///< 1: loss is L_STRB alone
+  double confidence_error_k = 0.0;    ///< 0: loss is the network's; else (forecast error / this)^2
+
+  // Losses (4)
+  double weight_strb = 1, weight_tdb = 1, weight_gc = 1, weight_rc = 1, weight_rec = 1;
+  double label_vav = 1.0;           ///< relation label of "VAV on" (OPEN-4)
+
+  // Learning (5)
+  double learning_rate = 1e-3;
+  double adam_beta1 = 0.9, adam_beta2 = 0.999, adam_epsilon = 1e-8;
+  int target_sync_steps = 100;
+  int batch = 1000;
+  int updates_per_cycle = 10;
+  int recent_in_batch = 0;          ///< so many newest transitions are in every batch
+  int gate = 0;                     ///< 1: new weights must pass the acceptance gate
+  double gate_loss_ratio = 1.25;    ///< held-back loss may grow by this factor at most
+
+  // Room head (CLOSED_LOOP; DESIGN.md "Room head")
+  int head = 0;                     ///< 1: the room head corrects the network's forecast
+  double head_correction = 0.5;     ///< share of the present error removed in one cycle
+  double head_noise_k = 0.06;       ///< sd of one innovation
+  double head_clip_k = 0.15;        ///< innovations are clipped here
+  double head_moving_average = -0.2;///< weight of the last innovation
+  double head_profile_sd_k = 0.04;  ///< prior sd of a profile slot
+  double head_profile_length = 6;   ///< slots over which the profile is smooth
+  double head_growth_per_day = 0.03;///< share of the profile's prior variance that returns each day
+  double head_gain_min = 0.2, head_gain_max = 1.2;  ///< K/K, bounds of the setpoint gain
+  double head_gain_prior = 0.6, head_gain_prior_sd = 0.3;
+  double head_weight = 1.0;         ///< weight of the head when both forecasts err alike, 0..1
+  int head_day_types = 1;           ///< 1: one profile; 2: another one for days off
+
+  // Safety envelope
+  double limit_min_degc = 18.0;     ///< nothing below is ever written
+  double limit_max_degc = 27.0;
+  double limit_change_k = 6.0;      ///< largest change from one cycle to the next
+  double round_k = 0.01;            ///< resolution of what is written (OPEN-18)
+  double hold_s = 1080;             ///< a lost signal keeps its last good value so long
+};
+
+/// The printed method. Source: spec/method section 15.
+constexpr ControllerSettings paper_settings() { return {}; }
+
+/// The product's default: network and room head. Source: DESIGN.md "Why the default differs from the paper".
+constexpr ControllerSettings product_settings() {
+  ControllerSettings s;
+  s.refine_step_k = 0.01;
+  s.move_penalty = 0.1;
+  s.confidence_scale = 3.0;
+  s.confidence_full = 0.9;
+  s.confidence_error_k = 0.5;
+  s.label_vav = -1.0;
+  s.batch = 128;
+  s.updates_per_cycle = 2;
+  s.recent_in_batch = 32;
+  s.gate = 1;
+  s.head = 1;
+  return s;
+}
+
+/// One overridable setting: its name in site files, where it lives, its bounds.
+struct SettingEntry {
+  const char* name;
+  double ControllerSettings::*real;
+  int ControllerSettings::*whole;
+  double min, max;
+};
+
+#define AIRSIDE_REAL(field, lo, hi) \
+  SettingEntry { #field, &ControllerSettings::field, nullptr, lo, hi }
+#define AIRSIDE_WHOLE(field, lo, hi) \
+  SettingEntry { #field, nullptr, &ControllerSettings::field, lo, hi }
+
+/// Every setting by name. Shape: one entry a field of ControllerSettings.
+constexpr auto setting_table = std::to_array<SettingEntry>({
+    AIRSIDE_REAL(target_degc, 10, 40),
+    AIRSIDE_REAL(work_start_h, 0, 24),
+    AIRSIDE_REAL(work_end_h, 0, 24),
+    AIRSIDE_WHOLE(weekday_only, 0, 1),
+    AIRSIDE_REAL(expert_work_degc, 5, 40),
+    AIRSIDE_REAL(expert_off_degc, 5, 40),
+    AIRSIDE_REAL(action_min_degc, 5, 40),
+    AIRSIDE_REAL(action_max_degc, 5, 40),
+    AIRSIDE_REAL(action_step_k, 0.05, 2),
+    AIRSIDE_REAL(refine_step_k, 0, 0.1),
+    AIRSIDE_REAL(score_alpha, 0, 10),
+    AIRSIDE_REAL(score_beta, 0, 10),
+    AIRSIDE_REAL(tie_degc, 0, 0.1),
+    AIRSIDE_REAL(move_penalty, 0, 10),
+    AIRSIDE_REAL(gamma, 0, 0.99),
+    AIRSIDE_REAL(confidence_smoothing, 0, 1),
+    AIRSIDE_REAL(confidence_scale, 1e-3, 1e3),
+    AIRSIDE_REAL(confidence_initial, 0, 1),
+    AIRSIDE_REAL(confidence_full, 0.1, 1),
+    AIRSIDE_WHOLE(confidence_strb_only, 0, 1),
+    AIRSIDE_REAL(confidence_error_k, 0, 10),
+    AIRSIDE_REAL(weight_strb, 0, 100),
+    AIRSIDE_REAL(weight_tdb, 0, 100),
+    AIRSIDE_REAL(weight_gc, 0, 100),
+    AIRSIDE_REAL(weight_rc, 0, 100),
+    AIRSIDE_REAL(weight_rec, 0, 100),
+    AIRSIDE_REAL(label_vav, -1, 1),
+    AIRSIDE_REAL(learning_rate, 0, 1),
+    AIRSIDE_REAL(adam_beta1, 0, 0.9999),
+    AIRSIDE_REAL(adam_beta2, 0, 0.999999),
+    AIRSIDE_REAL(adam_epsilon, 1e-12, 1),
+    AIRSIDE_WHOLE(target_sync_steps, 1, 100000),
+    AIRSIDE_WHOLE(batch, 1, max_batch),
+    AIRSIDE_WHOLE(updates_per_cycle, 0, 100),
+    AIRSIDE_WHOLE(recent_in_batch, 0, max_batch),
+    AIRSIDE_WHOLE(gate, 0, 1),
+    AIRSIDE_REAL(gate_loss_ratio, 1, 100),
+    AIRSIDE_WHOLE(head, 0, 1),
+    AIRSIDE_REAL(head_correction, 0, 1.5),
+    AIRSIDE_REAL(head_noise_k, 1e-3, 10),
+    AIRSIDE_REAL(head_clip_k, 1e-3, 10),
+    AIRSIDE_REAL(head_moving_average, -0.99, 0.99),
+    AIRSIDE_REAL(head_profile_sd_k, 0, 10),
+    AIRSIDE_REAL(head_profile_length, 0.1, 80),
+    AIRSIDE_REAL(head_growth_per_day, 0, 1),
+    AIRSIDE_REAL(head_gain_min, 1e-3, 10),
+    AIRSIDE_REAL(head_gain_max, 1e-3, 10),
+    AIRSIDE_REAL(head_gain_prior, 0, 10),
+    AIRSIDE_REAL(head_gain_prior_sd, 1e-3, 10),
+    AIRSIDE_REAL(head_weight, 0, 1),
+    AIRSIDE_WHOLE(head_day_types, 1, 2),
+    AIRSIDE_REAL(limit_min_degc, 0, 50),
+    AIRSIDE_REAL(limit_max_degc, 0, 50),
+    AIRSIDE_REAL(limit_change_k, 0.01, 50),
+    AIRSIDE_REAL(round_k, 0.001, 1),
+    AIRSIDE_REAL(hold_s, 0, 86400),
+});
+
+#undef AIRSIDE_REAL
+#undef AIRSIDE_WHOLE
+
+/// Whether all settings lie in their range and agree with one another.
+constexpr bool settings_valid(const ControllerSettings& s) {
+  for (const SettingEntry& e : setting_table) {
+    const double v = e.real != nullptr ? s.*e.real : static_cast<double>(s.*e.whole);
+    if (!(v >= e.min && v <= e.max)) return false;
+  }
+  const double candidates = (s.action_max_degc - s.action_min_degc) / s.action_step_k;
+  return s.work_start_h < s.work_end_h && s.action_min_degc < s.action_max_degc && candidates < max_candidates - 1 &&
+         s.limit_min_degc < s.limit_max_degc && s.head_gain_min < s.head_gain_max;
+}
+
+static_assert(settings_valid(paper_settings()) && settings_valid(product_settings()));
+
+}  // namespace airside

@@ -1,0 +1,175 @@
+#pragma once
+// Sensors may be wrong at any time, and are checked here, once, every row. Nothing behind the validator sees an
+// unchecked number: only Validator makes a ValidReading.
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "airside/fault.hpp"
+#include "airside/reading.hpp"
+#include "airside/settings.hpp"
+#include "airside/signals.hpp"
+
+namespace airside {
+
+/// What a signal may be. From the point map; units of the signal.
+struct SignalLimits {
+  double min = -1e9;
+  double max = 1e9;
+  double max_rate_per_min = 1e9;  ///< larger steps must be confirmed by three samples
+  double stale_s = 1080;          ///< older values are not used
+  double stuck_s = 21600;         ///< unchanged for so long while its peers moved: stuck
+};
+
+template <Topology T>
+using LimitsTable = std::array<SignalLimits, static_cast<std::size_t>(Layout<T>::signals)>;
+
+/// Limits that suit an office where the point map says nothing.
+template <Topology T>
+constexpr LimitsTable<T> default_limits() {
+  LimitsTable<T> table{};
+  for (int i = 0; i < Layout<T>::signals; ++i) {
+    SignalLimits& l = table[static_cast<std::size_t>(i)];
+    switch (signal_id<T>(i).kind) {
+      case SignalKind::room_temp:
+      case SignalKind::fcu_temp: l.min = 5, l.max = 50, l.max_rate_per_min = 1.0; break;
+      case SignalKind::mau_temp: l.min = -10, l.max = 50, l.max_rate_per_min = 3.0; break;
+      case SignalKind::outdoor_temp: l.min = -40, l.max = 55, l.max_rate_per_min = 2.0; break;
+      case SignalKind::power: l.min = -1, l.max = 1000; break;
+      default: l.min = 0, l.max = 1; break;
+    }
+  }
+  return table;
+}
+
+/// A reading that passed.  Values that were lost for less than `hold_s` are held at the last good one.
+template <Topology T>
+class ValidReading {
+ public:
+  CivilTime time() const { return time_; }
+  const typename Reading<T>::Vector& value() const { return value_; }
+  /// True if every value is fresh and good: only such a reading may be learned from.
+  bool learnable() const { return held_ == 0; }
+  int held() const { return held_; }
+  double room_mean_degc() const { return value_.template head<Layout<T>::rooms>().mean(); }
+  double setpoint_degc() const { return setpoint_degc_; }
+
+ private:
+  template <Topology U>
+  friend class Validator;
+  CivilTime time_;
+  typename Reading<T>::Vector value_;
+  double setpoint_degc_ = 0;
+  int held_ = 0;
+};
+
+/// Keeps what it must know of the past; a plain struct that is part of the durable state.
+template <Topology T>
+class Validator {
+ public:
+  static constexpr int n = Layout<T>::signals;
+
+  explicit Validator(const LimitsTable<T>& limits = default_limits<T>(), double hold_s = 1080)
+      : limits_(limits), hold_s_(hold_s) {}
+
+  /// Checks every signal: finite, fresh, in range, not too fast, not stuck; replaces a lost one by its last good
+  /// value for at most hold_s.
+  /// Errors: the first fault whose value can no longer be held. Cost: O(signals).  Source: RELIABILITY rows 1-5.
+  Expected<ValidReading<T>> check(const Reading<T>& reading) {
+    ValidReading<T> out;
+    out.time_ = reading.time;
+    out.setpoint_degc_ = reading.setpoint_degc;
+    Fault lost = Fault::none;
+    const bool moved = peers_moved(reading);
+    for (int i = 0; i < n; ++i) {
+      const std::size_t k = static_cast<std::size_t>(i);
+      faults_[k] = examine(i, reading, moved);
+      if (faults_[k] == Fault::none) {
+        out.value_(i) = last_good_[k];
+        continue;
+      }
+      const bool held = seen_[k] && reading.time.seconds - good_at_[k] <= static_cast<std::int64_t>(hold_s_);
+      if (!held && lost == Fault::none) lost = faults_[k], lost_signal_ = i;
+      out.value_(i) = last_good_[k];
+      ++out.held_;
+    }
+    if (lost != Fault::none) return tl::unexpected(lost);
+    return out;
+  }
+
+  /// Fault of each signal at the last check, and the signal whose loss refused the reading.
+  const std::array<Fault, static_cast<std::size_t>(n)>& faults() const { return faults_; }
+  int lost_signal() const { return lost_signal_; }
+
+ private:
+  Fault examine(int i, const Reading<T>& reading, bool peers_moved) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    const SignalLimits& l = limits_[k];
+    const double v = reading.value(i);
+    if (!std::isfinite(v)) return Fault::not_finite;
+    if (!(reading.age_s(i) <= l.stale_s)) return Fault::stale;
+    if (v < l.min || v > l.max) return Fault::out_of_range;
+    const bool status = is_status(signal_id<T>(i).kind);
+    if (seen_[k] && !status) {
+      const double minutes = std::max(1.0, static_cast<double>(reading.time.seconds - good_at_[k]) / 60.0);
+      if (std::abs(v - last_good_[k]) > l.max_rate_per_min * minutes && !confirmed(k, v, l.max_rate_per_min)) {
+        return Fault::rate_exceeded;
+      }
+    }
+    suspects_[k] = 0;
+    if (!seen_[k] || v != last_good_[k]) changed_at_[k] = reading.time.seconds;
+    last_good_[k] = v;
+    seen_[k] = true;
+    const bool can_stick = signal_id<T>(i).kind == SignalKind::room_temp;
+    if (can_stick && peers_moved && reading.time.seconds - changed_at_[k] > static_cast<std::int64_t>(l.stuck_s)) {
+      return Fault::stuck;
+    }
+    good_at_[k] = reading.time.seconds;
+    return Fault::none;
+  }
+
+  /// A jump is believed when three samples in a row agree on the new level.
+  bool confirmed(std::size_t k, double v, double max_rate_per_min) {
+    const bool agrees = suspects_[k] > 0 && std::abs(v - suspect_[k]) <= std::max(0.5, 6.0 * max_rate_per_min);
+    suspects_[k] = agrees ? static_cast<std::uint8_t>(suspects_[k] + 1) : std::uint8_t{1};
+    suspect_[k] = v;
+    return suspects_[k] >= 3;
+  }
+
+  /// Excitation: at least one other room has changed by 0.5 K since a room last moved.
+  bool peers_moved(const Reading<T>& reading) {
+    double widest = 0;
+    for (int r = 0; r < Layout<T>::rooms; ++r) {
+      const std::size_t k = static_cast<std::size_t>(r);
+      const double v = reading.value(r);
+      if (!std::isfinite(v)) continue;
+      if (!seen_[k] || reading.time.seconds - window_at_ > static_cast<std::int64_t>(limits_[k].stuck_s)) {
+        low_[k] = high_[k] = v;
+      }
+      low_[k] = std::min(low_[k], v);
+      high_[k] = std::max(high_[k], v);
+      widest = std::max(widest, high_[k] - low_[k]);
+    }
+    if (reading.time.seconds - window_at_ > static_cast<std::int64_t>(limits_[0].stuck_s)) {
+      window_at_ = reading.time.seconds;
+    }
+    return widest >= 0.5;
+  }
+
+  LimitsTable<T> limits_;
+  double hold_s_;
+  std::array<double, static_cast<std::size_t>(n)> last_good_{};
+  std::array<std::int64_t, static_cast<std::size_t>(n)> good_at_{};
+  std::array<std::int64_t, static_cast<std::size_t>(n)> changed_at_{};
+  std::array<double, static_cast<std::size_t>(n)> suspect_{};
+  std::array<double, static_cast<std::size_t>(Layout<T>::rooms)> low_{}, high_{};
+  std::int64_t window_at_ = 0;
+  std::array<std::uint8_t, static_cast<std::size_t>(n)> suspects_{};
+  std::array<bool, static_cast<std::size_t>(n)> seen_{};
+  std::array<Fault, static_cast<std::size_t>(n)> faults_{};
+  std::int32_t lost_signal_ = -1;
+};
+
+}  // namespace airside
