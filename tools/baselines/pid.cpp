@@ -1,0 +1,92 @@
+#include "tools/baselines/pid.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hal/input_error.hpp"
+
+namespace airside::tools {
+namespace {
+
+/// Hours since the last decision. The first decision counts a cycle; a pause (a gap in the log) at most an
+/// hour.
+double hours_since(const std::optional<CivilTime>& last, CivilTime now) {
+  if (!last) return cycle_s / 3600.0;
+  return std::clamp(static_cast<double>(now.seconds - last->seconds) / 3600.0, 0.0, 1.0);
+}
+
+}  // namespace
+
+double PidBaseline::decide(const CycleObservation& now) {
+  const double error_k = now.target_degc - room_mean_degc(now.sensors);
+  if (!std::isfinite(error_k)) return admissible_setpoint_degc(now.previous_setpoint_degc, site_);
+  const double dt_h = hours_since(last_time_, now.time);
+  const double slope = last_time_ && dt_h > 0 ? (error_k - last_error_k_) / dt_h : 0.0;
+  last_time_ = now.time;
+  last_error_k_ = error_k;
+
+  const auto output = [&](double integral_degch) {
+    return offset_degc + gains_.kp * error_k + gains_.ki_per_h * integral_degch + gains_.kd_h * slope;
+  };
+  // A step that would leave the range goes only as far as its limit, and never backwards.
+  double step = error_k * dt_h;
+  if (gains_.ki_per_h > 0) {
+    const double room_up = (site_.action_max_degc - output(integral_degch_)) / gains_.ki_per_h;
+    const double room_down = (site_.action_min_degc - output(integral_degch_)) / gains_.ki_per_h;
+    step = std::clamp(step, std::min(0.0, room_down), std::max(0.0, room_up));
+  }
+  integral_degch_ += step;
+  return admissible_setpoint_degc(output(integral_degch_), site_);
+}
+
+std::string IntegralBaseline::name() const {
+  return fmt::format("integral (Ki {:g}/h)", ki_per_h_);
+}
+
+double IntegralBaseline::decide(const CycleObservation& now) {
+  const double error_k = now.target_degc - room_mean_degc(now.sensors);
+  if (!std::isfinite(error_k)) return admissible_setpoint_degc(now.previous_setpoint_degc, site_);
+  const double dt_h = hours_since(last_time_, now.time);
+  last_time_ = now.time;
+  return admissible_setpoint_degc(now.previous_setpoint_degc + ki_per_h_ * error_k * dt_h, site_);
+}
+
+TunedGains tune_gains(const std::function<double(const PidGains&)>& cost,
+                      std::span<const PidGains> candidates) {
+  TunedGains best;
+  best.cost = std::numeric_limits<double>::infinity();
+  for (const PidGains& gains : candidates) {
+    const double value = cost(gains);
+    best.trials.push_back({gains, value});
+    if (value < best.cost) {
+      best.cost = value;
+      best.gains = gains;
+    }
+  }
+  if (!std::isfinite(best.cost)) {
+    throw hal::InputError("gain search", candidates.empty() ? "no candidate" : "no finite cost",
+                          "at least one candidate that can be scored", "check the plant of the search");
+  }
+  return best;
+}
+
+std::vector<PidGains> pid_grid() {
+  std::vector<PidGains> grid;
+  for (const double kp : {0.0, 0.1, 0.3, 1.0}) {
+    for (const double ki : {0.5, 1.0, 2.0, 3.0, 5.0, 7.0}) {
+      for (const double kd : {0.0, 0.1}) grid.push_back({kp, ki, kd});
+    }
+  }
+  return grid;
+}
+
+std::vector<PidGains> integral_grid() {
+  std::vector<PidGains> grid;
+  for (const double ki : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 9.0}) grid.push_back({0.0, ki, 0.0});
+  return grid;
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,85 @@
+#pragma once
+// Feedback on the mean room temperature alone: what a controls engineer tunes in an afternoon.
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "tools/baselines/baseline.hpp"
+
+namespace airside::tools {
+
+/// Gains on e = target - Sbar. Positive gains cool when the rooms are hot, since e is negative then.
+/// Units: kp K/K, ki 1/h, kd h.
+struct PidGains {
+  double kp = 1.0;
+  double ki_per_h = 0.5;
+  double kd_h = 0.1;
+  bool operator==(const PidGains&) const = default;
+};
+
+constexpr PidGains pid_spec_gains() {
+  return {};
+}  ///< Source: spec 11
+constexpr PidGains pid_tuned_gains() {
+  return {0.3, 5.0, 0.0};
+}  ///< Source: CLOSED_LOOP
+
+/// Positional PID around a fixed offset.
+///   A = clamp(22.5 + kp e + ki int(e) dt + kd de/dt)
+/// Anti-windup: the integral goes as far as the setpoint's limit and no further.
+/// Holds the previous setpoint while no room can be read.
+class PidBaseline final : public BaselineController {
+ public:
+  PidBaseline(const ControllerSettings& site, const PidGains& gains, std::string name = "PID")
+      : site_(site), gains_(gains), name_(std::move(name)) {}
+  std::string name() const override { return name_; }
+  double decide(const CycleObservation& now) override;
+
+  static constexpr double offset_degc = 22.5;
+
+ private:
+  ControllerSettings site_;
+  PidGains gains_;
+  std::string name_;
+  double integral_degch_ = 0;
+  std::optional<CivilTime> last_time_;
+  double last_error_k_ = 0;
+};
+
+/// Pure integral action on what was applied, so that nothing can wind up.
+///   A = clamp(A_prev + ki e dt)
+class IntegralBaseline final : public BaselineController {
+ public:
+  IntegralBaseline(const ControllerSettings& site, double ki_per_h) : site_(site), ki_per_h_(ki_per_h) {}
+  std::string name() const override;
+  double decide(const CycleObservation& now) override;
+
+ private:
+  ControllerSettings site_;
+  double ki_per_h_;
+  std::optional<CivilTime> last_time_;
+};
+
+/// The outcome of a search over gains.
+struct TunedGains {
+  struct Trial {
+    PidGains gains;
+    double cost = 0;
+  };
+  PidGains gains;  ///< of least cost; the first of equals
+  double cost = 0;
+  std::vector<Trial> trials;  ///< every candidate, in order
+};
+
+/// Runs `cost` (lower is better, e.g. the DAE of 7 days that are not scored) for every candidate. A cost that
+/// is not finite loses. Errors: hal::InputError when there is no candidate or no finite cost.
+TunedGains tune_gains(const std::function<double(const PidGains&)>& cost,
+                      std::span<const PidGains> candidates);
+
+/// kp {0, .1, .3, 1} x ki {.5, 1, 2, 3, 5, 7} 1/h x kd {0, .1} h.
+std::vector<PidGains> pid_grid();
+/// ki {1, 2, 3, 4, 5, 6, 7, 9} 1/h alone.
+std::vector<PidGains> integral_grid();
+
+}  // namespace airside::tools
