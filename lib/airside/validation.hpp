@@ -99,6 +99,12 @@ class Validator {
     return out;
   }
 
+  /// Replaces the limits, which belong to the site file and not to the saved state.
+  void use_limits(const LimitsTable<T>& limits, double hold_s) {
+    limits_ = limits;
+    hold_s_ = hold_s;
+  }
+
   /// Fault of each signal at the last check, and the signal whose loss refused the reading.
   const std::array<Fault, static_cast<std::size_t>(n)>& faults() const { return faults_; }
   int lost_signal() const { return lost_signal_; }
