@@ -1,0 +1,54 @@
+#include "hal/site_settings.hpp"
+
+#include <fmt/format.h>
+
+#include "airside/topologies.hpp"
+#include "hal/input_error.hpp"
+
+namespace airside::hal {
+
+SiteRules site_rules() {
+  SiteRules rules;
+  for_each_topology([&rules]<class T>(T) { rules.topologies.emplace_back(T::name); });
+  const ControllerSettings defaults = product_settings();
+  for (const SettingEntry& e : setting_table) {
+    const double value = e.real != nullptr ? defaults.*e.real : static_cast<double>(defaults.*e.whole);
+    rules.settings.push_back({e.name, e.min, e.max, value});
+  }
+  return rules;
+}
+
+ControllerSettings controller_settings(const SiteFile& site) {
+  ControllerSettings s = site.preset == ControllerPreset::paper ? paper_settings() : product_settings();
+  s.target_degc = site.room_temp_degc;
+  s.work_start_h = site.work_start_s / 3600.0;
+  s.work_end_h = site.work_end_s / 3600.0;
+  s.weekday_only = site.weekday_only ? 1 : 0;
+  s.action_min_degc = s.limit_min_degc = site.setpoint_min_degc;
+  s.action_max_degc = s.limit_max_degc = site.setpoint_max_degc;
+  s.action_step_k = site.setpoint_step_k;
+  s.limit_change_k = site.setpoint_max_change_k;
+  s.round_k = site.setpoint_round_k;
+  s.expert_work_degc = site.expert_work_degc;
+  s.expert_off_degc = site.expert_off_degc;
+  for (const auto& [name, value] : site.overrides) {
+    for (const SettingEntry& e : setting_table) {
+      if (name != e.name) continue;
+      if (e.real != nullptr) {
+        s.*e.real = value;
+      } else {
+        s.*e.whole = static_cast<int>(value);
+      }
+    }
+  }
+  if (!settings_valid(s)) {
+    throw InputError(site.path + ": [setpoint], [controller.override]",
+                     fmt::format("setpoints {} to {} degC in steps of {} K, working hours {} to {}", s.action_min_degc,
+                                 s.action_max_degc, s.action_step_k, s.work_start_h, s.work_end_h),
+                     fmt::format("at most {} candidate setpoints, work_start before work_end", max_candidates),
+                     "widen step_k or narrow the range");
+  }
+  return s;
+}
+
+}  // namespace airside::hal

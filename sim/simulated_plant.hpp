@@ -1,0 +1,70 @@
+#pragma once
+// A simulated room as lib's Plant and Clock. Every number passes through the point map's registers, as it would on
+// the bus, so that a run in one process and a run over Modbus see the same bits.
+
+#include <array>
+#include <cmath>
+
+#include "airside/plant.hpp"
+#include "hal/point_map.hpp"
+#include "hal/register_codec.hpp"
+#include "sim/plant_model.hpp"
+
+namespace airside::sim {
+
+/// Value of a signal as the sensors show it.
+double sensor_value(const Sensors& sensors, SignalId id);
+
+/// Wraps a PlantModel.  The model must outlive it.
+template <Topology T>
+class SimulatedPlant {
+ public:
+  SimulatedPlant(PlantModel& model, const hal::PointMap& points) : model_(model) {
+    for (int i = 0; i < Layout<T>::signals; ++i) {
+      points_[static_cast<std::size_t>(i)] = &points.at(hal::point_name(signal_id<T>(i)));
+    }
+    setpoint_ = &points.at("setpoint");
+    supply_temp_ = points.find("supply_temp");
+  }
+
+  Expected<Reading<T>> sense() {
+    const Sensors& sensors = model_.sensors();
+    Reading<T> reading;
+    reading.time = model_.time();
+    for (int i = 0; i < Layout<T>::signals; ++i) {
+      reading.value(i) = hal::rounded(*points_[static_cast<std::size_t>(i)], sensor_value(sensors, signal_id<T>(i)));
+    }
+    reading.setpoint_degc = hal::rounded(*setpoint_, sensors.setpoint_degc);
+    if (supply_temp_ != nullptr) reading.supply_temp_degc = hal::rounded(*supply_temp_, sensors.supply_temp_degc);
+    return reading;
+  }
+
+  Expected<Applied> actuate(const Command& command) {
+    const double taken = hal::rounded(*setpoint_, command.setpoint_degc());
+    if (!std::isfinite(taken)) return tl::unexpected(Fault::not_applied);
+    model_.set_setpoint(taken);
+    return Applied{taken};
+  }
+
+ private:
+  PlantModel& model_;
+  std::array<const hal::Point*, static_cast<std::size_t>(Layout<T>::signals)> points_{};
+  const hal::Point* setpoint_;
+  const hal::Point* supply_temp_;
+};
+
+/// The simulation's own time: sleeping until t makes the model reach t.
+class SimulatedClock {
+ public:
+  explicit SimulatedClock(PlantModel& model) : model_(model) {}
+  CivilTime now() { return model_.time(); }
+  bool sleep_until(CivilTime t) {
+    if (model_.time() < t) model_.advance_to(t);
+    return true;
+  }
+
+ private:
+  PlantModel& model_;
+};
+
+}  // namespace airside::sim
