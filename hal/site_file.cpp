@@ -1,0 +1,224 @@
+#include "hal/site_file.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+
+#include "hal/input_error.hpp"
+#include "hal/text_file.hpp"
+#include "hal/toml_section.hpp"
+
+namespace airside::hal {
+namespace {
+
+/// Settings that have a key of their own; an override of them would be a second truth.
+struct OwnKey {
+  const char* setting;
+  const char* key;
+};
+constexpr OwnKey own_keys[] = {
+    {"target_degc", "room_temp_degc in [target]"}, {"work_start_h", "work_start in [target]"},
+    {"work_end_h", "work_end in [target]"},        {"weekday_only", "weekday_only in [target]"},
+    {"action_min_degc", "min_degc in [setpoint]"}, {"action_max_degc", "max_degc in [setpoint]"},
+    {"action_step_k", "step_k in [setpoint]"},     {"limit_change_k", "max_change_k in [setpoint]"},
+    {"round_k", "round_k in [setpoint]"},          {"expert_work_degc", "work_degc in [expert]"},
+    {"expert_off_degc", "off_degc in [expert]"},
+};
+
+/// `path` as seen from the folder of the site file.
+std::string resolved(const std::string& path, const std::string& site_path) {
+  if (path.empty()) return path;
+  const std::filesystem::path p(path);
+  if (p.is_absolute()) return path;
+  return (std::filesystem::path(site_path).parent_path() / p).lexically_normal().string();
+}
+
+[[noreturn]] void refuse_topology(const TomlSection& site, const std::string& name, const SiteRules& rules) {
+  std::string known;
+  for (const std::string& topology : rules.topologies) known += (known.empty() ? "" : ", ") + topology;
+  int vavs = 0, fcus = 0, powers = 0, end = 0;
+  const bool shape = std::sscanf(name.c_str(), "%2dvav-%2dfcu-%2dpower%n", &vavs, &fcus, &powers, &end) == 3 &&
+                     static_cast<std::size_t>(end) == name.size() && vavs > 0 && fcus >= 0 && powers >= 0;
+  std::string remedy;
+  if (shape) {
+    remedy = "for this room add `struct Room" + std::to_string(vavs) + "x" + std::to_string(fcus) + "x" +
+             std::to_string(powers) + "` with vavs = " + std::to_string(vavs) + ", fcus = " + std::to_string(fcus) +
+             ", powers = " + std::to_string(powers) + ", name = \"" + name +
+             "\" to lib/airside/topology.hpp, and that struct's name to the CMake list AIRSIDE_TOPOLOGIES, then "
+             "build again";
+  } else {
+    const std::string near = nearest_name(name, rules.topologies);
+    remedy = (near.empty() ? std::string("choose one of them") : "did you mean \"" + near + "\"?") +
+             " A room of another shape is written like 6vav-2fcu-1power and needs an entry in the CMake list "
+             "AIRSIDE_TOPOLOGIES";
+  }
+  throw InputError(site.place("topology"), site.found("topology"), "one of " + known, remedy);
+}
+
+void read_site(TomlSection root, SiteFile& out, const SiteRules& rules) {
+  if (!root.present()) {
+    throw InputError(out.path + ": site", "nothing", "a table [site] with name and topology",
+                     "start from the text that `airside check --example` prints");
+  }
+  out.name = root.required_text("name", "Room 301");
+  for (const char c : out.name) {
+    const auto u = static_cast<unsigned char>(c);
+    if (u < 0x20 || c == '<' || c == '>' || c == '&' || c == '"') {
+      throw InputError(root.place("name"), root.found("name"), "a name without control characters, <, >, & and quotes",
+                       "use letters, digits, spaces and - . , _ / ( )");
+    }
+  }
+  if (out.name.size() > 64) {
+    throw InputError(root.place("name"), std::to_string(out.name.size()) + " bytes", "at most 64", "shorten the name");
+  }
+  out.topology = root.required_text("topology", rules.topologies.empty() ? "5vav-5fcu-2power" : rules.topologies[0]);
+  bool known = false;
+  for (const std::string& topology : rules.topologies) known = known || topology == out.topology;
+  if (!known) refuse_topology(root, out.topology, rules);
+  out.scope = root.text("scope", out.name);
+  root.refuse_unknown_keys();
+}
+
+void read_target(TomlSection root, SiteFile& out) {
+  out.room_temp_degc = root.number("room_temp_degc", out.room_temp_degc, 10, 40, "degC");
+  out.work_start_s = root.time_of_day("work_start", out.work_start_s);
+  out.work_end_s = root.time_of_day("work_end", out.work_end_s);
+  out.weekday_only = root.flag("weekday_only", out.weekday_only);
+  if (out.work_start_s >= out.work_end_s) {
+    const char* key = root.has("work_end") ? "work_end" : "work_start";
+    throw InputError(root.place(key), root.found(key), "work_start before work_end on the same day",
+                     "exchange the two, or split a night shift at midnight");
+  }
+  root.refuse_unknown_keys();
+}
+
+void read_setpoint(TomlSection root, SiteFile& out) {
+  out.setpoint_min_degc = root.number("min_degc", out.setpoint_min_degc, 5, 40, "degC");
+  out.setpoint_max_degc = root.number("max_degc", out.setpoint_max_degc, 5, 40, "degC");
+  out.setpoint_step_k = root.number("step_k", out.setpoint_step_k, 0.05, 2, "K");
+  out.setpoint_max_change_k = root.number("max_change_k", out.setpoint_max_change_k, 0.01, 20, "K");
+  out.setpoint_round_k = root.number("round_k", out.setpoint_round_k, 0.001, 1, "K");
+  if (out.setpoint_min_degc >= out.setpoint_max_degc) {
+    const char* key = root.has("max_degc") ? "max_degc" : "min_degc";
+    throw InputError(root.place(key), root.found(key), "min_degc below max_degc", "exchange the two values");
+  }
+  root.refuse_unknown_keys();
+}
+
+void read_expert(TomlSection root, SiteFile& out) {
+  out.expert_work_degc = root.number("work_degc", out.expert_work_degc, 5, 40, "degC");
+  out.expert_off_degc = root.number("off_degc", out.expert_off_degc, 5, 40, "degC");
+  root.refuse_unknown_keys();
+}
+
+void read_controller(TomlSection root, SiteFile& out, const SiteRules& rules) {
+  out.preset = static_cast<ControllerPreset>(root.choice("preset", {"product", "paper"}, 0));
+  out.seed = static_cast<std::uint64_t>(root.whole("seed", 1, 0, std::numeric_limits<std::int64_t>::max()));
+  TomlSection override_table = root.section("override");
+  std::vector<std::string> names;
+  for (const SettingRule& rule : rules.settings) names.push_back(rule.name);
+  for (const std::string& key : override_table.take_all_keys()) {
+    for (const OwnKey& own : own_keys) {
+      if (key != own.setting) continue;
+      throw InputError(override_table.place(key), "an override of `" + key + "`",
+                       std::string("only settings without a key of their own"), std::string("set ") + own.key);
+    }
+    const SettingRule* rule = nullptr;
+    for (const SettingRule& r : rules.settings) {
+      if (r.name == key) rule = &r;
+    }
+    if (rule == nullptr && !rules.settings.empty()) {
+      const std::string near = nearest_name(key, names);
+      throw InputError(override_table.place(key), "an unknown setting `" + key + "`", "a setting of the controller",
+                       near.empty() ? "remove it" : "did you mean `" + near + "`?");
+    }
+    constexpr double huge = std::numeric_limits<double>::max();
+    out.overrides[key] = override_table.number(key, rule ? rule->default_value : 0, rule ? rule->min : -huge,
+                                               rule ? rule->max : huge, "");
+  }
+  root.refuse_unknown_keys();
+}
+
+void read_modbus(TomlSection root, SiteFile& out) {
+  if (!root.present()) return;
+  ModbusSection m;
+  m.transport = static_cast<ModbusTransport>(root.choice("transport", {"tcp", "rtu"}, 0));
+  const bool tcp = m.transport == ModbusTransport::tcp;
+  m.host = tcp ? root.required_text("host", "192.168.1.20") : root.text("host", "");
+  m.port = static_cast<int>(root.whole("port", m.port, 1, 65535));
+  m.device = tcp ? root.text("device", "") : root.required_text("device", "/dev/ttyUSB0");
+  m.baud = static_cast<int>(root.whole("baud", m.baud, 300, 921600));
+  m.parity = "NEO"[root.choice("parity", {"N", "E", "O"}, 1)];
+  m.unit_id = static_cast<int>(root.whole("unit_id", m.unit_id, 0, 247));
+  m.deadline_s = root.number("deadline_s", m.deadline_s, 0.1, 10, "s");
+  m.points = resolved(root.text("points", "points.csv"), out.path);
+  root.refuse_unknown_keys();
+  out.modbus = m;
+}
+
+void read_twin(TomlSection root, SiteFile& out) {
+  if (!root.present()) return;
+  TwinSection twin;
+  twin.model = root.required_text("model", "twin.epJSON");
+  if (twin.model != "rc") twin.model = resolved(twin.model, out.path);
+  for (const std::string& patch : root.text_list("patches")) twin.patches.push_back(resolved(patch, out.path));
+  twin.weather = resolved(root.text("weather", ""), out.path);
+  root.refuse_unknown_keys();
+  out.twin = twin;
+}
+
+void read_folders(TomlSection& root, SiteFile& out) {
+  TomlSection clock = root.section("clock");
+  out.clock = static_cast<ClockSource>(clock.choice("source", {"system", "plant"}, 0));
+  clock.refuse_unknown_keys();
+  TomlSection state = root.section("state");
+  out.state_dir = resolved(state.text("dir", "state"), out.path);
+  state.refuse_unknown_keys();
+  TomlSection log = root.section("log");
+  out.log_dir = resolved(log.text("dir", "log"), out.path);
+  out.log_max_files = static_cast<int>(log.whole("max_files", out.log_max_files, 2, 4000));
+  out.log_max_file_mb = log.number("max_file_mb", out.log_max_file_mb, 0.1, 1000, "MB");
+  log.refuse_unknown_keys();
+  TomlSection history = root.section("history");
+  out.history_log = resolved(history.text("log", ""), out.path);
+  history.refuse_unknown_keys();
+  TomlSection weights = root.section("weights");
+  out.weights_blob = resolved(weights.text("blob", ""), out.path);
+  weights.refuse_unknown_keys();
+}
+
+}  // namespace
+
+SiteFile parse_site_text(std::string_view text, const std::string& path, const SiteRules& rules) {
+  if (text.find('\0') != std::string_view::npos) {
+    throw InputError(path + ":1:1", "bytes that are not text", "a site file in TOML", "give the site's .toml file");
+  }
+  toml::table table;
+  try {
+    table = toml::parse(text, path);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position at = error.source().begin;
+    throw InputError(path + ":" + std::to_string(at.line) + ":" + std::to_string(at.column),
+                     "text that is not TOML (" + std::string(error.description()) + ")", "lines such as key = value",
+                     "correct the line; texts and times stand in double quotes");
+  }
+  SiteFile out;
+  out.path = path;
+  TomlSection root(&table, "", path);
+  read_site(root.section("site"), out, rules);
+  read_target(root.section("target"), out);
+  read_setpoint(root.section("setpoint"), out);
+  read_expert(root.section("expert"), out);
+  read_controller(root.section("controller"), out, rules);
+  read_modbus(root.section("modbus"), out);
+  read_folders(root, out);
+  read_twin(root.section("twin"), out);
+  root.refuse_unknown_keys();
+  return out;
+}
+
+SiteFile read_site_file(const std::string& path, const SiteRules& rules) {
+  return parse_site_text(read_text_file(path, "a site file in TOML"), path, rules);
+}
+
+}  // namespace airside::hal

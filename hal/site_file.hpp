@@ -1,0 +1,94 @@
+#pragma once
+// The site file: what a controls engineer says about a room, in TOML. Read whole and checked at the door;
+// everything after it can trust it.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace airside::hal {
+
+/// A controller setting that [controller.override] may name.
+struct SettingRule {
+  std::string name;
+  double min, max, default_value;
+};
+
+/// What a site file is checked against.
+struct SiteRules {
+  std::vector<std::string> topologies;  ///< names of the compiled-in topologies
+  std::vector<SettingRule> settings;    ///< empty: override names are not checked
+};
+
+enum class ControllerPreset : std::uint8_t { product, paper };
+enum class ModbusTransport : std::uint8_t { tcp, rtu };
+enum class ClockSource : std::uint8_t { system, plant };
+
+struct ModbusSection {
+  ModbusTransport transport = ModbusTransport::tcp;
+  std::string host;       ///< tcp
+  int port = 502;         ///< tcp
+  std::string device;     ///< rtu, such as /dev/ttyUSB0
+  int baud = 19200;       ///< rtu
+  char parity = 'E';      ///< rtu: N, E or O
+  int unit_id = 1;        ///< 0..247
+  double deadline_s = 5;  ///< one exchange is over after so long
+  std::string points;     ///< path of the point map, resolved against the site file's folder
+};
+
+struct TwinSection {
+  std::string model;                 ///< path of an epJSON file, or "rc"
+  std::vector<std::string> patches;  ///< paths of merge patches, applied in order
+  std::string weather;               ///< path of an EPW file, or empty
+};
+
+/// A checked site file. Paths are resolved against the folder of the file; "" where none is given.
+struct SiteFile {
+  std::string path;
+
+  std::string name;      ///< [site]
+  std::string topology;  ///< one of SiteRules::topologies
+  std::string scope;     ///< which weight blobs this room takes; the name unless given
+
+  double room_temp_degc = 25.25;  ///< [target]
+  int work_start_s = 7 * 3600;    ///< s since midnight
+  int work_end_s = 19 * 3600;
+  bool weekday_only = false;
+
+  double setpoint_min_degc = 20, setpoint_max_degc = 26;  ///< [setpoint]
+  double setpoint_step_k = 0.1;
+  double setpoint_max_change_k = 4.5;  ///< from one cycle to the next
+  double setpoint_round_k = 0.01;
+
+  double expert_work_degc = 20.5, expert_off_degc = 25.0;  ///< [expert]
+
+  ControllerPreset preset = ControllerPreset::product;  ///< [controller]
+  std::uint64_t seed = 1;
+  std::map<std::string, double> overrides;  ///< [controller.override]
+
+  std::optional<ModbusSection> modbus;  ///< absent: a site that is only simulated
+  ClockSource clock = ClockSource::system;
+  std::string state_dir;  ///< [state] dir
+  std::string log_dir;    ///< [log] dir
+  int log_max_files = 40;
+  double log_max_file_mb = 8;
+  std::string history_log;   ///< [history] log
+  std::string weights_blob;  ///< [weights] blob
+  std::optional<TwinSection> twin;
+};
+
+/// Reads and checks a site file.
+/// Errors: InputError with file:line:column and key; unknown keys are errors too.
+SiteFile read_site_file(const std::string& path, const SiteRules& rules);
+
+/// As read_site_file, from text; `path` stands in messages and its folder resolves paths.
+SiteFile parse_site_text(std::string_view text, const std::string& path, const SiteRules& rules);
+
+/// A complete, commented site file with all defaults, which parse_site_text accepts.
+std::string example_site_text(const std::string& topology);
+
+}  // namespace airside::hal
