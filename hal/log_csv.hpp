@@ -69,12 +69,12 @@ std::size_t format_log_row(std::span<char> out, const LogRow& row, bool controll
 constexpr std::size_t max_log_row_text = 8192;  ///< characters; enough for 300 columns
 
 /// Bounds that a logged number must keep.
-struct SignalLimits {
+struct LogLimits {
   double min, max;
 };
 
 /// Bounds by SignalKind; units as in signals.hpp. What lies outside is a broken sensor, not weather.
-constexpr std::array<SignalLimits, 9> default_log_limits{{
+constexpr std::array<LogLimits, 9> default_log_limits{{
     {0, 50},     // room_temp
     {0, 60},     // fcu_temp
     {0, 1},      // vav_on
@@ -87,7 +87,7 @@ constexpr std::array<SignalLimits, 9> default_log_limits{{
 }};
 
 struct LogReadOptions {
-  std::array<SignalLimits, 9> limits = default_log_limits;
+  std::array<LogLimits, 9> limits = default_log_limits;
   /// Empty, NaN or out-of-range signals become NaN and are counted instead of being refused.
   bool keep_missing = false;
 };

@@ -261,7 +261,7 @@ class Reader {
     const std::string_view text = trimmed(fields_[column]);
     const auto value = text.empty() ? std::optional(ControllerColumns::none) : parse_number(text);
     if (!value) refuse_number(column, text);
-    const SignalLimits& limits = options_.limits[static_cast<std::size_t>(kind)];
+    const LogLimits& limits = options_.limits[static_cast<std::size_t>(kind)];
     if (*value >= limits.min && *value <= limits.max) return *value;
     if (options_.keep_missing) {
       ++log_.summary.missing_values;

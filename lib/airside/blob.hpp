@@ -90,7 +90,7 @@ struct BlobPayload {
   std::uint32_t head_states = 0;
   std::uint32_t head_updates = 0;
   typename RoomHead<T>::State head_theta = RoomHead<T>::State::Zero();
-  typename RoomHead<T>::Covariance head_covariance = RoomHead<T>::Covariance::Zero();
+  typename RoomHead<T>::CovarianceStore head_covariance{};  ///< states x states, column-major
   std::array<char, blob_provenance_bytes> provenance{};
 
   static constexpr std::size_t bytes(std::uint32_t head_states) {
@@ -136,7 +136,7 @@ class BlobCodec {
     put(payload.head_theta.data(), sizeof(double) * payload.head_states);
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j <= i; ++j) {
-        const double c = payload.head_covariance(i, j);
+        const double c = payload.head_covariance[static_cast<std::size_t>(j * RoomHead<T>::states + i)];
         put(&c, sizeof c);
       }
     }
@@ -187,8 +187,9 @@ class BlobCodec {
       if (!(w >= -1e3f && w <= 1e3f)) return refuse(Fault::blob_value, "weights");
     }
     if (!payload.head_theta.allFinite()) return refuse(Fault::blob_value, "head_theta");
-    if (!payload.head_covariance.allFinite()) return refuse(Fault::blob_value, "head_covariance");
-    if (!(payload.head_covariance.diagonal().array() >= 0).all()) return refuse(Fault::blob_value, "head_covariance");
+    const typename RoomHead<T>::ConstCovariance covariance(payload.head_covariance.data());
+    if (!covariance.allFinite()) return refuse(Fault::blob_value, "head_covariance");
+    if (!(covariance.diagonal().array() >= 0).all()) return refuse(Fault::blob_value, "head_covariance");
     return header;
   }
 
@@ -221,14 +222,15 @@ class BlobCodec {
     get(&payload.head_updates, sizeof(std::uint32_t));
     payload.head_states = header.head_states;
     payload.head_theta.setZero();
-    payload.head_covariance.setZero();
+    payload.head_covariance.fill(0);
+    typename RoomHead<T>::Covariance covariance(payload.head_covariance.data());
     const int n = static_cast<int>(header.head_states);
     get(payload.head_theta.data(), sizeof(double) * header.head_states);
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j <= i; ++j) {
         double c = 0;
         get(&c, sizeof c);
-        payload.head_covariance(i, j) = payload.head_covariance(j, i) = c;
+        covariance(i, j) = covariance(j, i) = c;
       }
     }
     get(payload.provenance.data(), blob_provenance_bytes);

@@ -42,7 +42,7 @@ struct LearningState {
 /// What one row hands to the next. Plain bytes, small: saved every row.
 template <Topology T>
 struct CycleState {
-  Validator<T> validator;
+  Validator<T> validator{};
   typename Reading<T>::Vector last_value = Reading<T>::Vector::Zero();    ///< at the last decision
   typename Reading<T>::Vector before_value = Reading<T>::Vector::Zero();  ///< one cycle earlier
   CivilTime last_time;
@@ -74,10 +74,13 @@ class Controller {
     settings_ = settings;
     limits_ = limits;
     scratch_.kernels = kernels;
-    learning_ = {};
     learning_.sampler = SplitMix64(seed);
+    learning_.weights.values.fill(0);
+    learning_.learner.reset(learning_.weights);
+    learning_.scaler = Scaler<T>();
+    learning_.cycles = learning_.rejected = 0;
     learning_.head.reset(settings, settings.head_gain_prior, settings.head_gain_prior_sd);
-    cycle_ = {};
+    cycle_ = CycleState<T>();
     cycle_.validator = Validator<T>(limits, settings.hold_s);
     cycle_.confidence = settings.confidence_initial;
     replay_.clear();

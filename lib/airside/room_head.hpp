@@ -35,15 +35,19 @@ class RoomHead {
   static constexpr int day_types = 2;
   static constexpr int states = regressors + slots * day_types;
   using State = Eigen::Matrix<double, states, 1>;
-  using Covariance = Eigen::Matrix<double, states, states>;
+  /// Too large for a stack, and for Eigen's limit on fixed matrices: an array seen through a map.
+  using CovarianceStore = std::array<double, static_cast<std::size_t>(states * states)>;
+  using Covariance = Eigen::Map<Eigen::Matrix<double, states, states>>;
+  using ConstCovariance = Eigen::Map<const Eigen::Matrix<double, states, states>>;
 
   /// Forgets everything but the prior: gain `gain` +- `gain_sd` K/K, other regressors 0 +- 0.5, a smooth profile.
   void reset(const ControllerSettings& s, double gain, double gain_sd) {
     theta_.setZero();
-    covariance_.setZero();
-    for (int i = 0; i < regressors; ++i) covariance_(i, i) = 0.25;
+    Covariance p = covariance();
+    p.setZero();
+    for (int i = 0; i < regressors; ++i) p(i, i) = 0.25;
     theta_(HeadFeatures::setpoint_change) = gain;
-    covariance_(HeadFeatures::setpoint_change, HeadFeatures::setpoint_change) = gain_sd * gain_sd;
+    p(HeadFeatures::setpoint_change, HeadFeatures::setpoint_change) = gain_sd * gain_sd;
     add_profile_covariance(s, 1.0);
     last_innovation_k_ = 0;
     updates_ = 0;
@@ -83,7 +87,7 @@ class RoomHead {
   }
   double gain_sd() const {
     constexpr int g = HeadFeatures::setpoint_change;
-    return std::sqrt(std::max(0.0, covariance_(g, g)));
+    return std::sqrt(std::max(0.0, covariance()(g, g)));
   }
 
   /// The setpoint that removes `head_correction` of the present error by the end of the cycle, degC.
@@ -102,12 +106,12 @@ class RoomHead {
     const double innovation = moved_k - h.dot(theta_) - s.head_moving_average * last_innovation_k_;
     if (!std::isfinite(innovation)) return innovation;
     const double clipped = std::clamp(innovation, -s.head_clip_k, s.head_clip_k);
-    work_.noalias() = covariance_ * h;
+    Covariance p = covariance();
+    work_.noalias() = p * h;
     const double noise = s.head_noise_k * noise_factor;
     const double variance = h.dot(work_) + noise * noise;
     theta_ += work_ * (clipped / variance);
-    // Joseph form is not needed at this size; symmetry is kept by construction of the outer product.
-    covariance_.noalias() -= work_ * (work_.transpose() / variance);
+    for (int j = 0; j < states; ++j) p.col(j) -= work_ * (work_(j) / variance);
     last_innovation_k_ = clipped;
     ++updates_;
     return innovation;
@@ -118,11 +122,11 @@ class RoomHead {
 
   const State& theta() const { return theta_; }
   State& theta() { return theta_; }
-  const Covariance& covariance() const { return covariance_; }
-  Covariance& covariance() { return covariance_; }
+  ConstCovariance covariance() const { return ConstCovariance(covariance_.data()); }
+  Covariance covariance() { return Covariance(covariance_.data()); }
   std::uint32_t updates() const { return updates_; }
   void set_updates(std::uint32_t n) { updates_ = n; }
-  bool finite() const { return theta_.allFinite() && covariance_.allFinite(); }
+  bool finite() const { return theta_.allFinite() && covariance().allFinite(); }
 
  private:
   /// h = [x | slot weights], linear between neighbouring slots.
@@ -146,13 +150,14 @@ class RoomHead {
       kernel[static_cast<std::size_t>(d)] = variance * std::exp(-std::min(d, slots - d) / s.head_profile_length);
     }
     const int types = s.head_day_types;
+    Covariance p = covariance();
     for (int a = 0; a < types; ++a) {
       for (int b = 0; b < types; ++b) {
         // Days off resemble working days at night: half of the prior is shared.
         const double alike = a == b ? 1.0 : 0.5;
         for (int i = 0; i < slots; ++i) {
           for (int j = 0; j < slots; ++j) {
-            covariance_(regressors + a * slots + i, regressors + b * slots + j) +=
+            p(regressors + a * slots + i, regressors + b * slots + j) +=
                 alike * kernel[static_cast<std::size_t>(i > j ? i - j : j - i)];
           }
         }
@@ -161,7 +166,7 @@ class RoomHead {
   }
 
   State theta_ = State::Zero();
-  Covariance covariance_ = Covariance::Zero();
+  CovarianceStore covariance_{};
   State work_ = State::Zero();
   double last_innovation_k_ = 0;
   std::uint32_t updates_ = 0;

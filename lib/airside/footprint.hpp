@@ -1,0 +1,48 @@
+#pragma once
+// The ledger: what a controller costs in memory, and the budgets that the build refuses to exceed.
+
+#include <array>
+#include <cstddef>
+
+#include "airside/controller.hpp"
+
+namespace airside {
+
+struct FootprintEntry {
+  const char* name;
+  const char* what;
+  std::size_t bytes;
+  std::size_t budget_bytes;
+};
+
+/// One entry a part; the last is the whole controller.
+template <Topology T>
+constexpr auto footprint() {
+  using C = Controller<T, float>;
+  constexpr std::size_t kb = 1024;
+  // Budgets follow the network's size; the constants are the method's room plus a tenth.
+  constexpr std::size_t net = sizeof(NetworkWeights<T, float>);
+  return std::to_array<FootprintEntry>({
+      {"weights", "network in use", net, 160 * kb},
+      {"optimizer", "target network, Adam moments, step counter", sizeof(Learner<T, float>), 480 * kb},
+      {"head", "room head: regressors, profile, covariance", sizeof(RoomHead<T>), 240 * kb},
+      {"replay", "10,080 transitions", sizeof(ReplayRing<T, float>), 3200 * kb},
+      {"shadow", "network in training, network packed for decisions", net + sizeof(PackedWeights<T, float>), 320 * kb},
+      {"scratch", "activations of one tile, gradients", sizeof(NetworkScratch<T, float>), 1024 * kb},
+      {"cycle", "validator and the last two readings", sizeof(CycleState<T>), 8 * kb},
+      {"controller", "everything above and the candidates", sizeof(C), 5120 * kb},
+  });
+}
+
+/// Stack of one decision or learning step, bytes; checked by a test against -fstack-usage.
+constexpr std::size_t stack_budget_bytes = 64 * 1024;
+
+template <Topology T>
+constexpr bool within_budget() {
+  for (const FootprintEntry& e : footprint<T>()) {
+    if (e.bytes > e.budget_bytes) return false;
+  }
+  return true;
+}
+
+}  // namespace airside

@@ -1,0 +1,154 @@
+#pragma once
+// The network's shape and its weights: one flat array in one canonical order, with named views of every layer.
+//
+//   Enc_S : [S E] -> 32 -> 32 = f_S          P_share : [f_S f_A] -> 64 -> 64 -> 64 = z
+//   Enc_A : [E A] -> 32 -> 32 = f_A          P_STRB  : z -> 64 -> 32 = f_short
+//   Dec   : 32 -> rooms, shared              P_TDB   : z -> 64 -> 32 = f_res
+//   S' = Dec(f_short)   D' = Dec(f_res + f_short) - S' = W_dec f_res   S^ = Dec(f_S)
+// LeakyReLU after every layer but Dec.  Source: spec 3.2.
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include "airside/splitmix64.hpp"
+#include "airside/topology.hpp"
+
+namespace airside {
+
+constexpr int encoder_width = 32;  ///< f_S and f_A
+constexpr int share_width = 64;    ///< concat(f_S, f_A) and every shared layer
+constexpr int branch_width = 64;   ///< first layer of P_STRB and P_TDB
+constexpr int latent_width = 32;   ///< what the decoder takes
+constexpr double leaky_slope = 0.2;
+static_assert(share_width == 2 * encoder_width && latent_width == encoder_width, "Dec takes f_S, f_short and f_res");
+
+/// Layers in the canonical order of weights in files and generators.
+enum class Layer : std::uint8_t {
+  enc_s_0, enc_s_1, enc_a_0, enc_a_1, share_0, share_1, share_2, strb_0, strb_1, tdb_0, tdb_1, dec
+};
+constexpr int layer_count = 12;
+
+/// One linear layer y = W x + b: W is outputs x inputs, row-major, at `weight`; b follows at `bias`.
+struct LayerShape {
+  int outputs, inputs, weight, bias;
+};
+
+/// All layers of topology T with their offsets in the flat array.
+template <Topology T>
+constexpr std::array<LayerShape, layer_count> network_layers() {
+  using L = Layout<T>;
+  std::array<LayerShape, layer_count> layers{{{encoder_width, L::signals, 0, 0},
+                                              {encoder_width, encoder_width, 0, 0},
+                                              {encoder_width, L::exogenous + 1, 0, 0},
+                                              {encoder_width, encoder_width, 0, 0},
+                                              {share_width, share_width, 0, 0},
+                                              {share_width, share_width, 0, 0},
+                                              {share_width, share_width, 0, 0},
+                                              {branch_width, share_width, 0, 0},
+                                              {latent_width, branch_width, 0, 0},
+                                              {branch_width, share_width, 0, 0},
+                                              {latent_width, branch_width, 0, 0},
+                                              {L::rooms, latent_width, 0, 0}}};
+  int at = 0;
+  for (LayerShape& layer : layers) {
+    layer.weight = at;
+    layer.bias = at + layer.outputs * layer.inputs;
+    at = layer.bias + layer.outputs;
+  }
+  return layers;
+}
+
+template <Topology T>
+constexpr LayerShape layer_shape(Layer layer) {
+  return network_layers<T>()[static_cast<std::size_t>(layer)];
+}
+
+/// All parameters of one network (or one number a parameter: moments, gradients).
+/// Shape: `count` values in canonical order, then zeros up to a multiple of 64 bytes, so that there is no padding
+/// and every layer starts on a cache line. Saved byte for byte.
+template <Topology T, class Scalar>
+struct NetworkWeights {
+  static constexpr std::array<LayerShape, layer_count> layers = network_layers<T>();
+  static constexpr int count = layers.back().bias + layers.back().outputs;
+  static constexpr int line = 64 / static_cast<int>(sizeof(Scalar));
+  static constexpr int stored = (count + line - 1) / line * line;
+
+  alignas(64) std::array<Scalar, static_cast<std::size_t>(stored)> values{};
+
+  std::span<Scalar, static_cast<std::size_t>(count)> flat() {
+    return std::span(values).template first<static_cast<std::size_t>(count)>();
+  }
+  std::span<const Scalar, static_cast<std::size_t>(count)> flat() const {
+    return std::span(values).template first<static_cast<std::size_t>(count)>();
+  }
+
+  template <Layer L>
+  using Weight = Eigen::Matrix<Scalar, layer_shape<T>(L).outputs, layer_shape<T>(L).inputs, Eigen::RowMajor>;
+  template <Layer L>
+  using Bias = Eigen::Matrix<Scalar, layer_shape<T>(L).outputs, 1>;
+
+  /// W of layer L. Shape: outputs x inputs.
+  template <Layer L>
+  Eigen::Map<Weight<L>> weight() {
+    return Eigen::Map<Weight<L>>(values.data() + layer_shape<T>(L).weight);
+  }
+  template <Layer L>
+  Eigen::Map<const Weight<L>> weight() const {
+    return Eigen::Map<const Weight<L>>(values.data() + layer_shape<T>(L).weight);
+  }
+  /// b of layer L. Shape: outputs.
+  template <Layer L>
+  Eigen::Map<Bias<L>> bias() {
+    return Eigen::Map<Bias<L>>(values.data() + layer_shape<T>(L).bias);
+  }
+  template <Layer L>
+  Eigen::Map<const Bias<L>> bias() const {
+    return Eigen::Map<const Bias<L>>(values.data() + layer_shape<T>(L).bias);
+  }
+
+  const Scalar* weight_of(Layer layer) const { return values.data() + layer_shape<T>(layer).weight; }
+  const Scalar* bias_of(Layer layer) const { return values.data() + layer_shape<T>(layer).bias; }
+  Scalar* weight_of(Layer layer) { return values.data() + layer_shape<T>(layer).weight; }
+  Scalar* bias_of(Layer layer) { return values.data() + layer_shape<T>(layer).bias; }
+};
+
+static_assert(NetworkWeights<FiveZone, float>::count == 28773, "the method's network");
+static_assert(sizeof(NetworkWeights<FiveZone, float>) == sizeof(float) * NetworkWeights<FiveZone, float>::stored);
+
+/// Draws all weights from one stream: W and b uniform in +-weight_gain/sqrt(fan_in), +-1/sqrt(fan_in).
+/// `weight_gain_squared` is 1 for the product, 6 for the golden vectors.
+template <Topology T, class Scalar>
+void initialise(NetworkWeights<T, Scalar>& weights, SplitMix64& generator, double weight_gain_squared) {
+  for (const LayerShape& layer : NetworkWeights<T, Scalar>::layers) {
+    const double weight_bound = std::sqrt(weight_gain_squared / layer.inputs);
+    const double bias_bound = 1.0 / std::sqrt(static_cast<double>(layer.inputs));
+    for (int i = layer.weight; i < layer.bias + layer.outputs; ++i) {
+      const double bound = i < layer.bias ? weight_bound : bias_bound;
+      weights.values[static_cast<std::size_t>(i)] = static_cast<Scalar>(generator.symmetric() * bound);
+    }
+  }
+}
+
+/// Weights and biases uniform in +-1/sqrt(fan_in).  Source: spec OPEN-6.
+template <Topology T, class Scalar>
+void initialise_uniform(NetworkWeights<T, Scalar>& weights, SplitMix64& generator) {
+  initialise(weights, generator, 1.0);
+}
+
+/// Weights uniform in +-sqrt(6/fan_in), biases in +-1/sqrt(fan_in), as the golden vectors have them.
+template <Topology T, class Scalar>
+void initialise_golden(NetworkWeights<T, Scalar>& weights, SplitMix64& generator) {
+  initialise(weights, generator, 6.0);
+}
+
+template <Topology T, class Scalar>
+bool all_finite(const NetworkWeights<T, Scalar>& weights) {
+  for (const Scalar value : weights.flat())
+    if (!std::isfinite(value)) return false;
+  return true;
+}
+
+}  // namespace airside

@@ -1,0 +1,265 @@
+#pragma once
+// The reverse and tangent passes of one tile, by hand. LeakyReLU networks are piecewise linear, so the gradient
+// constraint needs no second derivative (spec 4.4):
+//   delta_l = d(sum S')/d(pre-activation l), u_l = tangent of v after layer l:  dL_GC/dW_l = delta_l u_{l-1}^T.
+// Rows 0..n-1 carry the losses' own gradient, rows n..2n-1 the constraint's: one product sums both.
+
+#include <algorithm>
+
+#include "airside/losses.hpp"
+#include "airside/network_forward.hpp"
+
+namespace airside {
+
+/// Loads samples first .. first+rows-1 as network inputs: [S E], [E A], or the successor's [S1 E1], [E1 A].
+template <Topology T, class Scalar>
+void load_tile(const BatchView<T, Scalar>& batch, int first, int rows, bool successor, NetworkScratch<T, Scalar>& s) {
+  using L = Layout<T>;
+  for (int r = 0; r < rows; ++r) {
+    const Scalar* const sample = batch.row(first + r);
+    const Scalar* const signals = successor ? sample + L::inputs : sample;
+    std::copy_n(signals, L::signals, s.act.input_s.row(r));
+    std::copy_n(signals + L::rooms, L::exogenous, s.act.input_a.row(r));
+    s.act.input_a.row(r)[L::exogenous] = sample[L::signals];
+  }
+}
+
+/// Y = g (F_TDB + F_STRB - S1) with the target network on (S1, E1, A): Dec(f_res + f_short) is both.
+/// Source: spec 4, term 2.
+template <Topology T, class Scalar>
+void bootstrap_tile(const BatchView<T, Scalar>& batch, int first, int rows, double gamma, NetworkScratch<T, Scalar>& s) {
+  using L = Layout<T>;
+  load_tile(batch, first, rows, true, s);
+  tile_forward(s.kernels, s.packed_target, rows, s.act);
+  Scalar* const f_long = s.act.strb_1.row(0);
+  const Scalar* const f_res = s.act.tdb_1.row(0);
+  for (int i = 0; i < rows * latent_width; ++i) f_long[i] += f_res[i];
+  constexpr int width = TileOutputs<T, Scalar>::width;
+  layer_forward(s.kernels, s.packed_target, Layer::dec, rows, f_long, latent_width, s.bootstrap.row(0), width);
+  const Scalar g = static_cast<Scalar>(gamma);
+  for (int r = 0; r < rows; ++r) {
+    const Scalar* const s1 = batch.row(first + r) + L::inputs;
+    Scalar* const y = s.bootstrap.row(r);
+    for (int i = 0; i < L::rooms; ++i) y[i] = g * (y[i] - s1[i]);
+  }
+}
+
+/// dx = phi'(gate) * (start + dz W), W in its canonical layout: one step of the reverse pass.
+/// Shape: dz rows x outputs; dx rows x inputs.
+template <class Scalar>
+void layer_reverse(const Kernels<Scalar>& kernels, int rows, const Scalar* dz, int dz_width, const Scalar* w,
+                   int outputs, int inputs, Scalar* dx, int dx_stride, const Scalar* gate, bool accumulate = false) {
+  ProductArgs<Scalar> p{dz, dz_width, w, inputs, dx, dx_stride, rows, outputs, inputs};
+  p.accumulate = accumulate;
+  p.gate = gate;
+  p.gate_stride = dx_stride;
+  kernels.product(p);
+}
+
+/// Reverse pass of the constraint rows n..2n-1: delta with the output seed ones, and F to slope_s, slope_a.
+template <Topology T, class Scalar>
+void constraint_reverse(const NetworkWeights<T, Scalar>& w, int n, NetworkScratch<T, Scalar>& s) {
+  const Kernels<Scalar>& k = s.kernels;
+  auto& d = s.delta;
+  const auto& a = s.act;
+  using L = Layout<T>;
+  std::array<Scalar, latent_width> column_sum{};
+  const Scalar* const dec = w.weight_of(Layer::dec);
+  for (std::size_t o = 0; o < L::rooms; ++o)
+    for (std::size_t i = 0; i < latent_width; ++i) column_sum[i] += dec[o * latent_width + i];
+  const Scalar slope = static_cast<Scalar>(leaky_slope);
+  for (int r = 0; r < n; ++r)
+    for (int i = 0; i < latent_width; ++i) {
+      const Scalar g = column_sum[static_cast<std::size_t>(i)];
+      d.strb_1.row(n + r)[i] = a.strb_1.row(r)[i] > 0 ? g : slope * g;
+    }
+  const auto back = [&](Layer layer, auto& dz, int column, auto& dx, const auto& gate) {
+    const LayerShape shape = layer_shape<T>(layer);
+    layer_reverse(k, n, dz.row(n) + column, dz.width, w.weight_of(layer), shape.outputs, shape.inputs, dx.row(n),
+                  dx.width, gate.row(0));
+  };
+  back(Layer::strb_1, d.strb_1, 0, d.strb_0, a.strb_0);
+  back(Layer::strb_0, d.strb_0, 0, d.share_2, a.share_2);
+  back(Layer::share_2, d.share_2, 0, d.share_1, a.share_1);
+  back(Layer::share_1, d.share_1, 0, d.share_0, a.share_0);
+  back(Layer::share_0, d.share_0, 0, d.joint, a.joint);
+  back(Layer::enc_s_1, d.joint, 0, d.enc_s, a.enc_s);
+  back(Layer::enc_a_1, d.joint, encoder_width, d.enc_a, a.enc_a);
+  k.product({d.enc_s.row(n), encoder_width, s.weight_s.row(0), s.weight_s.width, s.slope_s.row(0), s.slope_s.width, n,
+             encoder_width, s.slope_s.width});
+  k.product({d.enc_a.row(n), encoder_width, s.weight_a.row(0), s.weight_a.width, s.slope_a.row(0), s.slope_a.width, n,
+             encoder_width, s.slope_a.width});
+}
+
+/// Reverse pass of the losses, rows 0..n-1, from scratch.d_*.
+template <Topology T, class Scalar>
+void losses_reverse(const NetworkWeights<T, Scalar>& w, int n, NetworkScratch<T, Scalar>& s) {
+  const Kernels<Scalar>& k = s.kernels;
+  auto& d = s.delta;
+  const auto& a = s.act;
+  constexpr int width = TileOutputs<T, Scalar>::width;
+  const auto decoder = [&](const auto& dy, Scalar* dx, int stride, const Scalar* gate) {
+    layer_reverse(k, n, dy.row(0), width, w.weight_of(Layer::dec), Layout<T>::rooms, latent_width, dx, stride, gate);
+  };
+  const auto back = [&](Layer layer, const auto& dz, int column, auto& dx, const Scalar* gate, bool accumulate) {
+    const LayerShape shape = layer_shape<T>(layer);
+    layer_reverse(k, n, dz.row(0) + column, dz.width, w.weight_of(layer), shape.outputs, shape.inputs, dx.row(0),
+                  dx.width, gate, accumulate);
+  };
+  decoder(s.d_short_term, d.strb_1.row(0), latent_width, a.strb_1.row(0));
+  decoder(s.d_deviation, d.tdb_1.row(0), latent_width, a.tdb_1.row(0));
+  back(Layer::strb_1, d.strb_1, 0, d.strb_0, a.strb_0.row(0), false);
+  back(Layer::tdb_1, d.tdb_1, 0, d.tdb_0, a.tdb_0.row(0), false);
+  back(Layer::strb_0, d.strb_0, 0, d.share_2, nullptr, false);
+  back(Layer::tdb_0, d.tdb_0, 0, d.share_2, a.share_2.row(0), true);
+  back(Layer::share_2, d.share_2, 0, d.share_1, a.share_1.row(0), false);
+  back(Layer::share_1, d.share_1, 0, d.share_0, a.share_0.row(0), false);
+  decoder(s.d_reconstruction, d.joint.row(0), share_width, nullptr);
+  for (int r = 0; r < n; ++r) std::fill_n(d.joint.row(r) + encoder_width, encoder_width, Scalar(0));
+  back(Layer::share_0, d.share_0, 0, d.joint, a.joint.row(0), true);
+  back(Layer::enc_s_1, d.joint, 0, d.enc_s, a.enc_s.row(0), false);
+  back(Layer::enc_a_1, d.joint, encoder_width, d.enc_a, a.enc_a.row(0), false);
+}
+
+/// Tangent pass u_l = phi' (W_l u_{l-1}) from the seeds in rows n..2n-1 of the inputs.  Source: spec 4.4, step 4.
+template <Topology T, class Scalar>
+void constraint_tangent(int n, NetworkScratch<T, Scalar>& s) {
+  auto& a = s.act;
+  const auto along = [&](Layer layer, const auto& x, auto& out, int column) {
+    const LayerShape shape = layer_shape<T>(layer);
+    ProductArgs<Scalar> p{x.row(n), x.width, s.packed.weight(layer), shape.outputs, out.row(n) + column, out.width,
+                          n, shape.inputs, shape.outputs};
+    p.gate = out.row(0) + column;
+    p.gate_stride = out.width;
+    s.kernels.product(p);
+  };
+  along(Layer::enc_s_0, a.input_s, a.enc_s, 0);
+  along(Layer::enc_s_1, a.enc_s, a.joint, 0);
+  along(Layer::enc_a_0, a.input_a, a.enc_a, 0);
+  along(Layer::enc_a_1, a.enc_a, a.joint, encoder_width);
+  along(Layer::share_0, a.joint, a.share_0, 0);
+  along(Layer::share_1, a.share_0, a.share_1, 0);
+  along(Layer::share_2, a.share_1, a.share_2, 0);
+  along(Layer::strb_0, a.share_2, a.strb_0, 0);
+  along(Layer::strb_1, a.strb_0, a.strb_1, 0);
+}
+
+/// bias += column sums of rows 0..n-1.
+template <class Scalar>
+void add_column_sums(int n, int width, const Scalar* rows, int stride, Scalar* bias) {
+  for (int r = 0; r < n; ++r)
+    for (int i = 0; i < width; ++i) bias[i] += rows[r * stride + i];
+}
+
+/// Adds one tile's weight gradients to scratch.gradient (the input layers' to gradient_s, gradient_a).
+template <Topology T, class Scalar>
+void accumulate_gradient(int n, NetworkScratch<T, Scalar>& s) {
+  const Kernels<Scalar>& k = s.kernels;
+  const auto& d = s.delta;
+  const auto& a = s.act;
+  NetworkWeights<T, Scalar>& g = s.gradient;
+  const auto add = [&](Layer layer, int samples, const auto& dz, int column, const auto& x, Scalar* weight, int cols) {
+    const int outputs = layer_shape<T>(layer).outputs;
+    k.outer({dz.row(0) + column, dz.width, x.row(0), x.width, weight, cols, samples, outputs, cols});
+    add_column_sums(n, outputs, dz.row(0) + column, dz.width, g.bias_of(layer));
+  };
+  const auto add_both = [&](Layer layer, const auto& dz, int column, const auto& x) {
+    add(layer, 2 * n, dz, column, x, g.weight_of(layer), layer_shape<T>(layer).inputs);
+  };
+  add(Layer::enc_s_0, 2 * n, d.enc_s, 0, a.input_s, s.gradient_s.row(0), s.gradient_s.width);
+  add_both(Layer::enc_s_1, d.joint, 0, a.enc_s);
+  add(Layer::enc_a_0, 2 * n, d.enc_a, 0, a.input_a, s.gradient_a.row(0), s.gradient_a.width);
+  add_both(Layer::enc_a_1, d.joint, encoder_width, a.enc_a);
+  add_both(Layer::share_0, d.share_0, 0, a.joint);
+  add_both(Layer::share_1, d.share_1, 0, a.share_0);
+  add_both(Layer::share_2, d.share_2, 0, a.share_1);
+  add_both(Layer::strb_0, d.strb_0, 0, a.share_2);
+  add_both(Layer::strb_1, d.strb_1, 0, a.strb_0);
+  add(Layer::tdb_0, n, d.tdb_0, 0, a.share_2, g.weight_of(Layer::tdb_0), share_width);
+  add(Layer::tdb_1, n, d.tdb_1, 0, a.tdb_0, g.weight_of(Layer::tdb_1), branch_width);
+
+  // Dec: three uses, its bias in two of them, and the constraint's seed ones times the last tangent.
+  constexpr int rooms = Layout<T>::rooms;
+  constexpr int width = TileOutputs<T, Scalar>::width;
+  Scalar* const dec = g.weight_of(Layer::dec);
+  k.outer({s.d_short_term.row(0), width, a.strb_1.row(0), latent_width, dec, latent_width, n, rooms, latent_width});
+  k.outer({s.d_deviation.row(0), width, a.tdb_1.row(0), latent_width, dec, latent_width, n, rooms, latent_width});
+  k.outer({s.d_reconstruction.row(0), width, a.joint.row(0), share_width, dec, latent_width, n, rooms, latent_width});
+  add_column_sums(n, rooms, s.d_short_term.row(0), width, g.bias_of(Layer::dec));
+  add_column_sums(n, rooms, s.d_reconstruction.row(0), width, g.bias_of(Layer::dec));
+  std::array<Scalar, latent_width> tangent_sum{};
+  add_column_sums(n, latent_width, a.strb_1.row(n), latent_width, tangent_sum.data());
+  for (std::size_t o = 0; o < rooms; ++o)
+    for (std::size_t i = 0; i < latent_width; ++i) dec[o * latent_width + i] += tangent_sum[i];
+}
+
+/// Packs both networks and clears the padded copies, once a batch.
+template <Topology T, class Scalar>
+void begin_batch(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<T, Scalar>& target,
+                 NetworkScratch<T, Scalar>& s) {
+  using L = Layout<T>;
+  pack(weights, s.kernels, s.packed);
+  pack(target, s.kernels, s.packed_target);
+  s.act.input_s.values.fill(0);
+  s.act.input_a.values.fill(0);
+  for (int o = 0; o < encoder_width; ++o) {
+    std::copy_n(weights.weight_of(Layer::enc_s_0) + o * L::signals, L::signals, s.weight_s.row(o));
+    std::fill(s.weight_s.row(o) + L::signals, s.weight_s.row(o + 1), Scalar(0));
+    std::copy_n(weights.weight_of(Layer::enc_a_0) + o * (L::exogenous + 1), L::exogenous + 1, s.weight_a.row(o));
+    std::fill(s.weight_a.row(o) + L::exogenous + 1, s.weight_a.row(o + 1), Scalar(0));
+  }
+}
+
+/// Forward pass, targets and losses of one tile; F included.
+template <Topology T, class Scalar>
+void tile_losses(const NetworkWeights<T, Scalar>& weights, const BatchView<T, Scalar>& batch, int first, int rows,
+                 const LossSettings<T>& settings, NetworkScratch<T, Scalar>& s, LossTerms& sum) {
+  bootstrap_tile(batch, first, rows, settings.gamma, s);
+  load_tile(batch, first, rows, false, s);
+  tile_forward(s.kernels, s.packed, rows, s.act);
+  decode(s.kernels, s.packed, rows, s.act, s.short_term, s.deviation);
+  constexpr int width = TileOutputs<T, Scalar>::width;
+  layer_forward(s.kernels, s.packed, Layer::dec, rows, s.act.joint.row(0), share_width, s.reconstruction.row(0), width);
+  output_losses(batch, first, rows, settings.weights, s, sum);
+  constraint_reverse(weights, rows, s);
+  constraint_loss(rows, batch.size, settings, s, sum);
+}
+
+/// Losses of the batch, no gradient.
+template <Topology T, class Scalar>
+LossTerms batch_losses(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<T, Scalar>& target,
+                       const BatchView<T, Scalar>& batch, const LossSettings<T>& settings, NetworkScratch<T, Scalar>& s) {
+  LossTerms sum;
+  begin_batch(weights, target, s);
+  for (int first = 0; first < batch.size; first += tile_samples)
+    tile_losses(weights, batch, first, std::min(tile_samples, batch.size - first), settings, s, sum);
+  return mean_losses<T>(sum, batch.size, settings.weights);
+}
+
+/// Losses of the batch, and the gradient of the weighted total to scratch.gradient.
+/// Cost: 178,000 multiply-adds a sample for FiveZone, linear in the batch.
+template <Topology T, class Scalar>
+LossTerms batch_gradient(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<T, Scalar>& target,
+                         const BatchView<T, Scalar>& batch, const LossSettings<T>& settings,
+                         NetworkScratch<T, Scalar>& s) {
+  using L = Layout<T>;
+  LossTerms sum;
+  begin_batch(weights, target, s);
+  s.gradient.values.fill(0);
+  s.gradient_s.values.fill(0);
+  s.gradient_a.values.fill(0);
+  for (int first = 0; first < batch.size; first += tile_samples) {
+    const int rows = std::min(tile_samples, batch.size - first);
+    tile_losses(weights, batch, first, rows, settings, s, sum);
+    losses_reverse(weights, rows, s);
+    constraint_tangent(rows, s);
+    accumulate_gradient(rows, s);
+  }
+  for (int o = 0; o < encoder_width; ++o) {
+    std::copy_n(s.gradient_s.row(o), L::signals, s.gradient.weight_of(Layer::enc_s_0) + o * L::signals);
+    std::copy_n(s.gradient_a.row(o), L::exogenous + 1, s.gradient.weight_of(Layer::enc_a_0) + o * (L::exogenous + 1));
+  }
+  return mean_losses<T>(sum, batch.size, settings.weights);
+}
+
+}  // namespace airside

@@ -1,0 +1,14 @@
+#include "airside/controller_instances.hpp"
+
+#include "airside/footprint.hpp"
+
+namespace airside {
+
+#define AIRSIDE_INSTANTIATE(Tag)                                                    \
+  static_assert(within_budget<Tag>(), "a part of the controller is over its budget"); \
+  template class Controller<Tag, float>; \
+  template class BlobCodec<Tag, NetworkWeights<Tag, float>::count>;
+AIRSIDE_FOR_EACH_TOPOLOGY(AIRSIDE_INSTANTIATE)
+#undef AIRSIDE_INSTANTIATE
+
+}  // namespace airside
