@@ -311,17 +311,19 @@ void RcPlant::update_power() {
   if (room.powers == 2) sensors_.power_kw[1] = chiller_kw_;
 }
 
+double RcPlant::shown_temp_degc(std::size_t vav) const {
+  const double days = static_cast<double>(now_.seconds - start_.seconds) / 86400;
+  return sensed_degc_[static_cast<std::size_t>(room_->room_sensor_zone[vav]) - 1] + room_->room_sensor_bias_k[vav] +
+         room_->room_sensor_drift_k_per_day[vav] * days;
+}
+
 void RcPlant::read_sensors() {
   const RcRoom& room = *room_;
   const std::int64_t slot = now_.seconds / step_s;
-  const double days = static_cast<double>(now_.seconds - start_.seconds) / 86400;
   const auto noise = [&](std::uint64_t stream, std::size_t place) { return draw_normal(seed_, stream, place, slot); };
   sensors_.room_temp_degc.resize(vav_w_k_.size());
   for (std::size_t v = 0; v < vav_w_k_.size(); ++v) {
-    const auto source = static_cast<std::size_t>(room.room_sensor_zone[v]) - 1;
-    sensors_.room_temp_degc[v] =
-        rounded(sensed_degc_[source] + room.room_sensor_bias_k[v] + room.room_sensor_drift_k_per_day[v] * days +
-                room.temp_noise_sd_k * noise(noise_room, v));
+    sensors_.room_temp_degc[v] = rounded(shown_temp_degc(v) + room.temp_noise_sd_k * noise(noise_room, v));
   }
   sensors_.fcu_temp_degc.resize(fcu_on_.size());
   for (std::size_t f = 0; f < fcu_on_.size(); ++f) {
@@ -379,6 +381,12 @@ void RcPlant::set_setpoint(double setpoint_degc) {
 double RcPlant::mean_room_temp_degc() const {
   double sum = 0;
   for (std::size_t v = 0; v < vav_w_k_.size(); ++v) sum += air_degc_[v];
+  return sum / static_cast<double>(vav_w_k_.size());
+}
+
+double RcPlant::mean_shown_temp_degc() const {
+  double sum = 0;
+  for (std::size_t v = 0; v < vav_w_k_.size(); ++v) sum += shown_temp_degc(v);
   return sum / static_cast<double>(vav_w_k_.size());
 }
 

@@ -45,6 +45,9 @@ class RcPlant final : public PlantModel {
   const std::vector<double>& zone_temp_degc() const { return air_degc_; }
   /// Mean over the VAV zones of the true air temperature.  degC.
   double mean_room_temp_degc() const;
+  /// Mean over the VAVs of what their sensors would show without noise and rounding: bias, drift, lag and jet
+  /// included. What scores and floors are about.  degC.
+  double mean_shown_temp_degc() const;
   /// Share of the last 3 min in which each FCU ran.
   const std::vector<double>& fcu_duty() const { return fcu_duty_; }
   /// What acts on the room in the step that starts now.
@@ -79,6 +82,7 @@ class RcPlant final : public PlantModel {
   void update_airflow();
   void update_power();
   void read_sensors();
+  double shown_temp_degc(std::size_t vav) const;
   double damper(std::size_t vav) const;
   CivilTime true_time() const;
 

@@ -35,9 +35,9 @@ RcRoom make_room(int vavs, int fcus, int powers) {
   const bool open_interior = fcus == 0;  // then the VAV zones reach the façade
   room.floor_area_m2 = by_zone(vavs, fcus, 60, 30);
   room.volume_m3 = by_zone(vavs, fcus, 180, 90);
-  room.air_capacity_factor = by_zone(vavs, fcus, 1.25, 5);
-  room.mass_kj_k = by_zone(vavs, fcus, 1500, 1500);
-  room.mass_ua_w_k = by_zone(vavs, fcus, 45, 45);
+  room.air_capacity_factor = by_zone(vavs, fcus, 1.28, 7);
+  room.mass_kj_k = by_zone(vavs, fcus, 1400, 1400);
+  room.mass_ua_w_k = by_zone(vavs, fcus, 130, 90);
   room.wall_kj_k = by_zone(vavs, fcus, open_interior ? 600 : 1, 600);
   room.wall_ua_w_k = by_zone(vavs, fcus, open_interior ? 8 : 0, 8);
   room.wall_area_m2 = by_zone(vavs, fcus, open_interior ? 9 : 0, 9);
@@ -56,7 +56,7 @@ RcRoom make_room(int vavs, int fcus, int powers) {
   constexpr double dampers[] = {0.52, 0.58, 0.55, 0.60, 0.54};
   constexpr double gains[] = {0.95, 1.05, 1.0, 1.08, 0.95};
   room.gain_factor = by_zone(vavs, fcus, 1, 0.8);
-  room.vav_flow_m3_s = repeated(vavs, 0.9);
+  room.vav_flow_m3_s = repeated(vavs, 0.76);
   room.vav_damper = repeated(vavs, 0);
   room.room_sensor_zone = repeated(vavs, 0);
   for (std::size_t v = 0; v < static_cast<std::size_t>(vavs); ++v) {
@@ -66,8 +66,8 @@ RcRoom make_room(int vavs, int fcus, int powers) {
   }
   room.vav_flow_calibration = repeated(vavs, 1);
   room.vav_stuck_damper = repeated(vavs, -1);
-  room.fcu_flow_m3_s = repeated(fcus, 0.13);
-  if (fcus > 0) room.fcu_flow_m3_s.front() = room.fcu_flow_m3_s.back() = 0.195;
+  room.fcu_flow_m3_s = repeated(fcus, 0.10);
+  if (fcus > 0) room.fcu_flow_m3_s.front() = room.fcu_flow_m3_s.back() = 0.15;
   room.fcu_capacity_factor = repeated(fcus, 1);
   room.fcu_forced = repeated(fcus, 0);
   room.room_sensor_bias_k = repeated(vavs, 0);

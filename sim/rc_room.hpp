@@ -46,12 +46,12 @@ struct RcRoom {
   double neighbour_temp_degc = 25.5;
   double mixing_interior_m3_s = 0.20;   ///< between neighbouring VAV zones, each way
   double mixing_perimeter_m3_s = 0.10;  ///< between neighbouring FCU zones
-  double mixing_across_m3_s = 0.10;     ///< between a VAV zone and its FCU zone
+  double mixing_across_m3_s = 0.08;     ///< between a VAV zone and its FCU zone
 
   // Gains
   std::vector<double> gain_factor;  ///< zone
-  double gain_base_w_m2 = 9;
-  double gain_occupied_w_m2 = 17;    ///< times the occupancy 0..1
+  double gain_base_w_m2 = 10;
+  double gain_occupied_w_m2 = 16;    ///< times the occupancy 0..1
   double gain_after_hours_w_m2 = 0;  ///< 19:00 to 22:00
   double gain_lunch_w_m2 = 0;        ///< 12:00 to 13:00
   double gain_weekend_w_m2 = 0;      ///< Saturday and Sunday, occupancy hours
@@ -61,9 +61,9 @@ struct RcRoom {
   double occupancy_lunch_dip = 0.25;
   double occupancy_weekend_factor = 1;  ///< 1: every day is a working day (spec OPEN-19)
   double occupancy_shift_h = 0;         ///< whole profile later by this
-  double occupancy_day_sd = 0.08;       ///< of the whole floor, day to day
-  double occupancy_zone_sd = 0.08;      ///< of a zone, over some hours
-  double occupancy_noise_sd = 0.10;     ///< of a zone, over minutes
+  double occupancy_day_sd = 0.10;       ///< of the whole floor, day to day
+  double occupancy_zone_sd = 0.15;      ///< of a zone, over some hours
+  double occupancy_noise_sd = 0.18;     ///< of a zone, over minutes
   double arrival_sd_min = 10;
 
   // Air handling
@@ -79,7 +79,7 @@ struct RcRoom {
   double supply_sensor_offset_k = 0;  ///< reading minus truth: the room gets setpoint - offset
   double duct_gain_k = 0.3;
   double duct_leak_share = 0.02;
-  double coil_capacity_kw = 34;                        ///< total cooling
+  double coil_capacity_kw = 10.2;                      ///< total cooling
   double coil_fouling = 0;                             ///< share of capacity lost
   double coil_latent_w_per_gkg_m3s = 1500;             ///< latent load: a g/kg of moisture removed and m3/s
   double chilled_water_degc = 7, coil_approach_k = 4;  ///< supply is never below their sum
