@@ -27,7 +27,18 @@ static_assert(share_width == 2 * encoder_width && latent_width == encoder_width,
 
 /// Layers in the canonical order of weights in files and generators.
 enum class Layer : std::uint8_t {
-  enc_s_0, enc_s_1, enc_a_0, enc_a_1, share_0, share_1, share_2, strb_0, strb_1, tdb_0, tdb_1, dec
+  enc_s_0,
+  enc_s_1,
+  enc_a_0,
+  enc_a_1,
+  share_0,
+  share_1,
+  share_2,
+  strb_0,
+  strb_1,
+  tdb_0,
+  tdb_1,
+  dec
 };
 constexpr int layer_count = 12;
 

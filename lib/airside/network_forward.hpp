@@ -72,8 +72,8 @@ void decode(const Kernels<Scalar>& kernels, const PackedWeights<T, Scalar>& w, i
             TileOutputs<T, Scalar>& deviation) {
   constexpr int width = TileOutputs<T, Scalar>::width;
   layer_forward(kernels, w, Layer::dec, rows, a.strb_1.row(0), latent_width, short_term.row(0), width);
-  kernels.product({a.tdb_1.row(0), latent_width, w.weight(Layer::dec), width, deviation.row(0), width, rows,
-                   latent_width, width});
+  kernels.product(
+      {a.tdb_1.row(0), latent_width, w.weight(Layer::dec), width, deviation.row(0), width, rows, latent_width, width});
 }
 
 /// What the network foresees for one setpoint. Units: scaled (spec OPEN-7).
@@ -99,27 +99,49 @@ void forecast_candidates(const PackedWeights<T, Scalar>& w, std::span<const Scal
   // f_S in row 0, then W_share [f_S 0] + b and W_a [E 0] + b, where every setpoint starts from.
   layer_forward(k, w, Layer::enc_s_0, 1, signals.data(), L::signals, a.enc_s.row(0), encoder_width);
   layer_forward(k, w, Layer::enc_s_1, 1, a.enc_s.row(0), encoder_width, a.joint.row(0), share_width);
-  ProductArgs<Scalar> share{a.joint.row(0),     share_width, w.weight(Layer::share_0), share_width,
-                            share_start.data(), share_width, 1, encoder_width, share_width};
+  ProductArgs<Scalar> share{
+      a.joint.row(0), share_width, w.weight(Layer::share_0), share_width, share_start.data(), share_width, 1,
+      encoder_width,  share_width};
   share.bias = w.bias(Layer::share_0);
   k.product(share);
-  ProductArgs<Scalar> first{signals.data() + L::rooms, L::exogenous,  w.weight(Layer::enc_a_0), encoder_width,
-                            enc_a_start.data(),        encoder_width, 1, L::exogenous, encoder_width};
+  ProductArgs<Scalar> first{signals.data() + L::rooms,
+                            L::exogenous,
+                            w.weight(Layer::enc_a_0),
+                            encoder_width,
+                            enc_a_start.data(),
+                            encoder_width,
+                            1,
+                            L::exogenous,
+                            encoder_width};
   first.bias = w.bias(Layer::enc_a_0);
   k.product(first);
 
   const int count = static_cast<int>(setpoints.size());
   for (int begin = 0; begin < count; begin += tile_samples) {
     const int rows = std::min(tile_samples, count - begin);
-    ProductArgs<Scalar> setpoint{setpoints.data() + begin, 1, w.weight(Layer::enc_a_0) + L::exogenous * encoder_width,
-                                 encoder_width,            a.enc_a.row(0), encoder_width, rows, 1, encoder_width};
+    ProductArgs<Scalar> setpoint{setpoints.data() + begin,
+                                 1,
+                                 w.weight(Layer::enc_a_0) + L::exogenous * encoder_width,
+                                 encoder_width,
+                                 a.enc_a.row(0),
+                                 encoder_width,
+                                 rows,
+                                 1,
+                                 encoder_width};
     setpoint.bias = enc_a_start.data();
     setpoint.leaky = true;
     k.product(setpoint);
-    layer_forward(k, w, Layer::enc_a_1, rows, a.enc_a.row(0), encoder_width, a.joint.row(0) + encoder_width, share_width);
-    share = {a.joint.row(0) + encoder_width, share_width,
-             w.weight(Layer::share_0) + encoder_width * share_width, share_width,
-             a.share_0.row(0), share_width, rows, encoder_width, share_width};
+    layer_forward(k, w, Layer::enc_a_1, rows, a.enc_a.row(0), encoder_width, a.joint.row(0) + encoder_width,
+                  share_width);
+    share = {a.joint.row(0) + encoder_width,
+             share_width,
+             w.weight(Layer::share_0) + encoder_width * share_width,
+             share_width,
+             a.share_0.row(0),
+             share_width,
+             rows,
+             encoder_width,
+             share_width};
     share.bias = share_start.data();
     share.leaky = true;
     k.product(share);

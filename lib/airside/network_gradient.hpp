@@ -27,7 +27,8 @@ void load_tile(const BatchView<T, Scalar>& batch, int first, int rows, bool succ
 /// Y = g (F_TDB + F_STRB - S1) with the target network on (S1, E1, A): Dec(f_res + f_short) is both.
 /// Source: spec 4, term 2.
 template <Topology T, class Scalar>
-void bootstrap_tile(const BatchView<T, Scalar>& batch, int first, int rows, double gamma, NetworkScratch<T, Scalar>& s) {
+void bootstrap_tile(const BatchView<T, Scalar>& batch, int first, int rows, double gamma,
+                    NetworkScratch<T, Scalar>& s) {
   using L = Layout<T>;
   load_tile(batch, first, rows, true, s);
   tile_forward(s.kernels, s.packed_target, rows, s.act);
@@ -127,8 +128,8 @@ void constraint_tangent(int n, NetworkScratch<T, Scalar>& s) {
   auto& a = s.act;
   const auto along = [&](Layer layer, const auto& x, auto& out, int column) {
     const LayerShape shape = layer_shape<T>(layer);
-    ProductArgs<Scalar> p{x.row(n), x.width, s.packed.weight(layer), shape.outputs, out.row(n) + column, out.width,
-                          n, shape.inputs, shape.outputs};
+    ProductArgs<Scalar> p{x.row(n),  x.width, s.packed.weight(layer), shape.outputs, out.row(n) + column,
+                          out.width, n,       shape.inputs,           shape.outputs};
     p.gate = out.row(0) + column;
     p.gate_stride = out.width;
     s.kernels.product(p);
@@ -228,7 +229,8 @@ void tile_losses(const NetworkWeights<T, Scalar>& weights, const BatchView<T, Sc
 /// Losses of the batch, no gradient.
 template <Topology T, class Scalar>
 LossTerms batch_losses(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<T, Scalar>& target,
-                       const BatchView<T, Scalar>& batch, const LossSettings<T>& settings, NetworkScratch<T, Scalar>& s) {
+                       const BatchView<T, Scalar>& batch, const LossSettings<T>& settings,
+                       NetworkScratch<T, Scalar>& s) {
   LossTerms sum;
   begin_batch(weights, target, s);
   for (int first = 0; first < batch.size; first += tile_samples)

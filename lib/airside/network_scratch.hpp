@@ -58,10 +58,10 @@ struct TileActivations {
   TileRows<Scalar, Rows, signals_width> input_s;    ///< S E
   TileRows<Scalar, Rows, exogenous_width> input_a;  ///< E A
   TileRows<Scalar, Rows, encoder_width> enc_s, enc_a;
-  TileRows<Scalar, Rows, share_width> joint;        ///< f_S f_A
+  TileRows<Scalar, Rows, share_width> joint;  ///< f_S f_A
   TileRows<Scalar, Rows, share_width> share_0, share_1, share_2;
   TileRows<Scalar, Rows, branch_width> strb_0;
-  TileRows<Scalar, Rows, latent_width> strb_1;      ///< f_short
+  TileRows<Scalar, Rows, latent_width> strb_1;  ///< f_short
   TileRows<Scalar, tile_samples, branch_width> tdb_0;
   TileRows<Scalar, tile_samples, latent_width> tdb_1;  ///< f_res
 };

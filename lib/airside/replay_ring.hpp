@@ -36,9 +36,7 @@ class ReplayRing {
   const Row& slot(int i) const { return rows_[static_cast<std::size_t>(i)]; }
   Row& slot(int i) { return rows_[static_cast<std::size_t>(i)]; }
   /// Slot of the row pushed `age` pushes before the last one; 0 <= age < size().
-  int slot_of_age(int age) const {
-    return static_cast<int>((total_ - 1 - static_cast<std::uint64_t>(age)) % Capacity);
-  }
+  int slot_of_age(int age) const { return static_cast<int>((total_ - 1 - static_cast<std::uint64_t>(age)) % Capacity); }
   const Row& newest(int age) const { return slot(slot_of_age(age)); }
 
   /// Sets the count after slots have been refilled from durable storage.
