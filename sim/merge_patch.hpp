@@ -1,0 +1,23 @@
+#pragma once
+// JSON files as people write them: read with a complaint that names line and column, and changed by merge patches
+// (RFC 7386: objects merge, null removes, anything else, arrays too, replaces).
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace airside::sim {
+
+/// Reads one JSON text; `place` names it in complaints.
+/// Errors: hal::InputError with line and column for a syntax error or a key that occurs twice in one object.
+nlohmann::json parse_json(const std::string& text, const std::string& place);
+
+/// parse_json() of a file.
+/// Errors: hal::InputError also when the file cannot be read.
+nlohmann::json read_json(const std::filesystem::path& file);
+
+/// The model after the patch.
+/// Errors: hal::InputError when either is not a JSON object; `place` names the patch.
+nlohmann::json merge_patched(nlohmann::json model, const nlohmann::json& patch, const std::string& place);
+
+}  // namespace airside::sim
