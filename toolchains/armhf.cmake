@@ -4,5 +4,5 @@ set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR armv7l)
 set(CMAKE_CXX_COMPILER arm-linux-gnueabihf-g++)
 set(CMAKE_LIBRARY_ARCHITECTURE arm-linux-gnueabihf)
-set(CMAKE_CXX_FLAGS_INIT -Wno-psabi)  # a note on an ABI change of GCC 7 is no warning about this code
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-arm -L /usr/arm-linux-gnueabihf)
+add_compile_options(-Wno-psabi)  # a note on an ABI change of GCC 7 is no warning about this code
