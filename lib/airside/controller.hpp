@@ -93,11 +93,10 @@ class Controller {
     make_candidates();
   }
 
-  /// Takes scaler and weights as the start of learning: target net a copy, moments zero (spec 8).
-  void start(const Scaler<T>& scaler, const NetworkWeights<T, Scalar>& weights) {
+  /// Takes a scaler, and the weights that stand in learning(), as the start: target net a copy, moments zero (spec 8).
+  void start(const Scaler<T>& scaler) {
     learning_.scaler = scaler;
-    learning_.weights = weights;
-    learning_.learner.reset(weights);
+    learning_.learner.reset(learning_.weights);
     cycle_.has_weights = 1;
     prepare();
   }

@@ -1,0 +1,37 @@
+#pragma once
+// Blob files on disk, and refusals that a person can act on.
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "airside/blob.hpp"
+#include "airside/kernels.hpp"
+
+namespace airside::hal {
+
+/// Reads a blob file whole.  Errors: InputError for a missing, empty or far too large file.
+std::vector<std::byte> read_blob_file(const std::string& path);
+
+/// Writes to a temporary file beside `path`, syncs and renames: the file is the old or the new one.
+/// Errors: InputError naming the path.
+void write_blob_file(const std::string& path, std::span<const std::byte> blob);
+
+/// The complaint about a refused blob, with remedy.
+[[noreturn]] void throw_blob_error(const BlobError& error, const std::string& place);
+
+/// Decodes into `payload`.  Errors: InputError naming `place` and the field.
+template <Topology T, int Parameters>
+BlobHeader decode_blob(std::span<const std::byte> bytes, const std::string& scope, const std::string& place,
+                       BlobPayload<T, Parameters>& payload) {
+  const auto header = BlobCodec<T, Parameters>::decode(bytes, scope, payload);
+  if (!header) throw_blob_error(header.error(), place);
+  return *header;
+}
+
+/// The kernels that this machine runs best; AIRSIDE_KERNELS=strict|avx2|avx512 in the environment chooses others.
+/// Errors: InputError for another word.
+Kernels<float> box_kernels();
+
+}  // namespace airside::hal

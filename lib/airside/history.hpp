@@ -1,0 +1,77 @@
+#pragma once
+// How a controller begins: what a blob carries goes in, and the schedule days of the room's own log become its first
+// memories. Daemon, simulation and training share this.
+
+#include <cmath>
+
+#include "airside/blob.hpp"
+#include "airside/controller.hpp"
+#include "airside/row_window.hpp"
+
+namespace airside {
+
+/// Feeds logged 6-min rows to a controller, in order of time.
+template <Topology T, class Scalar = float>
+class HistoryReader {
+ public:
+  enum class Head { leave, learn };
+
+  explicit HistoryReader(Controller<T, Scalar>& controller, Head head) : controller_(controller), head_(head) {}
+
+  /// One row: `setpoint_degc` was applied from `time` on. Rows that are not finite break the window and nothing else.
+  void row(CivilTime time, const typename Reading<T>::Vector& value, double setpoint_degc) {
+    window_.push(time, value, setpoint_degc);
+    if (!window_.has_transition()) return;
+    const auto& before = window_.at(rows_per_cycle);
+    controller_.remember(before.value, before.setpoint_degc, value);
+    ++transitions_;
+    if (head_ == Head::leave || !window_.has_change_before()) return;
+    const auto& earlier = window_.at(2 * rows_per_cycle);
+    const Scaler<T>& scaler = controller_.learning().scaler;
+    HeadFeatures f = RoomHead<T>::features(earlier.value, before.value, earlier.setpoint_degc,
+                                           scaler.scale(Layout<T>::power + T::powers - 1));
+    f.x(HeadFeatures::setpoint_change) = before.setpoint_degc - earlier.setpoint_degc;
+    const double moved =
+        value.template head<T::vavs>().mean() - before.value.template head<T::vavs>().mean();
+    // Three rows share each cycle, so each is worth a third of a sample.
+    controller_.remember_change(before.time, f, moved, std::sqrt(static_cast<double>(rows_per_cycle)));
+  }
+  int transitions() const { return transitions_; }
+
+ private:
+  Controller<T, Scalar>& controller_;
+  Head head_;
+  RowWindow<T> window_;
+  int transitions_ = 0;
+};
+
+/// Puts a blob's scaler, weights and head into the controller.
+template <Topology T>
+void take_payload(Controller<T, float>& controller, const BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
+  auto& learning = controller.learning();
+  std::copy(payload.weights.begin(), payload.weights.end(), learning.weights.flat().begin());
+  if (payload.head_states != 0) {
+    learning.head.theta() = payload.head_theta;
+    std::copy(payload.head_covariance.begin(), payload.head_covariance.end(), learning.head.covariance().data());
+    learning.head.set_updates(payload.head_updates);
+  }
+  controller.start(payload.scaler);
+}
+
+/// Fills a blob's payload with what the controller has learned.
+template <Topology T>
+void give_payload(const Controller<T, float>& controller,
+                  BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
+  const auto& learning = controller.learning();
+  payload.scaler = learning.scaler;
+  std::copy(learning.weights.flat().begin(), learning.weights.flat().end(), payload.weights.begin());
+  using Head = RoomHead<T>;
+  const bool two_types = controller.settings().head_day_types == 2;
+  const int states = two_types ? Head::states : Head::regressors + Head::slots;
+  payload.head_states = controller.settings().head != 0 ? static_cast<std::uint32_t>(states) : 0u;
+  payload.head_updates = learning.head.updates();
+  payload.head_theta = learning.head.theta();
+  std::copy_n(learning.head.covariance().data(), payload.head_covariance.size(), payload.head_covariance.begin());
+}
+
+}  // namespace airside

@@ -1,0 +1,366 @@
+#include "tools/session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+#include "airside/controller_instances.hpp"
+#include "airside/cycle.hpp"
+#include "airside/history.hpp"
+#include "hal/blob_file.hpp"
+#include "hal/input_error.hpp"
+#include "hal/log_record.hpp"
+#include "hal/site_settings.hpp"
+#include "sim/simulated_plant.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+template <Topology T>
+using Payload = BlobPayload<T, NetworkWeights<T, float>::count>;
+
+/// Rows of a run, as the loop makes them.
+class Recorder {
+ public:
+  Recorder(const Site& site, CivilTime from, CivilTime until, const OnProgress& progress)
+      : blank_(hal::make_log_row(site.counts)), from_(from), until_(until), progress_(progress) {}
+
+  template <Topology T>
+  void add(CivilTime t, const Expected<Reading<T>>& sensed, const Decision& decision, double setpoint_degc) {
+    run.rows.push_back(blank_);
+    hal::LogRow& row = run.rows.back();
+    hal::fill_log_row<T>(row, t, sensed, decision, setpoint_degc);
+    using L = Layout<T>;
+    const auto value = row.value.begin();
+    double power = 0;
+    for (int i = 0; i < T::powers; ++i) power += value[L::power + i];
+    run.energy.push_back({t, power});
+    if (starts_cycle(t)) {
+      CycleSample sample{t, 0, {value, value + L::rooms}, setpoint_degc};
+      for (const double s : sample.room_temp_degc) sample.room_mean_degc += s / L::rooms;
+      run.cycles.push_back(std::move(sample));
+    }
+    if (progress_ && starts_cycle(t)) {
+      progress_(static_cast<double>(t.seconds + cycle_s - from_.seconds) /
+                static_cast<double>(until_.seconds - from_.seconds));
+    }
+  }
+
+  ControlRun run;
+
+ private:
+  hal::LogRow blank_;
+  CivilTime from_, until_;
+  const OnProgress& progress_;
+};
+
+template <Topology T>
+struct ControllerSink {
+  Recorder& recorder;
+  bool row(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller) {
+    recorder.add<T>(t, sensed, controller.decision(), controller.cycle().last_setpoint_degc);
+    return true;
+  }
+};
+
+/// Anything that chooses a setpoint, in the shape that run_cycles() drives; it goes through the same envelope.
+template <Topology T>
+class Chooser {
+ public:
+  using Choose = std::function<double(CivilTime, const Reading<T>&, double last_degc)>;
+  Chooser(const ControllerSettings& settings, Choose choose)
+      : settings_(settings), envelope_(settings), choose_(std::move(choose)),
+        decision_{.time = {}, .command = envelope_.limit(settings.expert_off_degc, settings.expert_off_degc, 0)} {}
+
+  void observe(CivilTime, const Expected<Reading<T>>&) {}
+  const Decision& decide(CivilTime t, const Expected<Reading<T>>& sensed) {
+    const double expert = expert_setpoint_degc(settings_, t);
+    const double proposal = choose_(t, *sensed, last_degc_);
+    decision_ = {.time = t, .command = envelope_.limit(proposal, last_degc_, expert)};
+    decision_.expert_degc = expert;
+    return decision_;
+  }
+  void absorb(const Expected<Applied>& applied) { last_degc_ = applied->setpoint_degc; }
+  const Decision& decision() const { return decision_; }
+  double last_degc() const { return last_degc_; }
+
+ private:
+  ControllerSettings settings_;
+  SafetyEnvelope envelope_;
+  Choose choose_;
+  Decision decision_;
+  double last_degc_ = std::numeric_limits<double>::quiet_NaN();
+};
+
+template <Topology T>
+struct ChooserSink {
+  Recorder& recorder;
+  bool row(CivilTime t, const Expected<Reading<T>>& sensed, const Chooser<T>& chooser) {
+    recorder.add<T>(t, sensed, chooser.decision(), chooser.last_degc());
+    return true;
+  }
+};
+
+template <Topology T>
+ControlRun run_chooser(const Site& site, sim::PlantModel& model, CivilTime until, const OnProgress& progress,
+                       typename Chooser<T>::Choose choose) {
+  sim::SimulatedPlant<T> plant(model, site.points);
+  sim::SimulatedClock clock(model);
+  const CivilTime from = next_row(model.time());
+  Recorder recorder(site, from, until, progress);
+  Chooser<T> chooser(site.settings, std::move(choose));
+  ChooserSink<T> sink{recorder};
+  run_cycles<T>(plant, clock, chooser, sink, from, until);
+  return std::move(recorder.run);
+}
+
+template <Topology T>
+typename Reading<T>::Vector values_of(const hal::LogRow& row) {
+  return Eigen::Map<const typename Reading<T>::Vector>(row.value.data());
+}
+
+template <Topology T>
+std::unique_ptr<Controller<T>> make_controller(const Site& site, const ControllerSettings& settings,
+                                               std::uint64_t seed) {
+  auto controller = std::make_unique<Controller<T>>();
+  controller->configure(settings, hal::limits_table<T>(site.points), hal::box_kernels(), seed);
+  return controller;
+}
+
+template <Topology T>
+void read_history(Controller<T>& controller, const std::vector<hal::LogRow>& rows,
+                  typename HistoryReader<T>::Head head) {
+  HistoryReader<T> reader(controller, head);
+  for (const hal::LogRow& row : rows) reader.row(row.time, values_of<T>(row), row.setpoint_degc);
+}
+
+template <Topology T>
+BlobBytes blob_of(const Site& site, const Controller<T>& controller, const std::string& provenance, CivilTime end) {
+  auto payload = std::make_unique<Payload<T>>();
+  give_payload<T>(controller, *payload);
+  provenance.copy(payload->provenance.data(), payload->provenance.size() - 1);
+  BlobHeader header;
+  header.created_s = end.seconds;
+  static_cast<void>(site);
+  BlobBytes bytes(WeightBlob<T>::size(payload->head_states));
+  WeightBlob<T>::encode(header, *payload, bytes);
+  return bytes;
+}
+
+/// Calls f with the site's topology type.
+template <class F>
+void dispatch(const Site& site, F&& f) {
+  with_topology(site.counts.name.c_str(), std::forward<F>(f));
+}
+
+template <Topology T>
+Scaler<T> scaler_of(const Site& site, const std::vector<hal::LogRow>& rows) {
+  ScalerFit<T> fit;
+  for (const hal::LogRow& row : rows) {
+    const auto value = values_of<T>(row);
+    if (value.allFinite()) fit.add(value);
+  }
+  return fit.fit(site.settings);
+}
+
+template <Topology T>
+ControlRun control(const Site& site, sim::PlantModel& model, Controller<T>& controller, CivilTime until,
+                   const OnProgress& progress) {
+  sim::SimulatedPlant<T> plant(model, site.points);
+  sim::SimulatedClock clock(model);
+  const CivilTime from = next_row(model.time());
+  Recorder recorder(site, from, until, progress);
+  ControllerSink<T> sink{recorder};
+  run_cycles<T>(plant, clock, controller, sink, from, until);
+  recorder.run.rejected_updates = controller.learning().rejected;
+  return std::move(recorder.run);
+}
+
+void append(ControlRun& run, ControlRun&& more) {
+  run.rows.insert(run.rows.end(), more.rows.begin(), more.rows.end());
+  run.cycles.insert(run.cycles.end(), more.cycles.begin(), more.cycles.end());
+  run.energy.insert(run.energy.end(), more.energy.begin(), more.energy.end());
+  run.rejected_updates = more.rejected_updates;
+}
+
+template <Topology T>
+ControlRun run_varied_schedule(const Site& site, sim::PlantModel& plant, CivilTime until, std::uint64_t seed,
+                               const OnProgress& progress) {
+  // spec OPEN-27: the working setpoint of each day is drawn from {19.5 .. 21.5}; the site's range may cut it.
+  SplitMix64 draw(seed ^ 0x57A71Cu);
+  std::int64_t day = -1;
+  double work_degc = site.settings.expert_work_degc;
+  return run_chooser<T>(site, plant, until, progress, [&, draw, day, work_degc](CivilTime t, const Reading<T>&, double) mutable {
+    if (t.day() != day) {
+      day = t.day();
+      work_degc = 19.5 + 0.5 * draw.below(5);
+    }
+    return in_working_hours(site.settings, t) ? work_degc : site.settings.expert_off_degc;
+  });
+}
+
+template <Topology T>
+Pretraining pretrain_as(const Site& site, sim::PlantModel& model, CivilTime until, const PretrainOptions& options,
+                        const OnProgress& progress) {
+  ControllerSettings settings = site.settings;
+  if (options.updates_per_cycle > 0) settings.updates_per_cycle = options.updates_per_cycle;
+  auto controller = make_controller<T>(site, settings, options.seed);
+  SplitMix64 init(options.seed);
+  initialise_uniform(controller->learning().weights, init);
+  const CivilTime day_two{(model.time().day() + 1) * 86400};
+  Pretraining out;
+  if (options.fixed_schedule) {
+    out.run = run_varied_schedule<T>(site, model, until, options.seed, progress);
+    std::vector<hal::LogRow> first(out.run.rows.begin(),
+                                   out.run.rows.begin() + std::min<std::ptrdiff_t>(rows_per_day, std::ssize(out.run.rows)));
+    controller->start(scaler_of<T>(site, first));
+    read_history<T>(*controller, out.run.rows, HistoryReader<T>::Head::learn);
+    const std::int64_t cycles = (until.seconds - day_two.seconds) / cycle_s;
+    for (std::int64_t i = 0; i < cycles * settings.updates_per_cycle; ++i) (void)controller->train_step();
+  } else {
+    out.run = run_schedule(site, model, std::min(day_two, until));
+    controller->start(scaler_of<T>(site, out.run.rows));
+    read_history<T>(*controller, out.run.rows, HistoryReader<T>::Head::learn);
+    append(out.run, control<T>(site, model, *controller, until, progress));
+  }
+  out.blob = blob_of<T>(site, *controller, options.provenance, until);
+  return out;
+}
+
+}  // namespace
+
+Metrics metrics_of(const Site& site, const ControlRun& run) {
+  MetricsSettings m;
+  m.target_degc = site.settings.target_degc;
+  m.work_start_s = static_cast<int>(std::lround(site.settings.work_start_h * 3600));
+  m.work_end_s = static_cast<int>(std::lround(site.settings.work_end_h * 3600));
+  m.weekdays_only = site.settings.weekday_only != 0;
+  return compute_metrics(run.cycles, run.energy, m);
+}
+
+ControlRun run_schedule(const Site& site, sim::PlantModel& plant, CivilTime until, const OnProgress& progress) {
+  ControlRun run;
+  dispatch(site, [&]<class T>(T) {
+    run = run_chooser<T>(site, plant, until, progress, [&site](CivilTime t, const Reading<T>&, double) {
+      return expert_setpoint_degc(site.settings, t);
+    });
+  });
+  return run;
+}
+
+Pretraining pretrain(const Site& site, sim::PlantModel& plant, CivilTime until, const PretrainOptions& options,
+                     const OnProgress& progress) {
+  Pretraining out;
+  dispatch(site, [&]<class T>(T) { out = pretrain_as<T>(site, plant, until, options, progress); });
+  return out;
+}
+
+BlobBytes fine_tune(const Site& site, const BlobBytes& source, const std::vector<hal::LogRow>& rows,
+                    const FineTuneOptions& options, const OnProgress& progress) {
+  BlobBytes out;
+  dispatch(site, [&]<class T>(T) {
+    auto controller = make_controller<T>(site, site.settings, options.seed);
+    double gain = site.settings.head_gain_prior, gain_sd = site.settings.head_gain_prior_sd;
+    if (source.empty()) {
+      SplitMix64 init(options.seed);
+      initialise_uniform(controller->learning().weights, init);
+      controller->start(scaler_of<T>(site, rows));
+    } else {
+      auto payload = std::make_unique<Payload<T>>();
+      hal::decode_blob<T>(source, site.file.scope, "source blob", *payload);
+      take_payload<T>(*controller, *payload);
+      if (payload->head_states != 0) {
+        gain = controller->learning().head.gain(site.settings);
+        gain_sd = std::max(0.1, 2 * controller->learning().head.gain_sd());
+      }
+    }
+    controller->learning().head.reset(site.settings, gain, gain_sd);
+    read_history<T>(*controller, rows, HistoryReader<T>::Head::learn);
+    if (controller->replay().size() == 0) {
+      throw hal::InputError("log", fmt::format("{} rows without one 18-min stretch of constant setpoint", rows.size()),
+                            "at least four successive 6-min rows under one setpoint", "log some days of the schedule");
+    }
+    for (int i = 0; i < options.steps; ++i) {
+      (void)controller->train_step();
+      if (progress && i % 50 == 49) progress((i + 1.0) / options.steps);
+    }
+    out = blob_of<T>(site, *controller, options.provenance, rows.back().time);
+  });
+  return out;
+}
+
+ControlRun run_controller(const Site& site, sim::PlantModel& plant, const BlobBytes& blob,
+                          const std::vector<hal::LogRow>& history, CivilTime until, std::uint64_t seed,
+                          const OnProgress& progress) {
+  ControlRun run;
+  dispatch(site, [&]<class T>(T) {
+    auto controller = make_controller<T>(site, site.settings, seed);
+    auto payload = std::make_unique<Payload<T>>();
+    hal::decode_blob<T>(blob, site.file.scope, "weights", *payload);
+    take_payload<T>(*controller, *payload);
+    read_history<T>(*controller, history, HistoryReader<T>::Head::leave);
+    run = control<T>(site, plant, *controller, until, progress);
+  });
+  return run;
+}
+
+ControlRun run_baseline(const Site& site, sim::PlantModel& plant, BaselineController& baseline,
+                        const std::vector<hal::LogRow>& history, CivilTime until, const OnProgress& progress) {
+  ControlRun run;
+  dispatch(site, [&]<class T>(T) {
+    using L = Layout<T>;
+    const auto sensors_of = [](const auto& value) {
+      sim::Sensors s;
+      const auto part = [&value](int at, int n) { return std::vector<double>(&value[at], &value[at] + n); };
+      s.room_temp_degc = part(L::room_temp, L::rooms);
+      s.fcu_temp_degc = part(L::fcu_temp, T::fcus);
+      s.vav_on = part(L::vav_on, T::vavs);
+      s.fcu_on = part(L::fcu_on, T::fcus);
+      s.power_kw = part(L::power, T::powers);
+      s.mau_temp_degc = value[L::mau_temp];
+      s.outdoor_temp_degc = value[L::outdoor_temp];
+      s.rain = value[L::rain];
+      return s;
+    };
+    std::vector<HistoryRow> past;
+    for (const hal::LogRow& row : history) past.push_back({row.time, sensors_of(row.value), row.setpoint_degc});
+    baseline.observe_history(past);
+    double last_known = history.empty() ? plant.sensors().setpoint_degc : history.back().setpoint_degc;
+    run = run_chooser<T>(site, plant, until, progress, [&](CivilTime t, const Reading<T>& reading, double last) {
+      CycleObservation now;
+      now.time = t;
+      now.sensors = sensors_of(reading.value);
+      now.sensors.setpoint_degc = reading.setpoint_degc;
+      now.sensors.supply_temp_degc = reading.supply_temp_degc;
+      now.previous_setpoint_degc = std::isfinite(last) ? last : last_known;
+      now.target_degc = site.settings.target_degc;
+      return baseline.decide(now);
+    });
+  });
+  return run;
+}
+
+ControlRun run_setpoints(const Site& site, sim::PlantModel& plant, const std::function<double()>& choose,
+                         CivilTime until, const OnProgress& progress) {
+  ControlRun run;
+  dispatch(site, [&]<class T>(T) {
+    run = run_chooser<T>(site, plant, until, progress, [&](CivilTime, const Reading<T>&, double) { return choose(); });
+  });
+  return run;
+}
+
+BlobBytes read_blob(const std::string& path, const Site& site) {
+  BlobBytes bytes = hal::read_blob_file(path);
+  dispatch(site, [&]<class T>(T) {
+    auto payload = std::make_unique<Payload<T>>();
+    hal::decode_blob<T>(bytes, site.file.scope, path, *payload);
+  });
+  return bytes;
+}
+
+void write_blob(const std::string& path, const BlobBytes& blob) { hal::write_blob_file(path, blob); }
+
+}  // namespace airside::tools
