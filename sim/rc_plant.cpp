@@ -178,7 +178,7 @@ void RcPlant::update_thermostats() {
   const double hour = now_.second_of_day() / 3600.0;
   const bool hours = hour >= room.fcu_start_h && hour < room.fcu_stop_h;
   for (std::size_t f = 0; f < fcu_on_.size(); ++f) {
-    const double seen = air_degc_[vav_w_k_.size() + f] + room.fcu_sensor_bias_k[f];
+    const double seen = air_degc_[vav_w_k_.size() + f] + room.fcu_sensor_bias_k[f] - room.fcu_setpoint_offset_k[f];
     if (!hours || seen <= room.fcu_setpoint_degc - room.fcu_band_k)
       fcu_on_[f] = 0;
     else if (seen >= room.fcu_setpoint_degc + room.fcu_band_k)

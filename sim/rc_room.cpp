@@ -70,6 +70,7 @@ RcRoom make_room(int vavs, int fcus, int powers) {
   if (fcus > 0) room.fcu_flow_m3_s.front() = room.fcu_flow_m3_s.back() = 0.15;
   room.fcu_capacity_factor = repeated(fcus, 1);
   room.fcu_forced = repeated(fcus, 0);
+  room.fcu_setpoint_offset_k = repeated(fcus, 0);
   room.room_sensor_bias_k = repeated(vavs, 0);
   room.room_sensor_drift_k_per_day = repeated(vavs, 0);
   room.room_sensor_jet_share = repeated(vavs, 0);
@@ -96,7 +97,10 @@ RcRoom perturbed_room(const RcRoom& base, std::uint64_t seed, const Perturbation
   room.name = base.name + "-p" + std::to_string(seed);
   room.seed = draw_bits(seed, 90, 0, 0);
   std::uint64_t number = 0;
-  const auto symmetric = [&] { return 2 * draw_uniform(seed, 91, number++, 0) - 1; };
+  const auto symmetric = [&] {
+    const double draw = draw_uniform(seed, 91, number++, 0);
+    return draw < 0.5 ? -0.5 - draw : draw;  // size 0.5 to 1, either sign
+  };
   const auto scale = [&](double& value, double width) { value *= 1 + width * symmetric(); };
   const auto scale_each = [&](List& list, double width) {
     for (double& value : list) scale(value, width);
@@ -118,11 +122,11 @@ RcRoom perturbed_room(const RcRoom& base, std::uint64_t seed, const Perturbation
   }
   scale(room.gain_base_w_m2, by.relative);
   scale(room.gain_occupied_w_m2, by.relative);
-  scale_each(room.gain_factor, by.relative / 2);
+  scale_each(room.gain_factor, by.zone_relative);
   double all_flow = 1;
   scale(all_flow, by.flow_relative);
   for (double& calibration : room.vav_flow_calibration) calibration *= all_flow;
-  scale_each(room.vav_flow_calibration, by.relative / 2);
+  scale_each(room.vav_flow_calibration, by.zone_relative);
   scale(room.supply_lag_s, by.relative);
   scale_each(room.fcu_capacity_factor, by.relative);
   room.supply_sensor_offset_k += by.supply_offset_k * symmetric();
@@ -132,7 +136,8 @@ RcRoom perturbed_room(const RcRoom& base, std::uint64_t seed, const Perturbation
   room.mau_setpoint_degc += 0.5 * symmetric();
   room.occupancy_shift_h += 0.5 * symmetric();
   shift_each(room.room_sensor_bias_k, by.sensor_bias_k);
-  shift_each(room.fcu_sensor_bias_k, 2 * by.sensor_bias_k);
+  shift_each(room.fcu_sensor_bias_k, by.sensor_bias_k);
+  shift_each(room.fcu_setpoint_offset_k, by.fcu_dial_k);
   return room;
 }
 

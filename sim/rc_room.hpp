@@ -79,7 +79,7 @@ struct RcRoom {
   double supply_sensor_offset_k = 0;  ///< reading minus truth: the room gets setpoint - offset
   double duct_gain_k = 0.3;
   double duct_leak_share = 0.02;
-  double coil_capacity_kw = 10.2;                      ///< total cooling
+  double coil_capacity_kw = 10.6;                      ///< total cooling
   double coil_fouling = 0;                             ///< share of capacity lost
   double coil_latent_w_per_gkg_m3s = 1500;             ///< latent load: a g/kg of moisture removed and m3/s
   double chilled_water_degc = 7, coil_approach_k = 4;  ///< supply is never below their sum
@@ -88,9 +88,10 @@ struct RcRoom {
   double mau_setpoint_degc = 18;
   double mau_noise_sd_k = 0.35;  ///< slow drift of the outlet about its setpoint
   double mau_capacity_kw = 22;
-  std::vector<double> fcu_flow_m3_s;        ///< FCU
-  std::vector<double> fcu_capacity_factor;  ///< FCU; 1 healthy
-  std::vector<double> fcu_forced;           ///< FCU; 0 as recorded, 1 runs whatever is recorded, -1 never runs
+  std::vector<double> fcu_flow_m3_s;          ///< FCU
+  std::vector<double> fcu_capacity_factor;    ///< FCU; 1 healthy
+  std::vector<double> fcu_forced;             ///< FCU; 0 as recorded, 1 runs whatever is recorded, -1 never runs
+  std::vector<double> fcu_setpoint_offset_k;  ///< FCU; its user's dial
   double fcu_supply_degc = 14;
   double fcu_setpoint_degc = 26, fcu_band_k = 0.5;
   double fcu_start_h = 7, fcu_stop_h = 20;
@@ -146,15 +147,17 @@ const RoomField* find_room_field(std::string_view name);
 /// Throws hal::InputError naming `place` and the field if a value is out of range, not finite or of wrong count.
 void check_room(const RcRoom& room, const std::string& place);
 
-/// How far perturbed_room may go: relative half-widths and absolute ones; uniform within.
-/// The defaults keep the mean zone error between 0.4 and 1.6 K (spec OPEN-24 d).
+/// How far perturbed_room goes: each change has a size drawn from half the figure up to the figure, and a random sign
+/// (spec section 8: 10 to 20 %). The defaults keep the mean zone error between 0.4 and 1.6 K (spec OPEN-24 d).
 struct Perturbation {
-  double relative = 0.20;       ///< capacities, gains, envelope, mixing, solar, per zone flows and gains
-  double flow_relative = 0.12;  ///< of all VAVs together
+  double relative = 0.20;       ///< capacities, gains, envelope, mixing, solar, fan coils
+  double zone_relative = 0.12;  ///< flow and gain of one zone against the others
+  double flow_relative = 0.20;  ///< of all VAVs together
   double sensor_bias_k = 0.15;
-  double supply_offset_k = 0.3;
-  double neighbour_k = 0.7;
-  double site_temp_k = 0.8;
+  double supply_offset_k = 0.4;
+  double neighbour_k = 1.0;
+  double site_temp_k = 1.0;
+  double fcu_dial_k = 1.2;  ///< what the users of the fan coils chose
 };
 
 /// A room of the same kind that differs as two rooms of one building do; named "<base>-p<seed>".

@@ -96,6 +96,7 @@ constexpr std::array fields = {
     AIRSIDE_EACH(fcu, fcu_flow_m3_s, 0, 5),
     AIRSIDE_EACH(fcu, fcu_capacity_factor, 0, 2),
     AIRSIDE_EACH(fcu, fcu_forced, -1, 1),
+    AIRSIDE_EACH(fcu, fcu_setpoint_offset_k, -5, 5),
     AIRSIDE_ONCE(fcu_supply_degc, 5, 25),
     AIRSIDE_ONCE(fcu_setpoint_degc, 15, 35),
     AIRSIDE_ONCE(fcu_band_k, 0.05, 5),
