@@ -163,7 +163,7 @@ class Controller {
     cycle_.last_value = now_;
     cycle_.last_time = decision_.time;
     cycle_.last_setpoint_degc = setpoint;
-    cycle_.usable_cycles = usable_ && applied ? std::min(cycle_.usable_cycles + 1, 3) : 0;
+    cycle_.usable_cycles = usable_ && applied ? std::min<std::int32_t>(cycle_.usable_cycles + 1, 3) : 0;
     ++learning_.cycles;
   }
 
