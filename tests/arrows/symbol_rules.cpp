@@ -17,8 +17,9 @@ bool may_need(const std::string& symbol) {
 }
 
 std::vector<std::string> symbol_breaches(const std::string& objdump_text) {
-  // "address flags section size name", flags being seven characters; flag O is an object, section *UND* undefined.
-  static const std::regex row(R"(^[0-9a-f]+ (.{7}) (\S+)\s+([0-9a-f]+)\s+(?:\.hidden )?(\S+)\s*$)");
+  // "address flags section size name", flags being seven characters; flag O is an object (thread-locals lack it), flag
+  // d the section's own entry; section *UND* means undefined.
+  static const std::regex row(R"(^[0-9a-f]+ (.{7}) (\S+)\s+[0-9a-f]+\s+(?:\.hidden )?(\S+)\s*$)");
   static const std::regex mutable_section(R"(\.data|\.data\.(?!rel\.ro).*|\.bss.*|\.tbss.*|\.tdata.*|\*COM\*)");
   std::set<std::string> needed, defined, breaches;
   std::istringstream in(objdump_text);
@@ -26,13 +27,13 @@ std::vector<std::string> symbol_breaches(const std::string& objdump_text) {
   while (std::getline(in, line)) {
     std::smatch match;
     if (!std::regex_match(line, match, row)) continue;
-    const std::string flags = match[1], section = match[2], size = match[3], name = match[4];
+    const std::string flags = match[1], section = match[2], name = match[3];
     if (section == "*UND*") {
       needed.insert(name);
       continue;
     }
     defined.insert(name);
-    const bool object = flags.find('O') != std::string::npos;
+    const bool object = flags.find('O') != std::string::npos || (section.starts_with(".t") && flags[5] != 'd');
     if (object && std::regex_match(section, mutable_section)) breaches.insert("defines mutable " + name);
     if (name.starts_with("_ZTV")) breaches.insert("defines virtual table " + name);
     if (name.starts_with("_ZTI")) breaches.insert("defines type information " + name);
