@@ -68,6 +68,8 @@ class Weather {
   const Location& location() const { return location_; }
   const std::string& description() const { return description_; }
   int interval_s() const { return interval_s_; }
+  /// Intervals between 1 January 00:00 and the first record.
+  int first_interval() const { return static_cast<int>(first_interval_); }
   const std::vector<WeatherRecord>& records() const { return records_; }
 
  private:
