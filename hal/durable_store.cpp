@@ -1,0 +1,175 @@
+// Opening and committing; loading is in durable_store_load.cpp.
+#include "hal/durable_store.hpp"
+
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace airside::hal {
+namespace {
+
+constexpr std::size_t chunk_bytes = 65536;
+constexpr const char* row_names[2] = {"row.a", "row.b"};
+constexpr const char* learning_names[2] = {"learning.a", "learning.b"};
+constexpr const char* replay_names[2] = {"replay.a", "replay.b"};
+
+auto fail(StoreFault fault, const char* step) { return tl::make_unexpected(StoreError{fault, 0, step}); }
+
+}  // namespace
+
+std::uint64_t StoreLayout::hash() const {
+  const std::uint64_t words[] = {learning_bytes, row_bytes, transition_bytes, ring_capacity, spare_slots, meaning};
+  return digest64(std::as_bytes(std::span(words)), record_version);
+}
+
+StoreResult<DurableStore> DurableStore::open(const char* dir, const StoreLayout& layout, Sync sync) {
+  DurableStore store;
+  store.layout_ = layout;
+  store.sync_ = sync;
+  auto folder = StorageFile::open_dir(dir);
+  if (!folder) return tl::make_unexpected(folder.error());
+  store.dir_ = std::move(*folder);
+  const int dir_fd = store.dir_.descriptor();
+  auto lock = StorageFile::open(dir_fd, "lock", true, "open lock of state folder");
+  if (!lock) return tl::make_unexpected(lock.error());
+  store.lock_ = std::move(*lock);
+  if (::flock(store.lock_.descriptor(), LOCK_EX | LOCK_NB) != 0) {
+    return tl::make_unexpected(store_error(errno, "lock state folder"));
+  }
+  const std::uint64_t journal_bytes = store.ring_slots() * store.stride();
+  const auto open_all = [&](StorageFile(&files)[2], const char* const(&names)[2], std::uint64_t bytes,
+                            const char* step) -> StoreResult<void> {
+    for (int i = 0; i < 2; ++i) {
+      auto file = StorageFile::open(dir_fd, names[i], true, step);
+      if (!file) return tl::make_unexpected(file.error());
+      files[i] = std::move(*file);
+      if (const auto done = files[i].reserve(bytes, step); !done) return done;
+    }
+    return {};
+  };
+  const std::size_t row_end = payload_offset + layout.row_bytes;
+  if (auto done = open_all(store.row_, row_names, row_end, "open row record"); !done) {
+    return tl::make_unexpected(done.error());
+  }
+  if (auto done = open_all(store.learning_, learning_names, row_end + layout.learning_bytes, "open learning record");
+      !done) {
+    return tl::make_unexpected(done.error());
+  }
+  if (auto done = open_all(store.replay_, replay_names, journal_bytes, "open replay journal"); !done) {
+    return tl::make_unexpected(done.error());
+  }
+  if (sync == Sync::full && ::fsync(dir_fd) != 0) {
+    return tl::make_unexpected(store_error(errno, "sync state folder"));
+  }
+  store.scratch_bytes_ = std::max(store.stride(), chunk_bytes / store.stride() * store.stride());
+  store.scratch_ = std::make_unique<std::byte[]>(store.scratch_bytes_);
+  if (const auto done = store.scan(); !done) return tl::make_unexpected(done.error());
+  return store;
+}
+
+std::uint64_t DurableStore::run_length(std::uint64_t number, std::uint64_t end) const {
+  const std::uint64_t to_wrap = ring_slots() - number % ring_slots();
+  return std::min({end - number, to_wrap, std::uint64_t{scratch_bytes_ / stride()}});
+}
+
+StoreResult<void> DurableStore::write_replay(std::uint64_t first, std::uint64_t end, std::uint64_t epoch,
+                                             std::span<const std::byte> replay) {
+  if (first == end) return {};
+  const StorageFile& file = replay_[epoch & 1];
+  const std::size_t size = layout_.transition_bytes;
+  while (first < end) {
+    const std::uint64_t run = run_length(first, end);
+    std::memset(scratch_.get(), 0, static_cast<std::size_t>(run) * stride());
+    for (std::uint64_t i = 0; i < run; ++i) {
+      const std::uint64_t number = first + i;
+      const auto slot = static_cast<std::size_t>(number % layout_.ring_capacity);
+      const auto bytes = replay.subspan(slot * size, size);
+      const JournalEntry entry{number, digest64(bytes, number ^ (epoch << 40))};
+      std::byte* at = scratch_.get() + static_cast<std::size_t>(i) * stride();
+      std::memcpy(at, &entry, sizeof entry);
+      std::memcpy(at + sizeof entry, bytes.data(), size);
+    }
+    const auto done = file.write_at({scratch_.get(), static_cast<std::size_t>(run) * stride()},
+                                    first % ring_slots() * stride(), "write replay journal");
+    if (!done) return done;
+    first += run;
+  }
+  return file.sync(sync_, "sync replay journal");
+}
+
+StoreResult<void> DurableStore::write_record(const StorageFile& file, const RecordHeader& header,
+                                             const StoredState& state) const {
+  const bool learning = header.kind == static_cast<std::uint32_t>(RecordKind::learning);
+  const char* step = learning ? "write learning record" : "write row record";
+  std::byte front[payload_offset] = {};
+  std::memcpy(front, &header, sizeof header);
+  if (const auto done = file.write_at(front, 0, step); !done) return done;
+  std::size_t at = payload_offset;
+  if (learning) {
+    if (const auto done = file.write_at(state.learning, at, step); !done) return done;
+    at += state.learning.size();
+  }
+  if (const auto done = file.write_at(state.row, at, step); !done) return done;
+  return file.sync(sync_, learning ? "sync learning record" : "sync row record");
+}
+
+StoreResult<void> DurableStore::commit(const StoredState& state) {
+  if (state.learning.size() != layout_.learning_bytes || state.row.size() != layout_.row_bytes ||
+      state.replay.size() != layout_.transition_bytes * layout_.ring_capacity) {
+    return fail(StoreFault::wrong_size, "commit state");
+  }
+  learning_in_doubt_ = learning_in_doubt_ || state.learning_changed;
+  rewrite_replay_ = rewrite_replay_ || state.replay_count < committed_.replay_count ||
+                    state.replay_count - committed_.replay_count > layout_.spare_slots;
+
+  Committed next = committed_;
+  next.generation = highest_generation_ + 1;
+  next.replay_count = state.replay_count;
+  next.log = state.log;
+  if (rewrite_replay_) ++next.epoch;
+  const std::uint64_t first = rewrite_replay_ ? first_transition(state.replay_count)
+                                              : std::max(committed_.replay_count, first_transition(state.replay_count));
+  if (const auto done = write_replay(first, state.replay_count, next.epoch, state.replay); !done) return done;
+
+  RecordHeader header;
+  header.layout = layout_.hash();
+  header.generation = next.generation;
+  header.epoch = next.epoch;
+  header.replay_count = next.replay_count;
+  header.log_day = next.log.day;
+  header.log_bytes = next.log.bytes;
+  header.log_part = next.log.part;
+  if (learning_in_doubt_) {
+    next.learning_slot = 1 - committed_.learning_slot;
+    next.learning_generation = next.generation;
+    next.learning_digest = digest64(state.learning);
+    header.kind = static_cast<std::uint32_t>(RecordKind::learning);
+    header.payload_bytes = state.learning.size() + state.row.size();
+    header.payload_digest = digest64(state.row, next.learning_digest);
+    header.learning_generation = next.learning_generation;
+    header.learning_digest = next.learning_digest;
+    header.header_digest = header.digest();
+    if (const auto done = write_record(learning_[next.learning_slot], header, state); !done) return done;
+  }
+
+  next.row_slot = 1 - committed_.row_slot;
+  header.kind = static_cast<std::uint32_t>(RecordKind::row);
+  header.payload_bytes = state.row.size();
+  header.payload_digest = digest64(state.row);
+  header.learning_generation = next.learning_generation;
+  header.learning_digest = next.learning_digest;
+  header.header_digest = header.digest();
+  // The number is spent even if the write fails: a record that may have reached the medium must not share it.
+  highest_generation_ = next.generation;
+  if (const auto done = write_record(row_[next.row_slot], header, state); !done) return done;
+
+  committed_ = next;
+  learning_in_doubt_ = false;
+  rewrite_replay_ = false;
+  return {};
+}
+
+}  // namespace airside::hal

@@ -1,0 +1,258 @@
+#include "hal/row_log.hpp"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <string_view>
+#include <vector>
+
+#include "hal/civil_text.hpp"
+
+namespace airside::hal {
+namespace {
+
+constexpr std::string_view prefix = "airside-";
+constexpr std::string_view suffix = ".csv";
+constexpr std::uint32_t max_parts = 99;
+
+std::span<const std::byte> bytes_of(const char* text, std::size_t size) { return std::as_bytes(std::span(text, size)); }
+
+}  // namespace
+
+void RowLog::write_name(char (&name)[name_size], FileId id) {
+  char* at = std::copy(prefix.begin(), prefix.end(), name);
+  at = write_date_text(at, {id.day * 86400});
+  if (id.part > 0) {
+    *at++ = '_';
+    *at++ = static_cast<char>('0' + id.part / 10 % 10);
+    *at++ = static_cast<char>('0' + id.part % 10);
+  }
+  at = std::copy(suffix.begin(), suffix.end(), at);
+  *at = '\0';
+}
+
+bool RowLog::parse_name(const char* name, FileId& id) {
+  std::string_view text(name);
+  if (text.size() < prefix.size() + date_text_size + suffix.size()) return false;
+  char date[civil_text_size] = {};
+  std::memcpy(date, name + prefix.size(), date_text_size);
+  std::memcpy(date + date_text_size, "T00:00:00", 9);
+  const auto time = parse_civil_text({date, civil_text_size});
+  if (!time) return false;
+  id = {time->day(), 0};
+  if (text.size() == prefix.size() + date_text_size + 3 + suffix.size()) {
+    const char* digits = name + prefix.size() + date_text_size + 1;
+    id.part = static_cast<std::uint32_t>((digits[0] - '0') * 10 + (digits[1] - '0'));
+    if (id.part < 1 || id.part > max_parts) return false;
+  }
+  char again[name_size];
+  write_name(again, id);
+  return text == again;
+}
+
+StoreResult<RowLog> RowLog::open(const char* dir, const TopologyCounts& counts, const RowLogLimits& limits, Sync sync) {
+  RowLog log;
+  log.header_ = log_header(counts, true);
+  log.limits_ = {std::max(limits.max_files, 2), limits.max_file_bytes};
+  log.sync_ = sync;
+  log.text_ = std::make_unique<char[]>(log.header_.size() + max_log_row_text);
+  auto folder = StorageFile::open_dir(dir);
+  if (!folder) return tl::make_unexpected(folder.error());
+  log.dir_ = std::move(*folder);
+  if (::faccessat(log.dir_.descriptor(), ".", W_OK, AT_EACCESS) != 0) {
+    return tl::make_unexpected(store_error(errno, "open log folder"));
+  }
+  if (const auto done = log.list_files(); !done) return tl::make_unexpected(done.error());
+  if (const auto done = log.open_newest(); !done) return tl::make_unexpected(done.error());
+  return log;
+}
+
+StoreResult<void> RowLog::list_files() {
+  const int fd = ::openat(dir_.descriptor(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  DIR* entries = fd < 0 ? nullptr : ::fdopendir(fd);
+  if (entries == nullptr) return tl::make_unexpected(store_error(errno, "list log folder"));
+  std::vector<FileId> found;
+  while (const dirent* entry = ::readdir(entries)) {
+    FileId id{};
+    if (parse_name(entry->d_name, id)) found.push_back(id);
+  }
+  ::closedir(entries);
+  std::sort(found.begin(), found.end());
+  const auto keep = static_cast<std::size_t>(limits_.max_files);
+  const std::size_t surplus = found.size() > keep ? found.size() - keep : 0;
+  for (std::size_t i = 0; i < surplus; ++i) {
+    if (const auto done = remove(found[i]); !done) return done;
+  }
+  files_ = std::make_unique<FileId[]>(keep + 1);
+  file_count_ = found.size() - surplus;
+  std::copy(found.begin() + static_cast<std::ptrdiff_t>(surplus), found.end(), files_.get());
+  return {};
+}
+
+StoreResult<void> RowLog::remove(FileId id) {
+  char name[name_size];
+  write_name(name, id);
+  if (::unlinkat(dir_.descriptor(), name, 0) != 0 && errno != ENOENT) {
+    return tl::make_unexpected(store_error(errno, "remove old log"));
+  }
+  return {};
+}
+
+/// Opens the newest file that holds a row; files that hold none are removed.
+StoreResult<void> RowLog::open_newest() {
+  position_ = {};
+  last_time_ = before_all;
+  file_.close();
+  while (file_count_ > 0) {
+    const FileId id = files_[file_count_ - 1];
+    char name[name_size];
+    write_name(name, id);
+    auto file = StorageFile::open(dir_.descriptor(), name, false, "open log");
+    if (!file) return tl::make_unexpected(file.error());
+    file_ = std::move(*file);
+    position_ = {id.day, id.part, 0};
+    if (const auto done = find_last_row(); !done) return done;
+    if (position_.bytes > 0) return {};
+    file_.close();
+    if (const auto done = remove(id); !done) return done;
+    --file_count_;
+    position_ = {};
+  }
+  return {};
+}
+
+/// Sets position and last_time from the end of the open file and cuts off an unfinished row.
+StoreResult<void> RowLog::find_last_row() {
+  const auto size = file_.size("read log");
+  if (!size) return tl::make_unexpected(size.error());
+  std::uint64_t end = *size;
+  const std::size_t window = max_log_row_text;
+  while (true) {
+    const std::uint64_t begin = end > window ? end - window : 0;
+    const std::span<char> text(text_.get(), static_cast<std::size_t>(end - begin));
+    const auto got = file_.read_at(std::as_writable_bytes(text), begin, "read log");
+    if (!got) return tl::make_unexpected(got.error());
+    const std::string_view tail(text.data(), *got);
+    const std::size_t last = tail.rfind('\n');
+    if (last == std::string_view::npos) {
+      end = 0;
+      break;
+    }
+    const std::size_t before = last == 0 ? std::string_view::npos : tail.rfind('\n', last - 1);
+    const std::size_t row = before == std::string_view::npos ? 0 : before + 1;
+    end = begin + last + 1;
+    const auto time = parse_civil_text(tail.substr(row, std::min(civil_text_size, last - row)));
+    if (time) {
+      last_time_ = *time;
+      break;
+    }
+    // A line without a time: the header (nothing logged), or what a power cut left of a row.
+    if (before == std::string_view::npos) {
+      end = 0;
+      break;
+    }
+    end = begin + row;
+  }
+  if (end < *size) {
+    if (const auto done = file_.truncate(end, "cut unfinished row"); !done) return done;
+  }
+  position_.bytes = end;
+  const std::span<char> front(text_.get(), header_.size());
+  const auto got = file_.read_at(std::as_writable_bytes(front), 0, "read log");
+  if (!got) return tl::make_unexpected(got.error());
+  other_header_ = std::string_view(front.data(), *got) != header_;
+  return {};
+}
+
+StoreResult<void> RowLog::resume(const LogPosition& committed) {
+  const FileId id{committed.day, committed.part};
+  file_.close();
+  while (committed.bytes > 0 && file_count_ > 0 && files_[file_count_ - 1] > id) {
+    if (const auto done = remove(files_[file_count_ - 1]); !done) return done;
+    --file_count_;
+  }
+  bool shorter = committed.bytes > 0;
+  if (committed.bytes > 0 && file_count_ > 0 && files_[file_count_ - 1] == id) {
+    char name[name_size];
+    write_name(name, id);
+    const auto file = StorageFile::open(dir_.descriptor(), name, false, "open log");
+    if (!file) return tl::make_unexpected(file.error());
+    const auto size = file->size("read log");
+    if (!size) return tl::make_unexpected(size.error());
+    shorter = *size < committed.bytes;
+    if (*size > committed.bytes) {
+      if (const auto done = file->truncate(committed.bytes, "cut uncommitted rows"); !done) return done;
+    }
+  }
+  if (const auto done = open_newest(); !done) return done;
+  shorter = shorter || (committed.bytes > 0 && !(position_ == committed));
+  if (shorter) return tl::make_unexpected(StoreError{StoreFault::log_shorter, 0, "resume log"});
+  return {};
+}
+
+StoreResult<void> RowLog::start_file(FileId id) {
+  if (const auto done = sync(); !done) return done;
+  char name[name_size];
+  write_name(name, id);
+  auto file = StorageFile::open(dir_.descriptor(), name, true, "create log");
+  if (!file) return tl::make_unexpected(file.error());
+  if (const auto done = file->truncate(0, "create log"); !done) return done;
+  file_ = std::move(*file);
+  position_ = {id.day, id.part, 0};
+  new_file_unsynced_ = true;
+  other_header_ = false;
+  if (file_count_ == 0 || files_[file_count_ - 1] != id) files_[file_count_++] = id;
+  while (file_count_ > static_cast<std::size_t>(limits_.max_files)) {
+    if (const auto done = remove(files_[0]); !done) return done;
+    std::move(files_.get() + 1, files_.get() + file_count_, files_.get());
+    --file_count_;
+  }
+  return {};
+}
+
+StoreResult<void> RowLog::append(const LogRow& row) {
+  if (row.time <= last_time_) {
+    return tl::make_unexpected(StoreError{StoreFault::out_of_order, 0, "append row to log"});
+  }
+  const std::size_t header = header_.size();
+  std::memcpy(text_.get(), header_.data(), header);
+  const std::size_t size = format_log_row({text_.get() + header, max_log_row_text}, row, true);
+  if (size == 0) return tl::make_unexpected(StoreError{StoreFault::row_too_long, 0, "append row to log"});
+  FileId id{row.time.day(), 0};
+  if (file_.is_open() && position_.day == id.day) {
+    id.part = position_.part;
+    const bool full = position_.bytes + size > limits_.max_file_bytes && position_.bytes > 0;
+    if ((full || other_header_) && id.part < max_parts) ++id.part;
+  }
+  if (!file_.is_open() || FileId{position_.day, position_.part} != id) {
+    if (const auto done = start_file(id); !done) return done;
+  }
+  const bool first = position_.bytes == 0;
+  const char* begin = first ? text_.get() : text_.get() + header;
+  const std::size_t bytes = first ? header + size : size;
+  const auto done = file_.write_at(bytes_of(begin, bytes), position_.bytes, "append row to log");
+  if (!done) {
+    // What was written of the row goes; if even that fails, the next row overwrites it from the same place.
+    (void)file_.truncate(position_.bytes, "append row to log");
+    return done;
+  }
+  position_.bytes += bytes;
+  last_time_ = row.time;
+  return {};
+}
+
+StoreResult<void> RowLog::sync() {
+  if (!file_.is_open()) return {};
+  if (const auto done = file_.sync(sync_, "sync log"); !done) return done;
+  if (new_file_unsynced_ && sync_ == Sync::full && ::fsync(dir_.descriptor()) != 0) {
+    return tl::make_unexpected(store_error(errno, "sync log folder"));
+  }
+  new_file_unsynced_ = false;
+  return {};
+}
+
+}  // namespace airside::hal
