@@ -20,7 +20,7 @@ const char* text_of(KernelKind kind) {
 
 bool cpu_has(KernelKind kind) {
   if (kind == KernelKind::strict) return true;
-#if defined(__x86_64__) || defined(__i386__)
+#if !defined(AIRSIDE_STRICT) && (defined(__x86_64__) || defined(__i386__))
   __builtin_cpu_init();
   const bool avx2 = __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0;
   if (kind == KernelKind::avx2) return avx2;
