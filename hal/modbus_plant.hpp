@@ -1,0 +1,137 @@
+#pragma once
+// An AHU and its rooms behind Modbus, as lib's Plant: the same loop drives it and a simulation.
+
+#include <array>
+#include <optional>
+
+#include "airside/command.hpp"
+#include "airside/plant.hpp"
+#include "airside/reading.hpp"
+#include "airside/signals.hpp"
+#include "hal/modbus_link.hpp"
+#include "hal/modbus_poller.hpp"
+#include "hal/modbus_setpoint.hpp"
+#include "hal/plant_clock.hpp"
+#include "hal/point_map.hpp"
+
+namespace airside::hal {
+
+struct ModbusPlantOptions {
+  double settle_s = 0.0;  ///< how long the setpoint's read-back may lag behind the write, s
+  /// Local standard time, s east of UTC, where the map has no clock_s; without it the machine's time zone.
+  std::optional<int> utc_offset_s;
+};
+
+/// The age of readings as the device's own heartbeat tells it.
+class HeartbeatAge {
+ public:
+  /// s since `beat` last changed. NaN beats count as unchanged.
+  double update(CivilTime now, double beat) {
+    if (beat == beat && beat != last_) {
+      last_ = beat;
+      changed_ = now;
+    }
+    return changed_ ? static_cast<double>((now.seconds - changed_->seconds)) : 0.0;
+  }
+
+ private:
+  double last_ = std::numeric_limits<double>::quiet_NaN();
+  std::optional<CivilTime> changed_;
+};
+
+template <Topology T>
+class ModbusPlant {
+ public:
+  /// Keeps `link`, which must outlive it.
+  /// Errors: InputError where the map does not fit the topology.
+  ModbusPlant(const PointMap& map, ModbusLink& link, const ModbusPlantOptions& options = {})
+      : link_(&link),
+        setpoint_(map, "setpoint", options.settle_s),
+        clock_({}, options.utc_offset_s),
+        poller_(points_to_read(map)),
+        fingerprint_(map.fingerprint()) {
+    if (const Point* beat = map.find("heartbeat"); beat != nullptr && beat->writable()) {
+      heartbeat_.emplace(map, "heartbeat");
+    }
+  }
+
+  /// All signals now; one that the device refuses, or that is a sentinel or out of its limits, is NaN.
+  /// Errors: no_reading where the link failed. Cost: one exchange a block of registers; no heap.
+  Expected<Reading<T>> sense() {
+    const LinkResult<void> polled = poller_.poll(*link_);
+    last_fault_ = polled ? std::nullopt : std::optional(polled.error());
+    if (!polled) return tl::unexpected(Fault::no_reading);
+    Reading<T> reading;
+    for (int i = 0; i < Layout<T>::signals; ++i) reading.value[i] = poller_.value(i);
+    if (setpoint_slot_ >= 0) reading.setpoint_degc = poller_.value(setpoint_slot_);
+    if (supply_slot_ >= 0) reading.supply_temp_degc = poller_.value(supply_slot_);
+    reading.time = clock_.now();
+    if (clock_slot_ >= 0) {
+      if (poller_.fault(clock_slot_) != Fault::none) return tl::unexpected(Fault::no_reading);
+      reading.time.seconds = clock_epoch.seconds + static_cast<std::int64_t>(poller_.value(clock_slot_));
+    }
+    if (beat_slot_ >= 0) reading.age_s.setConstant(age_.update(reading.time, poller_.value(beat_slot_)));
+    return reading;
+  }
+
+  /// Writes the setpoint as its write_policy says and reads it back: a device that clamps shows in Applied.
+  /// Errors: not_applied. Cost: at most 4 exchanges; no heap.
+  Expected<Applied> actuate(const Command& command) {
+    const Expected<double> taken = setpoint_.write(*link_, command.setpoint_degc());
+    if (!taken) return tl::unexpected(Fault::not_applied);
+    return Applied{*taken};
+  }
+
+  /// Counts the heartbeat up where the map has a writable one; without it the AHU takes over by itself.
+  /// False: it could not be written. Cost: at most 3 exchanges.
+  bool beat() {
+    if (!heartbeat_) return true;
+    const double next = beat_value_ >= heartbeat_->point().max ? heartbeat_->point().min : beat_value_ + 1;
+    if (!heartbeat_->write(*link_, next)) return false;
+    beat_value_ = next;
+    return true;
+  }
+
+  /// Why signal `index` of the last reading is NaN; none where it is not.
+  Fault signal_fault(int index) const { return poller_.fault(index); }
+  /// Why the last sense() failed.
+  const std::optional<LinkFault>& last_fault() const { return last_fault_; }
+  std::uint8_t last_exception() const { return poller_.last_exception(); }
+  std::uint64_t setpoint_writes() const { return setpoint_.writes(); }
+  std::uint64_t map_fingerprint() const { return fingerprint_; }
+  const ModbusLink& link() const { return *link_; }
+
+ private:
+  /// Signals in the order of Layout<T>, then whatever else the map has of setpoint, supply_temp, clock, heartbeat.
+  std::vector<Point> points_to_read(const PointMap& map) {
+    map.check_topology(T::vavs, T::fcus, T::powers);
+    std::vector<Point> points;
+    for (int i = 0; i < Layout<T>::signals; ++i) points.push_back(map.at(point_name(signal_id<T>(i))));
+    const auto add = [&](const Point* point) {
+      if (point == nullptr) return -1;
+      points.push_back(*point);
+      return static_cast<int>(points.size()) - 1;
+    };
+    setpoint_slot_ = add(setpoint_.readback());
+    supply_slot_ = add(map.find("supply_temp"));
+    clock_slot_ = add(map.find("clock_s"));
+    const Point* beat = map.find("heartbeat");
+    beat_slot_ = beat != nullptr && !beat->writable() ? add(beat) : -1;
+    return points;
+  }
+
+  ModbusLink* link_;
+  int setpoint_slot_ = -1, supply_slot_ = -1, clock_slot_ = -1, beat_slot_ = -1;
+  ModbusSetpoint setpoint_;
+  SystemClock clock_;
+  ModbusPoller poller_;
+  std::uint64_t fingerprint_;
+  std::optional<ModbusSetpoint> heartbeat_;
+  HeartbeatAge age_;
+  double beat_value_ = 0;
+  std::optional<LinkFault> last_fault_;
+};
+
+static_assert(Plant<ModbusPlant<FiveZone>, FiveZone>);
+
+}  // namespace airside::hal
