@@ -7,6 +7,19 @@ file(GLOB AIRSIDE_TOOLS_SOURCES CONFIGURE_DEPENDS
   ${CMAKE_CURRENT_SOURCE_DIR}/report/*.cpp)
 list(FILTER AIRSIDE_TOOLS_SOURCES EXCLUDE REGEX "/tools/(main|command_[^/]*)\\.cpp$")
 
-add_library(airside_tools STATIC ${AIRSIDE_TOOLS_SOURCES})
+# The page of a report is built into the program: a report needs no installed file and no network.
+set(page_parts ${CMAKE_CURRENT_BINARY_DIR}/page_parts.cpp)
+set(page_dir ${CMAKE_CURRENT_SOURCE_DIR}/report)
+set(page_files page_css=${page_dir}/page.css page_js=${page_dir}/page.js uplot_css=${page_dir}/vendor/uplot.min.css
+    uplot_js=${page_dir}/vendor/uplot.iife.min.js uplot_licence=${page_dir}/vendor/LICENSE.uplot)
+list(JOIN page_files "|" page_inputs)
+list(TRANSFORM page_files REPLACE "^[^=]+=" "" OUTPUT_VARIABLE page_depends)
+add_custom_command(
+  OUTPUT ${page_parts}
+  COMMAND ${CMAKE_COMMAND} -DOUTPUT=${page_parts} "-DINPUTS=${page_inputs}" -P ${page_dir}/embed.cmake
+  DEPENDS ${page_depends} ${page_dir}/embed.cmake
+  VERBATIM)
+
+add_library(airside_tools STATIC ${AIRSIDE_TOOLS_SOURCES} ${page_parts})
 target_include_directories(airside_tools PUBLIC ${PROJECT_SOURCE_DIR})
 target_link_libraries(airside_tools PUBLIC airside_sim nlohmann_json::nlohmann_json fmt::fmt)

@@ -1,0 +1,21 @@
+# Writes OUTPUT, a C++ source that holds the files of INPUTS ("name=path", separated by '|') as texts.
+# Run as: cmake -DOUTPUT=... -DINPUTS=... -P embed.cmake
+string(REPLACE "|" ";" pairs "${INPUTS}")
+set(code "// Generated from tools/report by embed.cmake.\n#include \"tools/report/page_parts.hpp\"\n\nnamespace airside::tools {\n")
+foreach(pair ${pairs})
+  string(REGEX MATCH "^([^=]+)=(.*)$" ignored "${pair}")
+  set(name "${CMAKE_MATCH_1}")
+  file(READ "${CMAKE_MATCH_2}" text)
+  # Compilers promise string literals of 65,536 characters only, so long files become several.
+  string(LENGTH "${text}" length)
+  string(APPEND code "const char* const ${name}[] = {\n")
+  set(at 0)
+  while(at LESS length)
+    string(SUBSTRING "${text}" ${at} 15000 piece)
+    string(APPEND code "R\"airside_part(${piece})airside_part\",\n")
+    math(EXPR at "${at} + 15000")
+  endwhile()
+  string(APPEND code "nullptr};\n")
+endforeach()
+string(APPEND code "}  // namespace airside::tools\n")
+file(WRITE "${OUTPUT}" "${code}")

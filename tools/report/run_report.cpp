@@ -1,0 +1,342 @@
+#include "tools/report/run_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/civil_text.hpp"
+#include "hal/input_error.hpp"
+#include "tools/report/report_text.hpp"
+
+namespace airside::tools {
+namespace {
+
+using Kind = MethodResult::Kind;
+
+const MethodResult& ours_of(const std::vector<MethodResult>& methods) {
+  const MethodResult* ours = nullptr;
+  for (const MethodResult& m : methods) {
+    if (m.runs.empty()) {
+      throw hal::InputError("report: method \"" + m.name + '"', "no run", "one run a seed", "leave the method out");
+    }
+    if (m.kind != Kind::ours) continue;
+    if (ours) throw hal::InputError("report", "two methods of kind ours", "exactly one", "mark one as a peer");
+    ours = &m;
+  }
+  if (!ours) throw hal::InputError("report", "no method of kind ours", "exactly one", "mark the method of the report");
+  return *ours;
+}
+
+const MethodResult* schedule_of(const std::vector<MethodResult>& methods) {
+  for (const MethodResult& m : methods) {
+    if (m.kind == Kind::schedule) return &m;
+  }
+  return nullptr;
+}
+
+SeriesRole role_of(Kind kind) {
+  return kind == Kind::ours ? SeriesRole::main : kind == Kind::schedule ? SeriesRole::reference : SeriesRole::plain;
+}
+
+std::vector<double> seconds_of(const std::vector<CivilTime>& times) {
+  std::vector<double> x;
+  x.reserve(times.size());
+  for (const CivilTime t : times) x.push_back(static_cast<double>(t.seconds));
+  return x;
+}
+
+double mean_of(const MethodResult& method, double Metrics::*figure) { return spread_of(method.runs, figure).mean; }
+
+std::string days_text(std::size_t days) { return days == 1 ? "one day" : fmt::format("{} days", days); }
+
+std::string rooms_text(std::size_t rooms) {
+  constexpr const char* words[] = {"no", "one", "two", "three", "four", "five", "six", "seven", "eight"};
+  return rooms < std::size(words) ? words[rooms] : std::to_string(rooms);
+}
+
+/// What an operator wants to know, in the order of asking: comfort, worst day, schedule, energy.
+std::string headline(const RunRecord& r, const MethodResult& ours, const MethodResult* schedule) {
+  const std::size_t days = ours.runs[0].days.size();
+  const std::size_t rooms = r.room_temp_degc.size();
+  std::string text = fmt::format(
+      "Over {} the mean of the {} stayed within {} °C of the {} °C target on average in working hours, and within {} "
+      "°C "
+      "on the worst day.",
+      days_text(days),
+      rooms == 1   ? "room"
+      : rooms == 0 ? "rooms"
+                   : rooms_text(rooms) + " rooms",
+      number_text(mean_of(ours, &Metrics::dae_degc), 2), number_text(r.metrics.target_degc, 2),
+      number_text(mean_of(ours, &Metrics::me_degc), 2));
+  if (!schedule) return text;
+  text += fmt::format(" The expert schedule was {} °C off on the same days",
+                      number_text(mean_of(*schedule, &Metrics::dae_degc), 2));
+  const double used = mean_of(ours, &Metrics::hvac_kwh_per_day);
+  const double before = mean_of(*schedule, &Metrics::hvac_kwh_per_day);
+  if (!(used > 0 && before > 0)) return text + ".";
+  const double percent = 100 * (used / before - 1);
+  if (std::abs(percent) < 0.5) return text + ", for practically the same electricity.";
+  return text + fmt::format(" and used {} kWh of electricity a day; this control used {} kWh, {} % {}.",
+                            number_text(before, 1), number_text(used, 1), number_text(std::abs(percent), 0),
+                            percent < 0 ? "less" : "more");
+}
+
+std::vector<KeyFigure> key_figures(const MethodResult& ours, const MethodResult* schedule) {
+  const auto figure = [&](const char* label, double Metrics::*member, const char* unit, int decimals) {
+    const Spread s = spread_of(ours.runs, member);
+    std::string note;
+    if (s.count > 1) note = fmt::format("± {} over {} runs", number_text(s.sd, decimals), s.count);
+    if (schedule) {
+      note += fmt::format("{}schedule {}", note.empty() ? "" : "; ", number_text(mean_of(*schedule, member), decimals));
+    }
+    return KeyFigure{number_text(s.mean, decimals), unit, label, note};
+  };
+  std::vector<KeyFigure> figures = {figure("Average error in working hours", &Metrics::dae_degc, "°C", 3),
+                                    figure("Error on the worst day", &Metrics::me_degc, "°C", 3),
+                                    figure("Error on the first day", &Metrics::day1_dae_degc, "°C", 3),
+                                    figure("Setpoint unrest (DARV)", &Metrics::darv_degc, "°C", 3)};
+  if (mean_of(ours, &Metrics::hvac_kwh_per_day) > 0) {
+    figures.push_back(figure("Electricity a day", &Metrics::hvac_kwh_per_day, "kWh", 1));
+  }
+  return figures;
+}
+
+void add_line_charts(const RunRecord& r, ReportInput& out) {
+  LineChart base;
+  if (!r.row_time.empty()) {
+    base.bands = working_hours(r.row_time.front(), r.row_time.back(), r.metrics);
+  } else if (!r.cycle_time.empty()) {
+    base.bands = working_hours(r.cycle_time.front(), r.cycle_time.back(), r.metrics);
+  }
+  base.band_name = "working hours";
+  const auto chart = [&](const char* title, const char* note, const char* unit, const std::vector<CivilTime>& time) {
+    LineChart c = base;
+    c.title = title;
+    c.note = note;
+    c.unit = unit;
+    c.x = seconds_of(time);
+    return c;
+  };
+  const auto add = [&](LineChart& c) {
+    if (!c.series.empty() && !c.x.empty()) out.blocks.emplace_back(std::move(c));
+  };
+  const auto line = [](LineChart& c, std::string name, const std::vector<double>& y, SeriesRole role, bool stepped) {
+    if (!y.empty()) c.series.push_back({std::move(name), y, role, stepped});
+  };
+
+  LineChart rooms = chart("Room temperature", "Working hours are shaded; only they are scored.", "°C", r.row_time);
+  for (const NamedValues& room : r.room_temp_degc) line(rooms, room.name, room.values, SeriesRole::muted, false);
+  line(rooms, "mean", r.room_mean_degc, SeriesRole::main, false);
+  line(rooms, "target", {r.metrics.target_degc}, SeriesRole::reference, false);
+  add(rooms);
+
+  LineChart setpoint = chart("Supply-air setpoint",
+                             "What the AHU was told, beside what the schedule, the network and the room head would "
+                             "each have chosen.",
+                             "°C", r.cycle_time);
+  line(setpoint, "expert schedule", r.expert_setpoint_degc, SeriesRole::reference, true);
+  line(setpoint, "network", r.network_setpoint_degc, SeriesRole::muted, true);
+  line(setpoint, "room head", r.head_setpoint_degc, SeriesRole::muted, true);
+  line(setpoint, "applied", r.setpoint_degc, SeriesRole::main, true);
+  add(setpoint);
+
+  LineChart confidence = chart("Confidence",
+                               "How far the controller trusts its own forecast: at 1 the schedule has no say, at 0 the "
+                               "schedule decides.",
+                               "0 to 1", r.cycle_time);
+  line(confidence, "confidence", r.confidence, SeriesRole::main, true);
+  confidence.y_min = 0;
+  confidence.y_max = 1;
+  add(confidence);
+
+  LineChart losses = chart("Forecast losses",
+                           "Errors of the network in its own units, each measured before it learnt "
+                           "from the cycle. Lower is better.",
+                           "loss, log scale", r.cycle_time);
+  for (const NamedValues& loss : r.losses) {
+    line(losses, loss.name, loss.values, loss.name == "total" ? SeriesRole::main : SeriesRole::plain, false);
+  }
+  losses.log_axis = true;
+  add(losses);
+
+  LineChart power = chart("Electric power", "", "kW", r.row_time);
+  for (const NamedValues& p : r.power_kw) line(power, p.name, p.values, SeriesRole::plain, false);
+  power.y_min = 0;
+  add(power);
+
+  LineChart outdoor = chart("Outdoor temperature", "", "°C", r.row_time);
+  line(outdoor, "outdoor air", r.outdoor_degc, SeriesRole::plain, false);
+  outdoor.decimals = 1;
+  add(outdoor);
+}
+
+TableRow empty_row(const MethodResult& m) {
+  TableRow row;
+  row.name = m.name;
+  if (m.kind == Kind::ours) row.role = SeriesRole::main;
+  if (m.kind == Kind::floor) row.role = SeriesRole::reference;
+  // The schedule never moves within the day and floors know the future: neither wins a column by merit.
+  row.competes = m.kind == Kind::ours || m.kind == Kind::peer;
+  return row;
+}
+
+/// Ours first, then by average error; floors are no controllers and stay out.
+std::vector<const MethodResult*> ranked(const std::vector<MethodResult>& methods) {
+  std::vector<const MethodResult*> order;
+  for (const MethodResult& m : methods) {
+    if (m.kind != Kind::floor) order.push_back(&m);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const MethodResult* a, const MethodResult* b) {
+    if ((a->kind == Kind::ours) != (b->kind == Kind::ours)) return a->kind == Kind::ours;
+    return mean_of(*a, &Metrics::dae_degc) < mean_of(*b, &Metrics::dae_degc);
+  });
+  return order;
+}
+
+BarChart daily_bars(const RunRecord& r, const MethodResult& ours) {
+  BarChart chart;
+  chart.title = "Error of each day";
+  chart.note =
+      "Daily average error (DAE) of the mean room temperature in working hours, mean over the runs. Choose a "
+      "method to see it alone.";
+  chart.unit = "DAE, °C";
+  chart.decimals = 3;
+  for (const DayMetrics& day : ours.runs[0].days)
+    chart.categories.push_back(hal::civil_text(day.midnight).substr(5, 5));
+  for (const MethodResult* m : ranked(r.methods)) {
+    BarGroup group{m->name, {}, {}, role_of(m->kind)};
+    for (std::size_t d = 0; d < chart.categories.size(); ++d) {
+      std::vector<double> values;
+      for (const Metrics& run : m->runs) {
+        if (d < run.days.size()) values.push_back(run.days[d].dae_degc);
+      }
+      const Spread s = spread_of(values);
+      group.y.push_back(s.count > 0 ? s.mean : std::nan(""));
+      group.spread.push_back(s.sd);
+    }
+    chart.groups.push_back(std::move(group));
+  }
+  return chart;
+}
+
+ReportTable rooms_table(const RunRecord& r, const MethodResult& ours) {
+  ReportTable table;
+  table.title = "Error of each room";
+  table.note =
+      "Average error of every room by itself, working hours. One AHU serves all rooms, so the mean can be right "
+      "while rooms differ; a large figure here asks for a look at that room's VAV balance.";
+  const std::size_t rooms = ours.runs[0].room_dae_degc.size();
+  for (std::size_t i = 0; i < rooms; ++i) {
+    table.columns.push_back({i < r.room_names.size() ? r.room_names[i] : fmt::format("room {}", i + 1), "°C", 2, true});
+  }
+  for (const MethodResult& m : r.methods) {
+    TableRow row = empty_row(m);
+    for (std::size_t i = 0; i < rooms; ++i) {
+      std::vector<double> values;
+      for (const Metrics& run : m.runs) {
+        if (i < run.room_dae_degc.size()) values.push_back(run.room_dae_degc[i]);
+      }
+      const Spread s = spread_of(values);
+      TableCell cell;
+      if (s.count > 0) cell.value = s.mean;
+      if (s.count > 1) cell.spread = s.sd;
+      row.cells.push_back(cell);
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+}  // namespace
+
+std::vector<ChartBand> working_hours(CivilTime from, CivilTime to, const MetricsSettings& settings) {
+  std::vector<ChartBand> bands;
+  for (std::int64_t day = from.day(); day <= to.day(); ++day) {
+    const CivilTime midnight{day * 86400};
+    if (settings.weekdays_only && midnight.weekday() >= 5) continue;
+    const double start = static_cast<double>(midnight.seconds + settings.work_start_s);
+    const double end = static_cast<double>(midnight.seconds + settings.work_end_s);
+    const double low = std::max(start, static_cast<double>(from.seconds));
+    const double high = std::min(end, static_cast<double>(to.seconds));
+    if (high > low) bands.push_back({low, high});
+  }
+  return bands;
+}
+
+ReportTable methods_table(const std::vector<MethodResult>& methods) {
+  struct Figure {
+    const char* name;
+    const char* unit;
+    double Metrics::*member;
+    int decimals;
+    bool mark;
+  };
+  static constexpr Figure figures[] = {
+      {"DAE", "°C", &Metrics::dae_degc, 3, true},
+      {"ME", "°C", &Metrics::me_degc, 3, true},
+      {"day 1", "°C", &Metrics::day1_dae_degc, 3, true},
+      {"DARV", "°C", &Metrics::darv_degc, 3, true},
+      {"degree-hours", "°C h a day", &Metrics::degree_hours_degch, 2, true},
+      {"above target", "°C h a day", &Metrics::degree_hours_above_degch, 2, true},
+      {"electricity", "kWh a day", &Metrics::hvac_kwh_per_day, 1, true},
+      {"CDH", "°C h", &Metrics::cdh_degch, 1, false},
+      {"HDH", "°C h", &Metrics::hdh_degch, 1, false},
+  };
+  ReportTable table;
+  table.title = "All methods";
+  table.note =
+      "Mean ± spread over the runs; the same plant, weather, days and seeds for all. DAE is the daily average "
+      "error, ME that of the worst day, DARV the mean change of the setpoint's step from cycle to cycle; CDH "
+      "and HDH are gaps between setpoint and room, not energy.";
+  for (const Figure& f : figures) table.columns.push_back({f.name, f.unit, f.decimals, f.mark});
+  const auto add = [&](const MethodResult& m) {
+    TableRow row = empty_row(m);
+    for (const Figure& f : figures) {
+      const Spread s = spread_of(m.runs, f.member);
+      TableCell cell;
+      const bool measured = f.member != &Metrics::hvac_kwh_per_day || s.mean != 0;
+      if (measured) cell.value = s.mean;
+      if (measured && s.count > 1) cell.spread = s.sd;
+      row.cells.push_back(cell);
+    }
+    table.rows.push_back(std::move(row));
+  };
+  for (const MethodResult* m : ranked(methods)) add(*m);
+  for (const MethodResult& m : methods) {
+    if (m.kind == Kind::floor) add(m);
+  }
+  return table;
+}
+
+ReportInput make_run_report(const RunRecord& r) {
+  const MethodResult& ours = ours_of(r.methods);
+  const MethodResult* schedule = schedule_of(r.methods);
+  ReportInput out;
+  out.title = r.site.empty() ? "Control run" : r.site;
+  out.subtitle = r.plant + (r.weather.empty() ? "" : ", weather " + r.weather);
+  if (!r.row_time.empty()) {
+    out.subtitle += fmt::format(", {} to {}", hal::civil_text(r.row_time.front()).substr(0, 10),
+                                hal::civil_text(r.row_time.back()).substr(0, 10));
+  }
+  out.headline = headline(r, ours, schedule);
+  out.figures = key_figures(ours, schedule);
+  add_line_charts(r, out);
+  out.blocks.emplace_back(daily_bars(r, ours));
+  out.blocks.emplace_back(methods_table(r.methods));
+  if (!ours.runs[0].room_dae_degc.empty()) out.blocks.emplace_back(rooms_table(r, ours));
+  out.command = r.command;
+  const auto fact = [&](const char* name, const std::string& value) {
+    if (!value.empty()) out.facts.push_back({name, value});
+  };
+  fact("site", r.site);
+  fact("plant", r.plant);
+  fact("weather", r.weather);
+  fact("seeds", r.seeds);
+  fact("versions", r.versions);
+  fact("weights", r.weights_digest);
+  out.facts.insert(out.facts.end(), r.more_facts.begin(), r.more_facts.end());
+  return out;
+}
+
+}  // namespace airside::tools
