@@ -30,6 +30,7 @@ void check_loops(const RoomLoopOptions& rooms, const ModelNames& names) {
          "one number a VAV zone");
   for (const double damper : rooms.dampers) expect(within(damper, 0, 1), "dampers", number(damper), "0 to 1");
   expect(within(rooms.supply_lag_s, 0, 7200), "supply_lag_s", number(rooms.supply_lag_s), "0 to 7200");
+  expect(within(rooms.supply_bias_k, -5, 5), "supply_bias_k", number(rooms.supply_bias_k), "-5 to 5");
   expect(within(rooms.occupancy_scale, 0, 2), "occupancy_scale", number(rooms.occupancy_scale), "0 to 2");
   expect(within(rooms.occupancy_noise, 0, 5), "occupancy_noise", number(rooms.occupancy_noise), "0 to 5");
   expect(within(rooms.occupancy_shift_min, -300, 300), "occupancy_shift_min", number(rooms.occupancy_shift_min),

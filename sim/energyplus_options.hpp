@@ -34,13 +34,14 @@ struct RoomLoopOptions {
   double fcu_band_k = 0.5;
   int fcu_from_hour = 7, fcu_to_hour = 20;
   std::vector<double> dampers = {0.52, 0.58, 0.55, 0.60, 0.54};  ///< fraction of each VAV's maximum flow
-  double supply_lag_s = 180;                                     ///< first-order lag of the AHU behind its setpoint
-  double occupancy_scale = 1.0;                                  ///< on the whole profile
-  double occupancy_shift_min = 0;                                ///< later (+) or earlier (-), every day
-  double occupancy_noise = 1.0;  ///< day-to-day and minute-to-minute variation; 0 repeats one day
-  bool weekends = false;         ///< Saturday and Sunday nearly empty
-  double vav_off_per_day = 0.1;  ///< chance that a VAV is off for 36-90 min on a day
-  double sensor_noise_k = 0.02;  ///< standard deviation; readings are then rounded to 0.01
+  double supply_lag_s = 90;                                      ///< first-order lag of the AHU behind its setpoint
+  double supply_bias_k = 0;        ///< how much warmer the supply is than its own sensor tells the AHU
+  double occupancy_scale = 1.0;    ///< on the whole profile
+  double occupancy_shift_min = 0;  ///< later (+) or earlier (-), every day
+  double occupancy_noise = 1.0;    ///< day-to-day and minute-to-minute variation; 0 repeats one day
+  bool weekends = false;           ///< Saturday and Sunday nearly empty
+  double vav_off_per_day = 0.1;    ///< chance that a VAV is off for 36-90 min on a day
+  double sensor_noise_k = 0.02;    ///< standard deviation; readings are then rounded to 0.01
 };
 
 /// Changes to the weather file, written into a copy for the run.

@@ -1,5 +1,6 @@
 #include "sim/energyplus_plant.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numeric>
@@ -122,27 +123,24 @@ int EnergyPlusPlant::worker_pid() const { return process_->pid(); }
 double full_forecast_setpoint(EnergyPlusPlant& plant, double target_degc, double low_degc, double high_degc) {
   const CivilTime until{std::min(plant.time().seconds + cycle_s, plant.end().seconds)};
   const auto error = [&](double setpoint) { return plant.branch_mean_room_temp_degc(setpoint, until) - target_degc; };
-  double low = low_degc, high = high_degc;
-  double low_error = error(low), high_error = error(high);
-  if (low_error >= 0) return low;
-  if (high_error <= 0) return high;
-  double setpoint = low;
-  for (int branches = 2; branches < 8; ++branches) {
-    setpoint = low - low_error * (high - low) / (high_error - low_error);
+  // Secant from the present setpoint: the rooms answer it almost linearly, with jumps where a fan coil switches.
+  double gain = 0.5;
+  double setpoint = std::clamp(plant.sensors().setpoint_degc, low_degc, high_degc);
+  double last_setpoint = setpoint, last_error = 0, best = setpoint, best_error = 1e9;
+  for (int branches = 0; branches < 7; ++branches) {
     const double e = error(setpoint);
-    if (std::abs(e) < 0.002) break;
-    // Illinois: halving the stale end's error keeps both ends moving.
-    if (e < 0) {
-      low = setpoint;
-      low_error = e;
-      high_error /= 2;
-    } else {
-      high = setpoint;
-      high_error = e;
-      low_error /= 2;
+    if (std::abs(e) < best_error) {
+      best_error = std::abs(e);
+      best = setpoint;
     }
+    if (best_error < 0.001) break;
+    if (setpoint != last_setpoint) gain = std::clamp((e - last_error) / (setpoint - last_setpoint), 0.2, 1.5);
+    last_setpoint = setpoint;
+    last_error = e;
+    setpoint = std::clamp(setpoint - e / gain, low_degc, high_degc);
+    if (setpoint == last_setpoint) break;  // at a limit
   }
-  return setpoint;
+  return best;
 }
 
 }  // namespace airside::sim

@@ -103,7 +103,7 @@ const RoomCommands& RoomLoops::step(CivilTime t, int step_s, double setpoint_deg
   lagged_setpoint_degc_ =
       setpoint_degc + (lagged_setpoint_degc_ - setpoint_degc) *
                           (options_.supply_lag_s > 0 ? std::exp(-step_s / options_.supply_lag_s) : 0.0);
-  commands_.supply_setpoint_degc = lagged_setpoint_degc_;
+  commands_.supply_setpoint_degc = lagged_setpoint_degc_ + options_.supply_bias_k;
   for (int i = 0; i < vavs_; ++i) commands_.vav_on[static_cast<std::size_t>(i)] = vav_out(t, i) ? 0.0 : 1.0;
   for (std::size_t i = 0; i < commands_.fcu_on.size(); ++i)
     commands_.fcu_on[i] = fcu_wanted(t, fcu_temps_degc[i], commands_.fcu_on[i] > 0.5) ? 1.0 : 0.0;
@@ -120,7 +120,7 @@ const RoomCommands& RoomLoops::step(CivilTime t, int step_s, double setpoint_deg
 
 RoomCommands RoomLoops::warm_up(CivilTime t, double setpoint_degc, const std::vector<double>& fcu_temps_degc) const {
   RoomCommands commands = commands_;
-  commands.supply_setpoint_degc = setpoint_degc;
+  commands.supply_setpoint_degc = setpoint_degc + options_.supply_bias_k;
   for (std::size_t i = 0; i < commands.fcu_on.size(); ++i)
     commands.fcu_on[i] = fcu_wanted(t, fcu_temps_degc[i], true) ? 1.0 : 0.0;
   for (std::size_t z = 0; z < commands.occupancy.size(); ++z)

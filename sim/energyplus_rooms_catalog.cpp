@@ -8,8 +8,8 @@
 namespace airside::sim {
 namespace {
 
-/// What of a room is not in its epJSON patches: people, dampers, weather, seed. The envelope, mass, gains and flows
-/// are in sim/models/room_NAME.patch.json.
+/// What of a room is not in its epJSON patches. The envelope, mass, gains and flows are in
+/// sim/models/room_NAME.patch.json.
 struct RoomHabits {
   const char* name;
   double occupancy_scale, occupancy_shift_min, damper_factor;
@@ -21,20 +21,37 @@ constexpr RoomHabits habits[] = {
     {"701", 1.02, 5, 1.00, 701}, {"702", 0.98, -5, 1.02, 702},
 };
 
+/// How the built room departs from its twin beyond the patch: sensor error, fan coil setting, people, weather.
+struct Departures {
+  const char* name;
+  double supply_bias_k, fcu_offset_k, occupancy_factor, occupancy_shift_min;
+  double dry_bulb_offset_k, solar_factor;
+  double damper_factors[5];
+};
+
+constexpr Departures departures[] = {
+    {"301", 0.5, 0.7, 1.05, 12, 0.8, 1.10, {1.06, 0.93, 0.96, 1.04, 0.92}},
+    {"401", -0.8, -0.7, 0.97, -8, -0.6, 0.90, {0.95, 1.07, 1.02, 0.92, 1.05}},
+    {"402", 0.7, 0.8, 1.04, 10, 0.8, 0.95, {1.08, 0.97, 0.93, 1.05, 0.95}},
+    {"701", 0.5, 0.7, 1.04, -10, -1.0, 1.10, {0.94, 1.05, 0.95, 1.06, 0.97}},
+    {"702", -0.9, -0.8, 0.96, 8, -1.0, 0.90, {1.03, 0.94, 1.06, 0.95, 1.04}},
+};
+
 void add_patch(EnergyPlusOptions& options, const std::string& room) {
   const std::string file = "room_" + room + ".patch.json";
   options.patches.push_back({file, read_json(find_models() / file)});
 }
 
-/// How the built room departs from its twin beyond the patch: a warmer roof, other people, storms.
-void make_real(EnergyPlusOptions& options, const std::string& room) {
-  add_patch(options, room + "_real");
-  options.weather_change.dry_bulb_offset_k = room.starts_with("7") ? -1.0 : 0.8;
-  options.weather_change.solar_factor = room.ends_with("1") ? 1.1 : 0.9;
-  options.weather_change.storms_per_week = 3;
-  options.rooms.occupancy_scale *= room.ends_with("1") ? 1.05 : 0.96;
-  options.rooms.occupancy_shift_min += room.ends_with("1") ? 12 : -8;
-  options.rooms.supply_lag_s *= 1.3;
+void make_real(EnergyPlusOptions& options, const Departures& by) {
+  add_patch(options, std::string(by.name) + "_real");
+  RoomLoopOptions& rooms = options.rooms;
+  rooms.supply_bias_k = by.supply_bias_k;
+  rooms.fcu_setpoint_degc += by.fcu_offset_k;
+  rooms.occupancy_scale *= by.occupancy_factor;
+  rooms.occupancy_shift_min += by.occupancy_shift_min;
+  rooms.supply_lag_s *= 1.5;
+  for (std::size_t i = 0; i < rooms.dampers.size(); ++i) rooms.dampers[i] *= by.damper_factors[i];
+  options.weather_change = {by.dry_bulb_offset_k, by.solar_factor, 3};
   options.seed += 9000;
 }
 
@@ -59,7 +76,7 @@ EnergyPlusOptions energyplus_room(const std::string& name) {
   for (double& damper : options.rooms.dampers) damper *= found->damper_factor;
   options.seed = found->seed;
   add_patch(options, room);
-  if (real) make_real(options, room);
+  if (real) make_real(options, departures[found - std::begin(habits)]);
   return options;
 }
 

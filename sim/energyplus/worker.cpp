@@ -186,7 +186,8 @@ void Worker::sense() {
   sensed_.plant_kw = kw(handles_.plant_energy);
   sensed_.mau_temp_degc = temp(handles_.mau_temp);
   sensed_.outdoor_temp_degc = temp(handles_.outdoor_temp);
-  sensed_.supply_temp_degc = temp(handles_.supply_temp);
+  sensed_.supply_temp_degc =
+      loops_.sensed_degc(api_.getVariableValue(state_, handles_.supply_temp) - config_.rooms.supply_bias_k);
   sensed_.rain = api_.isRaining(state_) != 0 ? 1.0 : 0.0;
   sensed_.setpoint_degc = setpoint_degc_;
 }
