@@ -57,11 +57,6 @@ struct Point {
   bool readable() const { return !(writable() && readback == "none"); }
 };
 
-/// Limits of one sensed signal, for lib's validator. Units: the signal's, per minute, s; infinity: unlimited.
-struct SignalLimits {
-  double min, max, max_rate_per_min, stale_s;
-};
-
 /// Point name of a signal: `room_temp_1`, `rain`.
 std::string point_name(SignalId id);
 
@@ -94,17 +89,6 @@ class PointMap {
   std::string file_;
   std::vector<Point> points_;
 };
-
-/// Limits in the order of Layout<T>. Errors: InputError where a signal is missing.
-template <Topology T>
-std::array<SignalLimits, static_cast<std::size_t>(Layout<T>::signals)> signal_limits(const PointMap& map) {
-  std::array<SignalLimits, static_cast<std::size_t>(Layout<T>::signals)> limits{};
-  for (int i = 0; i < Layout<T>::signals; ++i) {
-    const Point& p = map.at(point_name(signal_id<T>(i)));
-    limits[static_cast<std::size_t>(i)] = {p.min, p.max, p.max_rate_per_min, p.stale_s};
-  }
-  return limits;
-}
 
 /// A complete points.csv for a room of this shape: 0.01 K temperatures, 0/1 status, float powers in one block
 /// of input registers; setpoint, heartbeat and the simulator's clock request in holding registers.

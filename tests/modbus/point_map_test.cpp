@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "hal/signal_limits.hpp"
+
 namespace airside::hal {
 namespace {
 
@@ -147,7 +149,7 @@ TEST(PointMap, LimitsFollowTheLayoutOrder) {
   EXPECT_EQ(limits[Layout<FiveZone>::room_temp].max_rate_per_min, 1.0);
   EXPECT_EQ(limits[Layout<FiveZone>::power].max, 500.0);
   EXPECT_EQ(limits[Layout<FiveZone>::rain].stale_s, 1200.0);
-  EXPECT_TRUE(std::isinf(limits[Layout<FiveZone>::rain].max_rate_per_min));
+  EXPECT_EQ(limits[Layout<FiveZone>::rain].max_rate_per_min, SignalLimits{}.max_rate_per_min);
 }
 
 TEST(PointMap, FingerprintSeesEveryColumnButNotTheOrderOfRows) {
