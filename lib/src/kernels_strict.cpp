@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "airside/kernels.hpp"
 #include "airside/network.hpp"
@@ -10,46 +11,103 @@
 namespace airside {
 namespace {
 
-constexpr int block = kernel_columns;
+/// 16 bytes of columns: the widest vector that every 64-bit baseline has; elsewhere the compiler takes it apart.
+template <class Scalar>
+struct Lanes;
+template <>
+struct Lanes<float> {
+  typedef float Vector __attribute__((vector_size(16)));
+};
+template <>
+struct Lanes<double> {
+  typedef double Vector __attribute__((vector_size(16)));
+};
 
 template <class Scalar>
-void product(const ProductArgs<Scalar>& p) {
+constexpr int lanes = 16 / static_cast<int>(sizeof(Scalar));
+constexpr int vectors = 4;  ///< summed side by side
+template <class Scalar>
+constexpr int block = vectors* lanes<Scalar>;
+static_assert(kernel_columns % block<float> == 0 && kernel_columns % block<double> == 0);
+
+template <class Scalar>
+typename Lanes<Scalar>::Vector load(const Scalar* from) {
+  typename Lanes<Scalar>::Vector v;
+  std::memcpy(&v, from, sizeof(v));
+  return v;
+}
+
+/// R x vectors running sums. How many rows go together changes no sum.
+template <class Scalar, int R>
+struct Sums {
+  typename Lanes<Scalar>::Vector row[std::uint32_t{R}][std::uint32_t{vectors}];
+
+  /// row[j] += factor[j * stride] * columns, for all rows.
+  void add(const Scalar* factor, int stride, const Scalar* columns) {
+    for (int v = 0; v < vectors; ++v) {
+      const auto column = load(columns + v * lanes<Scalar>);
+      for (int j = 0; j < R; ++j) row[j][v] += factor[j * stride] * column;
+    }
+  }
+  void store(int j, Scalar* to) const { std::memcpy(to, row[j], sizeof(row[j])); }
+};
+
+/// Rows r .. r+R-1, one block of columns from c.
+template <class Scalar, int R>
+void product_rows(const ProductArgs<Scalar>& p, int r, int c) {
   const Scalar slope = static_cast<Scalar>(leaky_slope);
-  for (int c = 0; c < p.cols; c += block) {
-    for (int r = 0; r < p.rows; ++r) {
-      Scalar* const out = p.out + r * p.out_stride + c;
-      const Scalar* const x = p.x + r * p.x_stride;
-      Scalar sum[block];
-      for (int i = 0; i < block; ++i) sum[i] = p.bias != nullptr ? p.bias[c + i] : p.accumulate ? out[i] : Scalar(0);
-      for (int k = 0; k < p.depth; ++k) {
-        const Scalar xk = x[k];
-        const Scalar* const w = p.w + k * p.w_stride + c;
-        for (int i = 0; i < block; ++i) sum[i] += xk * w[i];
-      }
-      if (p.leaky) {
-        for (int i = 0; i < block; ++i) sum[i] = sum[i] > 0 ? sum[i] : slope * sum[i];
-      } else if (p.gate != nullptr) {
-        const Scalar* const gate = p.gate + r * p.gate_stride + c;
-        for (int i = 0; i < block; ++i) sum[i] = gate[i] > 0 ? sum[i] : slope * sum[i];
-      }
-      for (int i = 0; i < block; ++i) out[i] = sum[i];
+  Scalar* const out = p.out + r * p.out_stride + c;
+  Sums<Scalar, R> sums{};
+  for (int j = 0; j < R; ++j)
+    for (int v = 0; v < vectors; ++v) {
+      if (p.bias != nullptr)
+        sums.row[j][v] = load(p.bias + c + v * lanes<Scalar>);
+      else if (p.accumulate)
+        sums.row[j][v] = load(out + j * p.out_stride + v * lanes<Scalar>);
+    }
+  const Scalar* x = p.x + r * p.x_stride;
+  const Scalar* w = p.w + c;
+  for (int k = 0; k < p.depth; ++k, ++x, w += p.w_stride) sums.add(x, p.x_stride, w);
+  for (int j = 0; j < R; ++j) {
+    Scalar* const y = out + j * p.out_stride;
+    sums.store(j, y);
+    if (p.leaky) {
+      for (int i = 0; i < block<Scalar>; ++i) y[i] = y[i] > 0 ? y[i] : slope * y[i];
+    } else if (p.gate != nullptr) {
+      const Scalar* const gate = p.gate + (r + j) * p.gate_stride + c;
+      for (int i = 0; i < block<Scalar>; ++i) y[i] = gate[i] > 0 ? y[i] : slope * y[i];
     }
   }
 }
 
 template <class Scalar>
+void product(const ProductArgs<Scalar>& p) {
+  for (int c = 0; c < p.cols; c += block<Scalar>) {
+    int r = 0;
+    for (; r + 2 <= p.rows; r += 2) product_rows<Scalar, 2>(p, r, c);
+    if (r < p.rows) product_rows<Scalar, 1>(p, r, c);
+  }
+}
+
+template <class Scalar, int R>
+void outer_rows(const OuterArgs<Scalar>& p, int r, int c) {
+  Sums<Scalar, R> sums{};
+  const Scalar* d = p.d + r;
+  const Scalar* x = p.x + c;
+  for (int k = 0; k < p.samples; ++k, d += p.d_stride, x += p.x_stride) sums.add(d, 1, x);
+  for (int j = 0; j < R; ++j) {
+    Scalar* const g = p.g + (r + j) * p.g_stride + c;
+    for (int v = 0; v < vectors; ++v) sums.row[j][v] += load(g + v * lanes<Scalar>);
+    sums.store(j, g);
+  }
+}
+
+template <class Scalar>
 void outer(const OuterArgs<Scalar>& p) {
-  for (int c = 0; c < p.cols; c += block) {
-    for (int r = 0; r < p.rows; ++r) {
-      Scalar sum[block] = {};
-      for (int k = 0; k < p.samples; ++k) {
-        const Scalar d = p.d[k * p.d_stride + r];
-        const Scalar* const x = p.x + k * p.x_stride + c;
-        for (int i = 0; i < block; ++i) sum[i] += d * x[i];
-      }
-      Scalar* const g = p.g + r * p.g_stride + c;
-      for (int i = 0; i < block; ++i) g[i] += sum[i];
-    }
+  for (int c = 0; c < p.cols; c += block<Scalar>) {
+    int r = 0;
+    for (; r + 2 <= p.rows; r += 2) outer_rows<Scalar, 2>(p, r, c);
+    if (r < p.rows) outer_rows<Scalar, 1>(p, r, c);
   }
 }
 
