@@ -105,7 +105,7 @@
         },
       },
       axes: [
-        { ...axis, ...(c.time ? { values: clock } : { label: c.xLabel, labelSize: 22 }), space: narrow ? 56 : 64 },
+        { ...axis, size: 40, ...(c.time ? { values: clock } : { label: c.xLabel, labelSize: 22 }), space: narrow ? 56 : 64 },
         {
           ...axis, label: c.unit, labelSize: 20, size: c.log ? 58 : 46,
           ...(c.log ? { values: (u, all) => all.map((v) => v == null ? "" : Number.isInteger(Math.round(Math.log10(v) * 1e6) / 1e6) ? String(Number(v.toPrecision(1))) : "") } : {}),
@@ -114,7 +114,7 @@
       series: [
         { label: c.time ? "time" : c.xLabel, value: (u, v) => v == null ? "\u2013" : c.time ? minute(utc(v)) : String(v) },
         ...c.series.map((s) => ({
-          label: s.name, value, stroke: () => colour(s.colour) + (s.muted ? "a0" : ""),
+          label: s.name, value, stroke: () => colour(s.colour) + (s.muted ? "90" : ""),
           width: s.colour === "main" ? 2.4 : s.muted ? 1 : 1.5, dash: s.dash ? [6, 4] : undefined,
           paths: s.step ? stepped : undefined, points: { show: false }, spanGaps: false,
         })),

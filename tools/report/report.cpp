@@ -191,6 +191,16 @@ struct BlockWriter {
   }
 };
 
+/// A number never stands at the end of a line without its unit.
+std::string keep_units(std::string text) {
+  for (const std::string unit : {" °C", " kWh", " %"}) {
+    for (std::size_t at = text.find(unit); at != std::string::npos; at = text.find(unit, at)) {
+      text.replace(at, 1, "&nbsp;");
+    }
+  }
+  return text;
+}
+
 void append_head(std::string& page, const ReportInput& input) {
   // The policy makes "no request leaves this page" a rule of the browser, not a promise.
   page +=
@@ -206,7 +216,7 @@ void append_head(std::string& page, const ReportInput& input) {
   page += "</style>\n</head>\n<body>\n<header>\n";
   if (!input.subtitle.empty()) page += "<p class=\"kicker\">" + escape_markup(input.subtitle) + "</p>\n";
   page += "<h1>" + escape_markup(input.title) + "</h1>\n";
-  if (!input.headline.empty()) page += "<p class=\"headline\">" + escape_markup(input.headline) + "</p>\n";
+  if (!input.headline.empty()) page += "<p class=\"headline\">" + keep_units(escape_markup(input.headline)) + "</p>\n";
   if (!input.figures.empty()) {
     page += "<dl class=\"figures\">\n";
     for (const KeyFigure& f : input.figures) {

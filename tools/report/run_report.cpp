@@ -92,7 +92,7 @@ std::vector<KeyFigure> key_figures(const MethodResult& ours, const MethodResult*
     }
     return KeyFigure{number_text(s.mean, decimals), unit, label, note};
   };
-  std::vector<KeyFigure> figures = {figure("Average error in working hours", &Metrics::dae_degc, "°C", 3),
+  std::vector<KeyFigure> figures = {figure("Average error", &Metrics::dae_degc, "°C", 3),
                                     figure("Error on the worst day", &Metrics::me_degc, "°C", 3),
                                     figure("Error on the first day", &Metrics::day1_dae_degc, "°C", 3),
                                     figure("Setpoint unrest (DARV)", &Metrics::darv_degc, "°C", 3)};
@@ -194,6 +194,15 @@ std::vector<const MethodResult*> ranked(const std::vector<MethodResult>& methods
   return order;
 }
 
+/// The ranked methods, then the floors in the order given.
+std::vector<const MethodResult*> table_order(const std::vector<MethodResult>& methods) {
+  std::vector<const MethodResult*> order = ranked(methods);
+  for (const MethodResult& m : methods) {
+    if (m.kind == Kind::floor) order.push_back(&m);
+  }
+  return order;
+}
+
 BarChart daily_bars(const RunRecord& r, const MethodResult& ours) {
   BarChart chart;
   chart.title = "Error of each day";
@@ -230,7 +239,8 @@ ReportTable rooms_table(const RunRecord& r, const MethodResult& ours) {
   for (std::size_t i = 0; i < rooms; ++i) {
     table.columns.push_back({i < r.room_names.size() ? r.room_names[i] : fmt::format("room {}", i + 1), "°C", 2, true});
   }
-  for (const MethodResult& m : r.methods) {
+  for (const MethodResult* method : table_order(r.methods)) {
+    const MethodResult& m = *method;
     TableRow row = empty_row(m);
     for (std::size_t i = 0; i < rooms; ++i) {
       std::vector<double> values;
@@ -290,21 +300,17 @@ ReportTable methods_table(const std::vector<MethodResult>& methods) {
       "error, ME that of the worst day, DARV the mean change of the setpoint's step from cycle to cycle; CDH "
       "and HDH are gaps between setpoint and room, not energy.";
   for (const Figure& f : figures) table.columns.push_back({f.name, f.unit, f.decimals, f.mark});
-  const auto add = [&](const MethodResult& m) {
-    TableRow row = empty_row(m);
+  for (const MethodResult* m : table_order(methods)) {
+    TableRow row = empty_row(*m);
     for (const Figure& f : figures) {
-      const Spread s = spread_of(m.runs, f.member);
+      const Spread s = spread_of(m->runs, f.member);
       TableCell cell;
-      const bool measured = f.member != &Metrics::hvac_kwh_per_day || s.mean != 0;
+      const bool measured = s.count > 0 && (f.member != &Metrics::hvac_kwh_per_day || s.mean != 0);
       if (measured) cell.value = s.mean;
       if (measured && s.count > 1) cell.spread = s.sd;
       row.cells.push_back(cell);
     }
     table.rows.push_back(std::move(row));
-  };
-  for (const MethodResult* m : ranked(methods)) add(*m);
-  for (const MethodResult& m : methods) {
-    if (m.kind == Kind::floor) add(m);
   }
   return table;
 }

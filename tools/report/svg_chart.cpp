@@ -60,7 +60,7 @@ int legend(std::string& svg, const List& list, const std::vector<Colour>& colour
   double x = left;
   int lines = 1;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    const double advance = 26 + 6.7 * static_cast<double>(valid_utf8(list[i].name).size());
+    const double advance = 34 + 7.2 * static_cast<double>(valid_utf8(list[i].name).size());
     if (x > left && x + advance > width - right) {
       x = left;
       ++lines;
