@@ -43,14 +43,14 @@ RcRoom make_room(int vavs, int fcus, int powers) {
   room.wall_area_m2 = by_zone(vavs, fcus, open_interior ? 9 : 0, 9);
   room.window_north_m2 = by_zone(vavs, fcus, 0, 0);
   room.window_east_m2 = by_zone(vavs, fcus, 0, 0);
-  room.window_south_m2 = by_zone(vavs, fcus, open_interior ? 5 : 0, 9);
+  room.window_south_m2 = by_zone(vavs, fcus, open_interior ? 2.5 : 0, 9);
   room.window_west_m2 = by_zone(vavs, fcus, 0, 0);
-  room.infiltration_share = by_zone(vavs, fcus, open_interior ? 0.6 : 0.1, 1.0);
+  room.infiltration_share = by_zone(vavs, fcus, open_interior ? 0.3 : 0.1, 1.0);
   room.neighbour_ua_w_k = by_zone(vavs, fcus, 10, 5);
   const std::size_t west_end = open_interior ? 0 : static_cast<std::size_t>(vavs);
   const std::size_t east_end = static_cast<std::size_t>(room.zones()) - 1;
-  room.window_west_m2[west_end] = 5;
-  room.window_east_m2[east_end] = 5;
+  room.window_west_m2[west_end] = open_interior ? 1.5 : 5;
+  room.window_east_m2[east_end] = open_interior ? 1.5 : 5;
 
   // Rooms differ: one actuator, several rooms, a spread of some tenths of a kelvin (as in the EnergyPlus twin).
   constexpr double dampers[] = {0.52, 0.58, 0.55, 0.60, 0.54};

@@ -79,7 +79,7 @@ struct RcRoom {
   double supply_sensor_offset_k = 0;  ///< reading minus truth: the room gets setpoint - offset
   double duct_gain_k = 0.3;
   double duct_leak_share = 0.02;
-  double coil_capacity_kw = 10.6;                      ///< total cooling
+  double coil_capacity_kw = 12;                        ///< total cooling
   double coil_fouling = 0;                             ///< share of capacity lost
   double coil_latent_w_per_gkg_m3s = 1500;             ///< latent load: a g/kg of moisture removed and m3/s
   double chilled_water_degc = 7, coil_approach_k = 4;  ///< supply is never below their sum
@@ -154,7 +154,7 @@ struct Perturbation {
   double zone_relative = 0.12;  ///< flow and gain of one zone against the others
   double flow_relative = 0.20;  ///< of all VAVs together
   double sensor_bias_k = 0.15;
-  double supply_offset_k = 0.4;
+  double supply_offset_k = 0.5;
   double neighbour_k = 1.0;
   double site_temp_k = 1.0;
   double fcu_dial_k = 1.2;  ///< what the users of the fan coils chose

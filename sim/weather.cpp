@@ -55,7 +55,8 @@ SunDirection sun_at(const Location& location, CivilTime t) {
   const double year_angle = 2 * pi * static_cast<double>(second_of_year(t) - 43200) / static_cast<double>(year_s);
   const double c1 = std::cos(year_angle), s1 = std::sin(year_angle);
   const double c2 = c1 * c1 - s1 * s1, s2 = 2 * s1 * c1;
-  const double declination = 0.006918 - 0.399912 * c1 + 0.070257 * s1 - 0.006758 * c2 + 0.000907 * s2;
+  const double declination = 0.006918 - 0.399912 * c1 + 0.070257 * s1 - 0.006758 * c2 + 0.000907 * s2 -
+                             0.002697 * (c1 * c2 - s1 * s2) + 0.00148 * (s1 * c2 + c1 * s2);
   const double equation_min = 229.18 * (0.000075 + 0.001868 * c1 - 0.032077 * s1 - 0.014615 * c2 - 0.040849 * s2);
   const double solar_min =
       t.second_of_day() / 60.0 + equation_min + 4 * (location.longitude_deg - 15 * location.utc_offset_h);
