@@ -161,6 +161,8 @@ StoreResult<void> RowLog::find_last_row() {
     if (const auto done = file_.truncate(end, "cut unfinished row"); !done) return done;
   }
   position_.bytes = end;
+  synced_bytes_ = 0;
+  sync_failed_ = false;
   const std::span<char> front(text_.get(), header_.size());
   const auto got = file_.read_at(std::as_writable_bytes(front), 0, "read log");
   if (!got) return tl::make_unexpected(got.error());
@@ -195,7 +197,7 @@ StoreResult<void> RowLog::resume(const LogPosition& committed) {
 }
 
 StoreResult<void> RowLog::start_file(FileId id) {
-  if (const auto done = sync(); !done) return done;
+  (void)sync();  // its failure is in what sync() says row by row; a new day's rows must not be lost for it
   char name[name_size];
   write_name(name, id);
   auto file = StorageFile::open(dir_.descriptor(), name, true, "create log");
@@ -203,6 +205,8 @@ StoreResult<void> RowLog::start_file(FileId id) {
   if (const auto done = file->truncate(0, "create log"); !done) return done;
   file_ = std::move(*file);
   position_ = {id.day, id.part, 0};
+  synced_bytes_ = 0;
+  sync_failed_ = false;
   new_file_unsynced_ = true;
   other_header_ = false;
   if (file_count_ == 0 || files_[file_count_ - 1] != id) files_[file_count_++] = id;
@@ -245,13 +249,34 @@ StoreResult<void> RowLog::append(const LogRow& row) {
   return {};
 }
 
+/// After a failed sync the kernel may take lost pages for clean: only writing them again makes them dirty.
+StoreResult<void> RowLog::rewrite_in_doubt() {
+  for (std::uint64_t at = synced_bytes_; at < position_.bytes;) {
+    const std::uint64_t size = std::min<std::uint64_t>(position_.bytes - at, max_log_row_text);
+    const std::span<char> text(text_.get(), static_cast<std::size_t>(size));
+    const auto got = file_.read_at(std::as_writable_bytes(text), at, "read log");
+    if (!got) return tl::make_unexpected(got.error());
+    if (*got == 0) break;
+    const auto done = file_.write_at(bytes_of(text.data(), *got), at, "write log again");
+    if (!done) return done;
+    at += *got;
+  }
+  return {};
+}
+
 StoreResult<void> RowLog::sync() {
-  if (!file_.is_open()) return {};
+  if (!file_.is_open() || sync_ == Sync::none) return {};
+  if (sync_failed_) {
+    if (const auto done = rewrite_in_doubt(); !done) return done;
+  }
+  sync_failed_ = true;
   if (const auto done = file_.sync(sync_, "sync log"); !done) return done;
-  if (new_file_unsynced_ && sync_ == Sync::full && ::fsync(dir_.descriptor()) != 0) {
+  if (new_file_unsynced_ && ::fsync(dir_.descriptor()) != 0) {
     return tl::make_unexpected(store_error(errno, "sync log folder"));
   }
+  sync_failed_ = false;
   new_file_unsynced_ = false;
+  synced_bytes_ = position_.bytes;
   return {};
 }
 

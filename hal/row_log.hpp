@@ -42,7 +42,8 @@ class RowLog {
   /// Cost: one write(2); a few more calls on a new day.
   StoreResult<void> append(const LogRow& row);
 
-  /// Forces the rows to the medium.  Errors: io, no_space.
+  /// Forces the rows to the medium.
+  /// Errors: io, no_space; the next call writes the rows in doubt again before it syncs.
   StoreResult<void> sync();
 
   /// End of the last row. bytes 0: nothing logged.
@@ -68,6 +69,7 @@ class RowLog {
   StoreResult<void> open_newest();
   StoreResult<void> start_file(FileId id);
   StoreResult<void> find_last_row();
+  StoreResult<void> rewrite_in_doubt();
 
   std::string header_;
   RowLogLimits limits_;
@@ -78,6 +80,8 @@ class RowLog {
   std::unique_ptr<char[]> text_;  ///< header and one row
   LogPosition position_;
   CivilTime last_time_ = before_all;
+  std::uint64_t synced_bytes_ = 0;  ///< of the open file
+  bool sync_failed_ = false;
   bool new_file_unsynced_ = false;
   bool other_header_ = false;  ///< the newest file has other columns: the next row starts a new file
 };

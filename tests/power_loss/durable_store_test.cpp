@@ -1,0 +1,421 @@
+#include "hal/durable_store.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <fstream>
+#include <set>
+
+#include "airside/splitmix64.hpp"
+#include "hal/atomic_file.hpp"
+#include "power_loss/state_script.hpp"
+#include "power_loss/test_folder.hpp"
+#include "power_loss/write_recorder.hpp"
+
+namespace airside::hal {
+namespace {
+
+const StoreLayout layout{
+    .learning_bytes = 100, .row_bytes = 44, .transition_bytes = 20, .ring_capacity = 7, .spare_slots = 4, .meaning = 1};
+constexpr std::uint64_t steps = 14;  // past the ring's wrap, the journal's wrap and a burst
+
+DurableStore open_store(const TestFolder& folder, const StoreLayout& with = layout) {
+  auto store = DurableStore::open(folder.c_str(), with);
+  if (!store) throw std::runtime_error(describe(store.error()));
+  return std::move(*store);
+}
+
+struct Recovered {
+  StateScript script{layout};
+  LoadedState loaded;
+};
+
+Recovered recover(const TestFolder& folder) {
+  Recovered r;
+  DurableStore store = open_store(folder);
+  const auto loaded = store.load(r.script.buffers());
+  if (!loaded) throw std::runtime_error(describe(loaded.error()));
+  r.loaded = *loaded;
+  return r;
+}
+
+void apply(FolderImage& image, const WriteOp& op, std::size_t from, std::size_t to) {
+  FileImage& file = image[op.file];
+  if (op.kind == WriteOp::Kind::truncate) {
+    file.resize(op.offset);
+    return;
+  }
+  if (op.kind != WriteOp::Kind::write || from >= to) return;
+  if (file.size() < op.offset + to) file.resize(op.offset + to);
+  std::copy(op.bytes.begin() + static_cast<std::ptrdiff_t>(from), op.bytes.begin() + static_cast<std::ptrdiff_t>(to),
+            file.begin() + static_cast<std::ptrdiff_t>(op.offset + from));
+}
+
+/// Folder image before a commit, and the writes of that commit, for each step of the script.
+struct History {
+  std::vector<FolderImage> before;
+  std::vector<std::vector<WriteOp>> ops;
+  FolderImage end;
+};
+
+History record_history(const TestFolder& folder) {
+  History history;
+  DurableStore store = open_store(folder);
+  StateScript script(layout);
+  for (std::uint64_t i = 0; i < steps; ++i) {
+    script.advance();
+    history.before.push_back(folder.image());
+    WriteRecorder recorder;
+    const auto done = store.commit(script.stored());
+    EXPECT_TRUE(done.has_value());
+    history.ops.push_back(recorder.ops);
+  }
+  history.end = folder.image();
+  return history;
+}
+
+/// The cut image must load as step `old_step` or `old_step + 1`; must_be_new when the commit had returned.
+void expect_old_or_new(const TestFolder& folder, const FolderImage& image, std::uint64_t old_step, bool must_be_new) {
+  folder.restore(image);
+  const Recovered r = recover(folder);
+  if (r.loaded.outcome == LoadOutcome::none) {
+    ASSERT_EQ(old_step, 0u) << "a committed generation was lost";
+    ASSERT_FALSE(must_be_new);
+    return;
+  }
+  // The very first learning record may stand before any row does: it is a whole generation, found by its copy.
+  ASSERT_TRUE(old_step == 0 || r.loaded.outcome == LoadOutcome::newest);
+  ASSERT_TRUE(r.script.is_whole(r.loaded.replay_count));
+  const std::uint64_t step = r.script.step_in_row();
+  StateScript want(layout);
+  want.advance_to(step);
+  ASSERT_EQ(r.loaded.log, want.log());
+  if (must_be_new) {
+    ASSERT_EQ(step, old_step + 1);
+  } else if (old_step == 0) {
+    ASSERT_EQ(step, 1u);
+  } else {
+    ASSERT_TRUE(step == old_step || step == old_step + 1) << step;
+  }
+}
+
+TEST(DurableStore, EveryStepComesBackWhole) {
+  const TestFolder folder("store_steps");
+  StateScript script(layout);
+  for (std::uint64_t i = 1; i <= 60; ++i) {
+    {
+      DurableStore store = open_store(folder);
+      StateScript buffers(layout);
+      ASSERT_TRUE(store.load(buffers.buffers()).has_value());
+      script.advance();
+      ASSERT_TRUE(store.commit(script.stored()).has_value());
+    }
+    const Recovered r = recover(folder);
+    ASSERT_EQ(r.loaded.outcome, LoadOutcome::newest);
+    ASSERT_EQ(r.loaded.generation, i);
+    ASSERT_EQ(r.script.step_in_row(), i);
+    ASSERT_TRUE(r.script.is_whole(r.loaded.replay_count));
+    ASSERT_EQ(r.loaded.log, script.log());
+  }
+}
+
+TEST(DurableStore, CutAtEveryByteGivesTheOldGenerationOrTheNew) {
+  const TestFolder folder("store_cut");
+  const History history = record_history(folder);
+  std::size_t states = 0;
+  for (std::uint64_t step = 0; step < steps; ++step) {
+    FolderImage image = history.before[step];
+    for (const WriteOp& op : history.ops[step]) {
+      for (std::size_t cut = 0; cut < op.bytes.size(); ++cut) {
+        FolderImage torn = image;
+        apply(torn, op, 0, cut);
+        expect_old_or_new(folder, torn, step, false);
+        if (HasFatalFailure()) FAIL() << "step " << step << " " << op.file << " cut at " << op.offset + cut;
+        ++states;
+      }
+      apply(image, op, 0, op.bytes.size());
+    }
+    expect_old_or_new(folder, image, step, true);
+    if (HasFatalFailure()) FAIL() << "after step " << step;
+  }
+  EXPECT_GT(states, 3000u);
+  RecordProperty("states", static_cast<int>(states));
+}
+
+/// Splits the writes that no sync has confirmed into pieces that reach the medium in any order.
+struct Piece {
+  const WriteOp* op;
+  std::size_t from, to;
+  bool dropped = false;  ///< a sync failed after it: the kernel may have forgotten it, later syncs confirm nothing
+};
+
+std::vector<Piece> unsynced_pieces(const std::vector<WriteOp>& ops, std::size_t count, std::size_t piece_bytes) {
+  std::vector<Piece> pieces;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (ops[i].kind == WriteOp::Kind::sync) {
+      std::erase_if(pieces, [&](const Piece& p) { return p.op->file == ops[i].file && !p.dropped; });
+      continue;
+    }
+    if (ops[i].kind == WriteOp::Kind::failed_sync) {
+      for (Piece& p : pieces) p.dropped = p.dropped || p.op->file == ops[i].file;
+    }
+    for (std::size_t from = 0; from < ops[i].bytes.size(); from += piece_bytes) {
+      pieces.push_back({&ops[i], from, std::min(from + piece_bytes, ops[i].bytes.size()), false});
+    }
+  }
+  return pieces;
+}
+
+TEST(DurableStore, AnySubsetOfUnsyncedWritesGivesTheOldGenerationOrTheNew) {
+  const char* wanted = std::getenv("AIRSIDE_POWER_CUT_STATES");
+  const std::size_t subsets = wanted != nullptr ? std::strtoul(wanted, nullptr, 10) / (steps * 10) : 60;
+  const TestFolder folder("store_order");
+  const History history = record_history(folder);
+  SplitMix64 random(2021);
+  std::size_t states = 0;
+  for (std::uint64_t step = 0; step < steps; ++step) {
+    const std::vector<WriteOp>& ops = history.ops[step];
+    for (std::size_t cut = 1; cut <= ops.size(); ++cut) {
+      const std::size_t piece_bytes = std::size_t{8} << random.below(4);
+      const std::vector<Piece> pieces = unsynced_pieces(ops, cut, piece_bytes);
+      FolderImage synced = history.before[step];
+      for (std::size_t i = 0; i < cut; ++i) {
+        const bool in_doubt =
+            std::any_of(pieces.begin(), pieces.end(), [&](const Piece& p) { return p.op == &ops[i]; });
+        if (!in_doubt) apply(synced, ops[i], 0, ops[i].bytes.size());
+      }
+      const bool all = pieces.size() <= 6;
+      const std::size_t tries = all ? std::size_t{1} << pieces.size() : subsets;
+      for (std::size_t t = 0; t < tries; ++t) {
+        FolderImage image = synced;
+        const std::uint64_t mask = all ? t : random.next();
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+          if ((mask >> (i % 64) & 1) != 0) apply(image, *pieces[i].op, pieces[i].from, pieces[i].to);
+        }
+        expect_old_or_new(folder, image, step, cut == ops.size());
+        if (HasFatalFailure()) FAIL() << "step " << step << " cut " << cut << " mask " << mask;
+        ++states;
+      }
+    }
+  }
+  EXPECT_GT(states, 2000u);
+  RecordProperty("states", static_cast<int>(states));
+}
+
+TEST(DurableStore, FailingWritesAndSyncsNeverLoseTheLastGoodGeneration) {
+  const TestFolder folder("store_fail");
+  SplitMix64 random(7);
+  for (const int error : {EIO, ENOSPC, EROFS, EDQUOT}) {
+    for (const int sticky : {1, 3}) {
+      for (int fail_at = 0; fail_at < 14; ++fail_at) {
+        for (std::uint64_t start : {1u, 4u, 6u, 10u}) {
+          folder.restore({});
+          DurableStore store = open_store(folder);
+          StateScript script(layout);
+          while (script.step < start) {
+            script.advance();
+            ASSERT_TRUE(store.commit(script.stored()).has_value());
+          }
+          const FolderImage before = folder.image();
+          WriteRecorder recorder;
+          recorder.fail_at = fail_at;
+          recorder.fail_count = sticky;
+          recorder.fail_errno = error;
+          std::uint64_t good = start;
+          std::size_t good_ops = 0;
+          for (int i = 0; i < 4; ++i) {
+            script.advance();
+            const auto done = store.commit(script.stored());
+            if (done.has_value()) {
+              good = script.step;
+              good_ops = recorder.ops.size();
+            } else {
+              ASSERT_EQ(done.error().error_number, error);
+              ASSERT_NE(done.error().fault, StoreFault::none);
+            }
+          }
+          recorder.fail_at = -1;
+          const std::vector<WriteOp> ops = recorder.ops;
+          // Power goes after the last good commit and some more writes; a sync that failed confirms nothing.
+          for (int t = 0; t < 3; ++t) {
+            const std::size_t cut = good_ops + random.below(static_cast<std::uint32_t>(ops.size() - good_ops + 1));
+            const std::vector<Piece> pieces = unsynced_pieces(ops, cut, 32);
+            FolderImage image = before;
+            for (std::size_t i = 0; i < cut; ++i) {
+              const WriteOp& op = ops[i];
+              for (std::size_t from = 0; from < op.bytes.size(); from += 32) {
+                const std::size_t to = std::min(from + 32, op.bytes.size());
+                const bool in_doubt = std::any_of(pieces.begin(), pieces.end(),
+                                                  [&](const Piece& p) { return p.op == &op && p.from == from; });
+                if (!in_doubt || random.below(2) == 0) apply(image, op, from, to);
+              }
+            }
+            const TestFolder cut_folder("store_fail_cut");
+            cut_folder.restore(image);
+            const Recovered r = recover(cut_folder);
+            ASSERT_NE(r.loaded.outcome, LoadOutcome::none);
+            ASSERT_NE(r.loaded.outcome, LoadOutcome::replay_incomplete);
+            ASSERT_TRUE(r.script.is_whole(r.loaded.replay_count)) << "error " << error << " at " << fail_at;
+            ASSERT_GE(r.script.step_in_row(), good) << "error " << error << " at " << fail_at << " from " << start;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(DurableStore, RecoveredStateGoesOnCommitting) {
+  const TestFolder folder("store_go_on");
+  const History history = record_history(folder);
+  for (std::uint64_t step = 1; step < steps; ++step) {
+    FolderImage image = history.before[step];
+    const auto& ops = history.ops[step];
+    for (std::size_t i = 0; i + 2 < ops.size(); ++i) apply(image, ops[i], 0, ops[i].bytes.size());
+    apply(image, ops[ops.size() - 2], 0, ops[ops.size() - 2].bytes.size() / 2);
+    folder.restore(image);
+    DurableStore store = open_store(folder);
+    StateScript script(layout);
+    const auto loaded = store.load(script.buffers());
+    ASSERT_TRUE(loaded.has_value());
+    ASSERT_EQ(script.step_in_row(), step);
+    script.resume(loaded->replay_count);
+    for (int i = 0; i < 20; ++i) {
+      script.advance();
+      ASSERT_TRUE(store.commit(script.stored()).has_value());
+    }
+    StateScript again(layout);
+    const auto last = store.load(again.buffers());
+    ASSERT_TRUE(last.has_value());
+    store = open_store(TestFolder("store_other"));  // releases the lock
+    const Recovered r = recover(folder);
+    ASSERT_EQ(r.script.step_in_row(), step + 20);
+    ASSERT_TRUE(r.script.is_whole(r.loaded.replay_count));
+  }
+}
+
+TEST(DurableStore, RotInAnyOneByteIsSeenAndLeavesAWholeGeneration) {
+  const TestFolder folder("store_rot");
+  const History history = record_history(folder);
+  std::set<LoadOutcome> seen;
+  for (const FolderImage& good : {history.before[5], history.before[9], history.end}) {
+    for (const auto& [name, bytes] : good) {
+      for (std::size_t at = 0; at < bytes.size(); ++at) {
+        FolderImage rotten = good;
+        rotten[name][at] ^= static_cast<std::byte>(1 << (at % 8));
+        folder.restore(rotten);
+        const Recovered r = recover(folder);
+        ASSERT_NE(r.loaded.outcome, LoadOutcome::none) << name << " " << at;
+        seen.insert(r.loaded.outcome);
+        if (r.loaded.outcome != LoadOutcome::replay_incomplete) {
+          ASSERT_TRUE(r.script.is_whole(r.loaded.replay_count)) << name << " " << at;
+          continue;
+        }
+        ASSERT_EQ(name.substr(0, 6), "replay");
+        StateScript want(layout);
+        want.advance_to(r.script.step_in_row());
+        ASSERT_EQ(r.script.learning, want.learning);
+        ASSERT_EQ(r.script.row, want.row);
+        ASSERT_LT(r.loaded.replay_count, layout.ring_capacity);
+        for (std::uint64_t k = 0; k < r.loaded.replay_count; ++k) {
+          const std::uint64_t number = want.count - r.loaded.replay_count + k;
+          const auto slot = static_cast<std::size_t>(number % layout.ring_capacity) * layout.transition_bytes;
+          ASSERT_EQ(
+              std::memcmp(&r.script.replay[k * layout.transition_bytes], &want.replay[slot], layout.transition_bytes),
+              0)
+              << name << " " << at << " transition " << number;
+        }
+      }
+    }
+  }
+  EXPECT_EQ(seen.size(), 3u) << "newest, older and replay_incomplete each occur";
+}
+
+TEST(DurableStore, BothRowSlotsBadFallsBackToTheLearningRecordAndAllBadIsNone) {
+  const TestFolder folder("store_both");
+  const FolderImage good = record_history(folder).end;
+  const auto rotten = [&](std::initializer_list<const char*> names) {
+    FolderImage image = good;
+    for (const char* name : names) image[name][130] ^= std::byte{1};
+    folder.restore(image);
+    return recover(folder);
+  };
+  const Recovered rows = rotten({"row.a", "row.b"});
+  EXPECT_EQ(rows.loaded.outcome, LoadOutcome::older);
+  EXPECT_TRUE(rows.script.is_whole(rows.loaded.replay_count));
+  EXPECT_EQ(rows.script.step_in_row(), 13u);  // the last step that changed learning
+  EXPECT_EQ(rows.loaded.damaged_records, 2u);
+  EXPECT_EQ(rotten({"row.a", "row.b", "learning.a", "learning.b"}).loaded.outcome, LoadOutcome::none);
+  EXPECT_EQ(rotten({"learning.a", "learning.b"}).loaded.outcome, LoadOutcome::none);
+}
+
+TEST(DurableStore, StateOfAnotherTopologyIsRefusedAndNotTouched) {
+  const TestFolder folder("store_layout");
+  const FolderImage good = record_history(folder).end;
+  StoreLayout other = layout;
+  other.meaning = 2;
+  {
+    DurableStore store = open_store(folder, other);
+    StateScript script(other);
+    const auto loaded = store.load(script.buffers());
+    ASSERT_FALSE(loaded.has_value());
+    EXPECT_EQ(loaded.error().fault, StoreFault::other_layout);
+    EXPECT_NE(describe(loaded.error()).find("folder of its own"), std::string::npos);
+  }
+  EXPECT_EQ(folder.image(), good);
+}
+
+TEST(DurableStore, AReplacedReplayIsWrittenWhole) {
+  const TestFolder folder("store_replaced");
+  {
+    DurableStore store = open_store(folder);
+    StateScript script(layout);
+    script.advance_to(8);
+    ASSERT_TRUE(store.commit(script.stored()).has_value());
+    for (std::byte& b : script.replay) b = std::byte{0xAB};
+    store.replay_replaced();
+    ASSERT_TRUE(store.commit(script.stored()).has_value());
+    // Fewer transitions than before can only be a new ring.
+    for (std::byte& b : script.replay) b = std::byte{0xCD};
+    script.count = 3;
+    ASSERT_TRUE(store.commit(script.stored()).has_value());
+  }
+  const Recovered r = recover(folder);
+  EXPECT_EQ(r.loaded.outcome, LoadOutcome::newest);
+  EXPECT_EQ(r.loaded.replay_count, 3u);
+  for (std::size_t i = 0; i < 3 * layout.transition_bytes; ++i) EXPECT_EQ(r.script.replay[i], std::byte{0xCD});
+}
+
+TEST(DurableStore, SpansOfAnotherSizeAreRefused) {
+  const TestFolder folder("store_size");
+  DurableStore store = open_store(folder);
+  StateScript script(layout);
+  script.advance();
+  StoredState state = script.stored();
+  state.row = state.row.first(3);
+  ASSERT_FALSE(store.commit(state).has_value());
+  EXPECT_EQ(store.commit(state).error().fault, StoreFault::wrong_size);
+}
+
+TEST(AtomicFile, CutAtEveryByteLeavesTheOldFile) {
+  const TestFolder folder("atomic");
+  const std::string path = folder.file("blob").string();
+  const std::vector<std::byte> old_bytes(50, std::byte{1}), new_bytes(70, std::byte{2});
+  ASSERT_TRUE(write_file_atomically(path, old_bytes).has_value());
+  for (int fail_at = 0; fail_at < 2; ++fail_at) {
+    WriteRecorder recorder;
+    recorder.fail_at = fail_at;
+    recorder.fail_errno = ENOSPC;
+    const auto done = write_file_atomically(path, new_bytes);
+    ASSERT_FALSE(done.has_value());
+    EXPECT_EQ(done.error().fault, StoreFault::no_space);
+    EXPECT_EQ(folder.image().size(), 1u) << "the staged file is gone";
+    EXPECT_EQ(folder.image().at("blob"), old_bytes);
+  }
+  ASSERT_TRUE(write_file_atomically(path, new_bytes).has_value());
+  EXPECT_EQ(folder.image().at("blob"), new_bytes);
+  EXPECT_EQ(write_file_atomically(folder.file("no/blob").string(), new_bytes).error().fault, StoreFault::not_found);
+}
+
+}  // namespace
+}  // namespace airside::hal

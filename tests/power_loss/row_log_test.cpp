@@ -1,0 +1,280 @@
+#include "hal/row_log.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cerrno>
+
+#include "hal/civil_text.hpp"
+#include "power_loss/test_folder.hpp"
+#include "power_loss/write_recorder.hpp"
+
+namespace airside::hal {
+namespace {
+
+const TopologyCounts counts = counts_of<ThreeVav>();
+const CivilTime start = civil_time({2021, 7, 1, 0, 0, 0});
+
+LogRow row_at(int i) {
+  LogRow row = make_log_row(counts);
+  row.time = {start.seconds + std::int64_t{row_s} * i};
+  for (std::size_t j = 0; j < row.value.size(); ++j) row.value[j] = j >= 3 && j < 6 ? 1.0 : 20.0 + 0.01 * i;
+  row.value.back() = 0;
+  row.setpoint_degc = 20 + 0.001 * i;
+  row.controller.mode = "learn";
+  row.controller.fault = "none";
+  return row;
+}
+
+RowLog open_log(const TestFolder& folder, const RowLogLimits& limits = {}) {
+  auto log = RowLog::open(folder.c_str(), counts, limits);
+  if (!log) throw std::runtime_error(describe(log.error()));
+  return std::move(*log);
+}
+
+void append(RowLog& log, int from, int to) {
+  for (int i = from; i < to; ++i) {
+    const auto done = log.append(row_at(i));
+    ASSERT_TRUE(done.has_value()) << describe(done.error());
+  }
+}
+
+void expect_rows(const TestFolder& folder, int from, int to) {
+  const Log log = read_log(folder.c_str(), counts);
+  ASSERT_EQ(log.rows.size(), static_cast<std::size_t>(to - from));
+  for (int i = from; i < to; ++i) {
+    const LogRow want = row_at(i);
+    const LogRow& got = log.rows[static_cast<std::size_t>(i - from)];
+    ASSERT_EQ(got.time, want.time);
+    ASSERT_EQ(got.value, want.value);
+    ASSERT_EQ(got.setpoint_degc, want.setpoint_degc);
+  }
+}
+
+TEST(RowLog, WritesOneFileADayThatTheReaderAccepts) {
+  const TestFolder folder("rows");
+  RowLog log = open_log(folder);
+  EXPECT_EQ(log.position(), LogPosition{});
+  append(log, 0, 600);
+  EXPECT_EQ(log.files(), 3u);
+  EXPECT_TRUE(std::filesystem::exists(folder.file("airside-2021-07-03.csv")));
+  EXPECT_EQ(log.position().day, start.day() + 2);
+  EXPECT_EQ(log.position().bytes, std::filesystem::file_size(folder.file("airside-2021-07-03.csv")));
+  expect_rows(folder, 0, 600);
+}
+
+TEST(RowLog, KeepsTheNewestFilesOnly) {
+  const TestFolder folder("rows_bounded");
+  RowLog log = open_log(folder, {.max_files = 3});
+  append(log, 0, 240 * 7);
+  EXPECT_EQ(log.files(), 3u);
+  EXPECT_EQ(folder.image().size(), 3u);
+  expect_rows(folder, 240 * 4, 240 * 7);
+  // A smaller bound holds from the next start on.
+  log = open_log(folder, {.max_files = 2});
+  EXPECT_EQ(folder.image().size(), 2u);
+}
+
+TEST(RowLog, StartsAFurtherFileWhenADaysFileIsFull) {
+  const TestFolder folder("rows_parts");
+  RowLog log = open_log(folder, {.max_files = 50, .max_file_bytes = 4000});
+  append(log, 0, 300);
+  EXPECT_GT(log.files(), 6u);
+  EXPECT_TRUE(std::filesystem::exists(folder.file("airside-2021-07-01_03.csv")));
+  for (const auto& [name, bytes] : folder.image()) EXPECT_LE(bytes.size(), 4000u) << name;
+  expect_rows(folder, 0, 300);
+  const LogPosition end = log.position();
+  log = open_log(folder, {.max_files = 50, .max_file_bytes = 4000});
+  EXPECT_EQ(log.position(), end);
+}
+
+TEST(RowLog, ResumeCutsUncommittedRowsAndGoesOnWithoutLossOrDouble) {
+  for (const int committed : {1, 100, 239, 240, 241, 480}) {
+    for (const int beyond : {0, 1, 5, 300}) {
+      const TestFolder folder("rows_resume");
+      LogPosition position;
+      {
+        RowLog log = open_log(folder);
+        append(log, 0, committed);
+        position = log.position();
+        append(log, committed, committed + beyond);
+      }
+      RowLog log = open_log(folder);
+      ASSERT_TRUE(log.resume(position).has_value());
+      ASSERT_EQ(log.position(), position);
+      ASSERT_EQ(log.last_time(), row_at(committed - 1).time);
+      append(log, committed, committed + 10);
+      expect_rows(folder, 0, committed + 10);
+    }
+  }
+}
+
+TEST(RowLog, CutAtEveryByteOfARowIsTheLogBeforeOrAfterIt) {
+  const TestFolder folder("rows_cut");
+  for (const int committed : {3, 240}) {  // the second starts a new file, with its header
+    folder.restore({});
+    LogPosition position;
+    FolderImage before;
+    std::vector<WriteOp> ops;
+    {
+      RowLog log = open_log(folder);
+      append(log, 0, committed);
+      position = log.position();
+      before = folder.image();
+      WriteRecorder recorder;
+      append(log, committed, committed + 1);
+      ops = recorder.ops;
+    }
+    const FolderImage after = folder.image();
+    int states = 0;
+    for (const auto& [name, bytes] : after) {
+      const std::size_t old_size = before.count(name) != 0 ? before.at(name).size() : 0;
+      for (std::size_t size = old_size; size < bytes.size(); ++size) {
+        FolderImage torn = before;
+        torn[name].assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+        // Without a committed position: an unfinished row goes.
+        folder.restore(torn);
+        {
+          RowLog log = open_log(folder);
+          ASSERT_EQ(log.position(), position) << size;
+          append(log, committed, committed + 2);
+        }
+        expect_rows(folder, 0, committed + 2);
+        // With one: whatever stands there after it goes.
+        folder.restore(torn);
+        {
+          RowLog log = open_log(folder);
+          ASSERT_TRUE(log.resume(position).has_value()) << size;
+          append(log, committed, committed + 2);
+        }
+        expect_rows(folder, 0, committed + 2);
+        if (HasFatalFailure()) FAIL() << name << " cut at " << size;
+        ++states;
+      }
+    }
+    EXPECT_GT(states, 80);
+    EXPECT_FALSE(ops.empty());
+  }
+}
+
+TEST(RowLog, ARowThatCannotBeWrittenLeavesNoTraceAndTheNextOneFits) {
+  const TestFolder folder("rows_fail");
+  RowLog log = open_log(folder);
+  append(log, 0, 5);
+  const FolderImage before = folder.image();
+  {
+    WriteRecorder recorder;
+    recorder.fail_at = 0;
+    recorder.fail_errno = ENOSPC;
+    const auto done = log.append(row_at(5));
+    ASSERT_FALSE(done.has_value());
+    EXPECT_EQ(done.error().fault, StoreFault::no_space);
+  }
+  EXPECT_EQ(folder.image(), before);
+  {
+    WriteRecorder recorder;  // not even the half row can be cut off
+    recorder.fail_at = 0;
+    recorder.fail_count = 2;
+    recorder.fail_errno = EIO;
+    EXPECT_EQ(log.append(row_at(5)).error().fault, StoreFault::io);
+  }
+  append(log, 5, 7);
+  expect_rows(folder, 0, 7);
+}
+
+TEST(RowLog, AFailedSyncIsReportedAndItsRowsAreWrittenAgain) {
+  const TestFolder folder("rows_sync");
+  RowLog log = open_log(folder);
+  append(log, 0, 2);
+  ASSERT_TRUE(log.sync().has_value());
+  const std::uint64_t synced = log.position().bytes;
+  append(log, 2, 4);
+  WriteRecorder recorder;
+  recorder.fail_at = 0;
+  recorder.fail_errno = EIO;
+  const auto done = log.sync();
+  ASSERT_FALSE(done.has_value());
+  EXPECT_EQ(done.error().fault, StoreFault::io);
+  recorder.ops.clear();
+  ASSERT_TRUE(log.sync().has_value());
+  ASSERT_EQ(recorder.ops.size(), 2u);
+  EXPECT_EQ(recorder.ops[0].kind, WriteOp::Kind::write);
+  EXPECT_EQ(recorder.ops[0].offset, synced);
+  EXPECT_EQ(synced + recorder.ops[0].bytes.size(), log.position().bytes);
+  EXPECT_EQ(recorder.ops[1].kind, WriteOp::Kind::sync);
+  expect_rows(folder, 0, 4);
+}
+
+TEST(RowLog, RowsThatAreNotAfterTheLastOneAreRefused) {
+  const TestFolder folder("rows_order");
+  {
+    RowLog log = open_log(folder);
+    append(log, 0, 5);
+  }
+  RowLog log = open_log(folder);
+  for (const int i : {0, 3, 4}) {
+    const auto done = log.append(row_at(i));
+    ASSERT_FALSE(done.has_value());
+    EXPECT_EQ(done.error().fault, StoreFault::out_of_order);
+  }
+  // Nothing was committed: nothing is removed, and no row stands twice.
+  ASSERT_TRUE(log.resume({}).has_value());
+  EXPECT_EQ(log.append(row_at(4)).error().fault, StoreFault::out_of_order);
+  append(log, 5, 6);
+  expect_rows(folder, 0, 6);
+}
+
+TEST(RowLog, CommittedRowsThatAreMissingAreReported) {
+  const TestFolder folder("rows_lost");
+  LogPosition position;
+  {
+    RowLog log = open_log(folder);
+    append(log, 0, 10);
+    position = log.position();
+  }
+  const auto path = folder.file("airside-2021-07-01.csv");
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 30);
+  {
+    RowLog log = open_log(folder);
+    const auto done = log.resume(position);
+    ASSERT_FALSE(done.has_value());
+    EXPECT_EQ(done.error().fault, StoreFault::log_shorter);
+    EXPECT_EQ(log.last_time(), row_at(8).time);
+    append(log, 10, 12);
+  }
+  EXPECT_EQ(read_log(folder.c_str(), counts).summary.missing_rows, 1u);
+  std::filesystem::remove(path);
+  RowLog log = open_log(folder);
+  EXPECT_EQ(log.resume(position).error().fault, StoreFault::log_shorter);
+}
+
+TEST(RowLog, AnotherTopologysFileIsNotAppendedTo) {
+  const TestFolder folder("rows_other");
+  {
+    RowLog log = open_log(folder);
+    append(log, 0, 5);
+  }
+  const TopologyCounts five = counts_of<FiveZone>();
+  auto log = RowLog::open(folder.c_str(), five);
+  ASSERT_TRUE(log.has_value());
+  LogRow row = make_log_row(five);
+  row.time = row_at(5).time;
+  ASSERT_TRUE(log->append(row).has_value());
+  EXPECT_EQ(log->files(), 2u);
+  EXPECT_EQ(log->position().part, 1u);
+  EXPECT_EQ(read_log(folder.file("airside-2021-07-01.csv").string(), counts).rows.size(), 5u);
+}
+
+TEST(RowLog, ForeignFilesAreLeftAlone) {
+  const TestFolder folder("rows_foreign");
+  for (const char* name : {"notes.txt", "airside-2021-07-01.csv.bak", "airside-2021-13-01.csv",
+                           "airside-2021-07-01_0.csv", "airside-2021-07-01-00.csv", "airside-2021-07-01xy.csv"}) {
+    std::ofstream(folder.file(name)) << "mine\n";
+  }
+  RowLog log = open_log(folder, {.max_files = 2});
+  EXPECT_EQ(log.files(), 0u);
+  append(log, 0, 240 * 5);
+  EXPECT_EQ(folder.image().size(), 6u + 2u);
+}
+
+}  // namespace
+}  // namespace airside::hal
