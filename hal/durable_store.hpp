@@ -81,7 +81,7 @@ class DurableStore {
   DurableStore(DurableStore&&) = default;
   DurableStore& operator=(DurableStore&&) = default;
 
-  /// Finds the newest generation that is whole. Call once, before the first commit.
+  /// Finds the newest generation that is whole; commits go on from it. Call it before the first commit.
   /// Errors: io; wrong_size; other_layout when the files belong to another topology or build.
   StoreResult<LoadedState> load(const StateBuffers& into);
 

@@ -45,6 +45,8 @@ StoreResult<RecordHeader> DurableStore::read_header(const StorageFile& file, Rec
 }
 
 StoreResult<void> DurableStore::scan() {
+  damaged_ = 0;
+  other_layout_ = false;
   for (int slot = 0; slot < 2; ++slot) {
     const auto row = read_header(row_[slot], RecordKind::row);
     if (!row) return tl::make_unexpected(row.error());
@@ -144,6 +146,7 @@ StoreResult<LoadedState> DurableStore::load(const StateBuffers& into) {
       into.replay.size() != layout_.transition_bytes * layout_.ring_capacity) {
     return tl::make_unexpected(StoreError{StoreFault::wrong_size, 0, "load state"});
   }
+  if (const auto done = scan(); !done) return tl::make_unexpected(done.error());
   Candidate candidates[4];
   int count = 0;
   bool whole_row[2] = {false, false};

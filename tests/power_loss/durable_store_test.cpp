@@ -287,6 +287,8 @@ TEST(DurableStore, RecoveredStateGoesOnCommitting) {
     StateScript again(layout);
     const auto last = store.load(again.buffers());
     ASSERT_TRUE(last.has_value());
+    ASSERT_EQ(last->outcome, LoadOutcome::newest);
+    ASSERT_EQ(again.step_in_row(), step + 20);
     store = open_store(TestFolder("store_other"));  // releases the lock
     const Recovered r = recover(folder);
     ASSERT_EQ(r.script.step_in_row(), step + 20);
