@@ -12,6 +12,7 @@
 #include "hal/blob_file.hpp"
 #include "hal/input_error.hpp"
 #include "hal/log_record.hpp"
+#include "hal/signal_limits.hpp"
 #include "hal/site_settings.hpp"
 #include "sim/simulated_plant.hpp"
 
@@ -126,7 +127,7 @@ template <Topology T>
 std::unique_ptr<Controller<T>> make_controller(const Site& site, const ControllerSettings& settings,
                                                std::uint64_t seed) {
   auto controller = std::make_unique<Controller<T>>();
-  controller->configure(settings, hal::limits_table<T>(site.points), hal::box_kernels(), seed);
+  controller->configure(settings, hal::signal_limits<T>(site.points), hal::box_kernels(), seed);
   return controller;
 }
 
@@ -312,9 +313,9 @@ ControlRun run_baseline(const Site& site, sim::PlantModel& plant, BaselineContro
   ControlRun run;
   dispatch(site, [&]<class T>(T) {
     using L = Layout<T>;
-    const auto sensors_of = [](const auto& value) {
+    const auto sensors_of = [](const double* value) {
       sim::Sensors s;
-      const auto part = [&value](int at, int n) { return std::vector<double>(&value[at], &value[at] + n); };
+      const auto part = [value](int at, int n) { return std::vector<double>(value + at, value + at + n); };
       s.room_temp_degc = part(L::room_temp, L::rooms);
       s.fcu_temp_degc = part(L::fcu_temp, T::fcus);
       s.vav_on = part(L::vav_on, T::vavs);
@@ -326,13 +327,13 @@ ControlRun run_baseline(const Site& site, sim::PlantModel& plant, BaselineContro
       return s;
     };
     std::vector<HistoryRow> past;
-    for (const hal::LogRow& row : history) past.push_back({row.time, sensors_of(row.value), row.setpoint_degc});
+    for (const hal::LogRow& row : history) past.push_back({row.time, sensors_of(row.value.data()), row.setpoint_degc});
     baseline.observe_history(past);
     double last_known = history.empty() ? plant.sensors().setpoint_degc : history.back().setpoint_degc;
     run = run_chooser<T>(site, plant, until, progress, [&](CivilTime t, const Reading<T>& reading, double last) {
       CycleObservation now;
       now.time = t;
-      now.sensors = sensors_of(reading.value);
+      now.sensors = sensors_of(reading.value.data());
       now.sensors.setpoint_degc = reading.setpoint_degc;
       now.sensors.supply_temp_degc = reading.supply_temp_degc;
       now.previous_setpoint_degc = std::isfinite(last) ? last : last_known;

@@ -191,6 +191,14 @@ class Controller {
     return Fault::none;
   }
 
+  /// A decision before there was any: the schedule's night setpoint, faultless.
+  static Decision schedule_decision() {
+    const ControllerSettings s = product_settings();
+    return {.time = {}, .command = SafetyEnvelope(s).limit(s.expert_off_degc, s.expert_off_degc, s.expert_off_degc)};
+  }
+  /// Puts back the last decision, which rows between two decisions still show.
+  void restore_decision(const Decision& decision) { decision_ = decision; }
+
   /// One optimiser step on the replay; for a host that fine-tunes.  Errors: returns the losses before the step.
   LossTerms train_step() {
     const LossTerms terms = step_on_replay(learning_.weights);
@@ -440,7 +448,7 @@ class Controller {
   PackedWeights<T, Scalar> packed_;
   NetworkScratch<T, Scalar> scratch_;
 
-  Decision decision_ = {.time = {}, .command = SafetyEnvelope(product_settings()).limit(0, 0, 0)};
+  Decision decision_ = schedule_decision();
   Vector now_ = Vector::Zero();
   Row newest_{};
   bool completed_ = false;  ///< newest_ is a transition that just ended

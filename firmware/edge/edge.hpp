@@ -1,0 +1,312 @@
+#pragma once
+// The daemon's wiring for one topology: plant, clock, controller, durable state, log, status. Everything is made in
+// the constructor and start(); run() allocates nothing.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "airside/controller_instances.hpp"
+#include "airside/cycle.hpp"
+#include "airside/history.hpp"
+#include "firmware/edge/status_snapshot.hpp"
+#include "hal/blob_file.hpp"
+#include "hal/civil_text.hpp"
+#include "hal/durable_store.hpp"
+#include "hal/input_error.hpp"
+#include "hal/log_csv.hpp"
+#include "hal/log_record.hpp"
+#include "hal/modbus_plant.hpp"
+#include "hal/modbus_wire.hpp"
+#include "hal/plant_clock.hpp"
+#include "hal/row_log.hpp"
+#include "hal/signal_limits.hpp"
+#include "hal/site_settings.hpp"
+
+namespace airside::edge {
+
+/// What the command line adds to the site file.
+struct EdgeOptions {
+  hal::Sync sync = hal::Sync::full;
+  std::optional<CivilTime> until;  ///< stop there; for tests and demos
+  double backoff_first_s = 1.0;
+  double stall_s = 120.0;  ///< a simulated plant's clock may stand still for so long
+};
+
+/// Writes one line to standard error, where the service manager adds the time. Cost: no heap for short lines.
+template <class... Args>
+void say(fmt::format_string<Args...> format, Args&&... args) {
+  std::array<char, 512> line;
+  const auto r = fmt::format_to_n(line.data(), line.size() - 1, format, std::forward<Args>(args)...);
+  *r.out = '\n';
+  std::fwrite(line.data(), 1, static_cast<std::size_t>(r.out - line.data()) + 1, stderr);
+}
+
+/// The link's settings from the site file.
+hal::LinkSettings link_settings(const hal::ModbusSection& modbus, const EdgeOptions& options);
+
+/// What a row commits beside the learning state. Plain bytes.
+template <Topology T>
+struct RowRecord {
+  CycleState<T> cycle;
+  Decision decision;
+  CivilTime row_time;
+  std::uint32_t blob_crc = 0;  ///< of the weights that this state grew from
+};
+
+template <Topology T>
+class Edge {
+ public:
+  Edge(const hal::SiteFile& site, const hal::PointMap& points, const EdgeOptions& options, hal::StopFlag stop)
+      : site_(site),
+        limits_(hal::signal_limits<T>(points)),
+        options_(options),
+        stop_(stop),
+        link_(link_settings(*site.modbus, options)),
+        plant_(points, link_, {}),
+        system_clock_(stop),
+        controller_(std::make_unique<Controller<T>>()),
+        log_row_(hal::make_log_row(hal::counts_of<T>())),
+        status_(site.state_dir) {
+    controller_->configure(hal::controller_settings(site), limits_, hal::box_kernels(), site.seed);
+    if (site.clock == hal::ClockSource::plant) plant_clock_.emplace(points, link_, stop, options.stall_s);
+    for (int i = 0; i < Layout<T>::signals; ++i) names_[static_cast<std::size_t>(i)] = hal::point_name(signal_id<T>(i));
+  }
+
+  /// Opens state and log and finds out where to go on: the newest good state, else the blob, else the schedule.
+  /// Errors: hal::InputError for a bad blob or history, or a state folder that another daemon uses.
+  void start() {
+    open_log();
+    open_store();
+    const std::uint32_t blob_crc = load_blob();
+    const CivilTime resumed = load_state(blob_crc);
+    if (resumed.seconds == 0) {
+      record_.blob_crc = blob_crc;
+      if (blob_bytes_ > 0) begin_from_blob();
+      if (log_) (void)log_->resume({});
+    }
+    next_ = {resumed.seconds == 0 ? 0 : resumed.seconds + row_s};
+    payload_.reset();
+  }
+
+  /// Runs until told to stop, or until options.until. Returns the process's exit code.
+  int run() {
+    if (!wait_for_plant()) return stop_.raised() ? 0 : 3;
+    const CivilTime end = options_.until.value_or(CivilTime{std::numeric_limits<std::int64_t>::max()});
+    CivilTime t = std::max(next_, next_row(now()));
+    while (!stop_.raised() && t < end) {
+      t = plant_clock_ ? run_cycles<T>(plant_, *plant_clock_, *controller_, *this, t, end)
+                       : run_cycles<T>(plant_, system_clock_, *controller_, *this, t, end);
+      if (plant_clock_ && plant_clock_->stalled()) {
+        say("the plant's clock stands still at row {}; is its server running?", t.seconds);
+      }
+    }
+    return 0;
+  }
+
+  /// After each row: log it, commit it, show it. Order matters: the log first, then the commit that names its end.
+  bool row(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller) {
+    hal::fill_log_row<T>(log_row_, t, sensed, controller.decision(), controller.cycle().last_setpoint_degc);
+    hal::StoreResult<void> logged = log_ ? log_->append(log_row_) : hal::StoreResult<void>{};
+    if (logged && log_) logged = log_->sync();
+    note(logged, "log");
+    if (store_) note(store_->commit(state(t)), "state");
+    (void)plant_.beat();
+    write_status(t, sensed);
+    return !stop_.raised();
+  }
+
+  const Controller<T>& controller() const { return *controller_; }
+
+ private:
+  CivilTime now() { return plant_clock_ ? plant_clock_->now() : system_clock_.now(); }
+
+  /// Until the plant answers once: a clock that was never read must not decide where to begin.
+  bool wait_for_plant() {
+    bool said = false;
+    while (!stop_.raised()) {
+      if (plant_.sense()) return true;
+      if (!said) say("no answer from {}; trying again", link_.description());
+      said = true;
+      hal::sleep_until_ns(hal::monotonic_ns() + 100'000'000, stop_);
+    }
+    return false;
+  }
+
+  static std::span<const std::byte> bytes_of(const void* p, std::size_t n) {
+    return {static_cast<const std::byte*>(p), n};
+  }
+  static std::span<std::byte> bytes_of(void* p, std::size_t n) { return {static_cast<std::byte*>(p), n}; }
+
+  using Learning = LearningState<T, float>;
+  using Ring = ReplayRing<T, float>;
+
+  hal::StoreLayout layout() const {
+    return {.learning_bytes = sizeof(Learning),
+            .row_bytes = sizeof(RowRecord<T>),
+            .transition_bytes = sizeof(typename Ring::Row),
+            .ring_capacity = Ring::capacity,
+            .meaning = topology_hash<T>(NetworkWeights<T, float>::count) ^ units_hash<T>()};
+  }
+
+  hal::StoredState state(CivilTime t) {
+    // The cycle's part of the record is copied, the large parts are written from where they stand.
+    record_.cycle = controller_->cycle();
+    record_.decision = controller_->decision();
+    record_.row_time = t;
+    return {.learning = bytes_of(static_cast<const void*>(&controller_->learning()), sizeof(Learning)),
+            .row = bytes_of(static_cast<const void*>(&record_), sizeof record_),
+            .replay = bytes_of(static_cast<const void*>(&controller_->replay().slot(0)),
+                               sizeof(typename Ring::Row) * static_cast<std::size_t>(Ring::capacity)),
+            .replay_count = controller_->replay().total_pushed(),
+            .log = log_ ? log_->position() : hal::LogPosition{},
+            .learning_changed = starts_cycle(t)};
+  }
+
+  void open_log() {
+    if (site_.log_dir.empty()) return;
+    hal::RowLogLimits limits;
+    limits.max_files = site_.log_max_files;
+    limits.max_file_bytes = static_cast<std::uint64_t>(site_.log_max_file_mb * 1e6);
+    auto opened = hal::RowLog::open(site_.log_dir.c_str(), hal::counts_of<T>(), limits, options_.sync);
+    if (opened) {
+      log_.emplace(std::move(*opened));
+    } else {
+      say("log in {}: {}; running without a log", site_.log_dir, hal::describe(opened.error()));
+    }
+  }
+
+  void open_store() {
+    if (site_.state_dir.empty()) return;
+    auto opened = hal::DurableStore::open(site_.state_dir.c_str(), layout(), options_.sync);
+    if (opened) {
+      store_.emplace(std::move(*opened));
+      return;
+    }
+    if (opened.error().fault == hal::StoreFault::locked) {
+      throw hal::InputError(site_.state_dir, "another airsided that uses this state folder", "one daemon a state folder",
+                            "stop the other one, or give this site its own [state] dir");
+    }
+    storage_ = "state cannot be written";
+    say("state in {}: {}; running in memory only", site_.state_dir, hal::describe(opened.error()));
+  }
+
+  using Payload = BlobPayload<T, NetworkWeights<T, float>::count>;
+
+  /// Reads the blob, if the site names one. Returns its checksum, 0 without.
+  std::uint32_t load_blob() {
+    if (site_.weights_blob.empty()) return 0;
+    payload_ = std::make_unique<Payload>();
+    const std::vector<std::byte> bytes = hal::read_blob_file(site_.weights_blob);
+    hal::decode_blob<T>(bytes, site_.scope, site_.weights_blob, *payload_);
+    blob_bytes_ = bytes.size();
+    return crc32c(bytes);
+  }
+
+  void begin_from_blob() {
+    take_payload<T>(*controller_, *payload_);
+    say("starting from {}", site_.weights_blob);
+    if (site_.history_log.empty()) return;
+    const hal::Log log = hal::read_log(site_.history_log, hal::counts_of<T>());
+    HistoryReader<T> reader(*controller_, HistoryReader<T>::Head::leave);
+    for (const hal::LogRow& row : log.rows) {
+      reader.row(row.time, Eigen::Map<const typename Reading<T>::Vector>(row.value.data()), row.setpoint_degc);
+    }
+    say("remembered {} transitions of {}", reader.transitions(), site_.history_log);
+  }
+
+  /// Loads the newest generation. Returns the time of its row, 0 if there is none that fits.
+  CivilTime load_state(std::uint32_t blob_crc) {
+    if (!store_) return {};
+    auto& learning = controller_->learning();
+    auto found = store_->load(
+        {.learning = bytes_of(static_cast<void*>(&learning), sizeof(Learning)),
+         .row = bytes_of(static_cast<void*>(&record_), sizeof record_),
+         .replay = bytes_of(static_cast<void*>(&controller_->replay().slot(0)),
+                            sizeof(typename Ring::Row) * static_cast<std::size_t>(Ring::capacity))});
+    if (!found) {
+      say("state in {}: {}", site_.state_dir, hal::describe(found.error()));
+      return forget();
+    }
+    if (found->outcome == hal::LoadOutcome::none) return forget();
+    if (record_.blob_crc != blob_crc) {
+      say("the site names other weights than the state grew from; starting from them");
+      return forget();
+    }
+    controller_->cycle() = record_.cycle;
+    controller_->replay().restore_count(found->replay_count);
+    controller_->restore_decision(record_.decision);
+    if (record_.cycle.has_weights != 0 && controller_->restored() != Fault::none) {
+      say("saved weights are not finite; starting anew");
+      return forget();
+    }
+    if (log_) note(log_->resume(found->log), "log");
+    say("resuming after row {} ({}, generation {})", hal::civil_text(record_.row_time), hal::text_of(found->outcome),
+        found->generation);
+    return record_.row_time;
+  }
+
+  /// Undoes what load_state() may have overwritten.
+  CivilTime forget() {
+    controller_->configure(controller_->settings(), limits_, hal::box_kernels(), site_.seed);
+    record_ = fresh_record();
+    if (store_) store_->replay_replaced();
+    return {};
+  }
+
+  static RowRecord<T> fresh_record() { return {.cycle = {}, .decision = Controller<T>::schedule_decision(), .row_time = {}}; }
+
+  void note(const hal::StoreResult<void>& result, const char* what) {
+    const char* before = storage_;
+    storage_ = result ? "ok" : hal::text_of(result.error().fault);
+    if (!result && std::strcmp(before, storage_) != 0) say("{}: {} ({})", what, storage_, result.error().step);
+  }
+
+  void write_status(CivilTime t, const Expected<Reading<T>>& sensed) {
+    StatusSnapshot s{.site = site_.name, .topology = T::name, .decision = controller_->decision()};
+    s.fault = sensed ? s.decision.fault : sensed.error();
+    s.setpoint_degc = controller_->cycle().last_setpoint_degc;
+    if (sensed) s.room_temp_degc = {sensed->value.data(), static_cast<std::size_t>(Layout<T>::rooms)};
+    s.target_degc = controller_->settings().target_degc;
+    if (s.decision.fault_signal >= 0) s.fault_signal = names_[static_cast<std::size_t>(s.decision.fault_signal)];
+    s.cycles = controller_->learning().cycles;
+    s.rejected_updates = controller_->learning().rejected;
+    s.replay_transitions = static_cast<std::uint64_t>(controller_->replay().size());
+    s.generation = store_ ? store_->generation() : 0;
+    s.has_weights = controller_->cycle().has_weights != 0;
+    s.storage = storage_;
+    const hal::LinkCounters& link = link_.counters();
+    s.link_timeouts = link.timeouts;
+    s.link_bad_frames = link.bad_frames;
+    s.link_wrong_ids = link.wrong_ids;
+    s.link_exceptions = link.exceptions;
+    (void)status_.write(t, s);
+  }
+
+  hal::SiteFile site_;
+  LimitsTable<T> limits_;
+  EdgeOptions options_;
+  hal::StopFlag stop_;
+  hal::ModbusLink link_;
+  hal::ModbusPlant<T> plant_;
+  hal::SystemClock system_clock_;
+  std::optional<hal::ModbusPlantClock> plant_clock_;
+  std::unique_ptr<Controller<T>> controller_;
+  std::unique_ptr<Payload> payload_;
+  std::size_t blob_bytes_ = 0;
+  std::optional<hal::DurableStore> store_;
+  std::optional<hal::RowLog> log_;
+  hal::LogRow log_row_;
+  StatusFile status_;
+  RowRecord<T> record_ = fresh_record();
+  std::array<std::string, static_cast<std::size_t>(Layout<T>::signals)> names_;
+  CivilTime next_;
+  const char* storage_ = "ok";
+};
+
+}  // namespace airside::edge

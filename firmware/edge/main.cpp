@@ -1,0 +1,68 @@
+// airsided: the daemon on the box beside the AHU.
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+
+#include "airside/topologies.hpp"
+#include "firmware/edge/edge.hpp"
+
+namespace {
+
+volatile std::sig_atomic_t stop_requested = 0;
+extern "C" void request_stop(int) { stop_requested = 1; }
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace airside;
+  CLI::App app{
+      "airsided controls one air handling unit over Modbus and goes on learning from it.\n"
+      "It reads the site file, resumes from its state folder (or starts from the weight blob, or runs the\n"
+      "schedule if there is none), and every 18 min chooses the supply-air temperature setpoint.\n"
+      "Exit codes: 0 stopped in order, 1 bad input, 2 bad command line, 3 no answer from the plant.",
+      "airsided"};
+  std::string site_path, until;
+  edge::EdgeOptions options;
+  bool check_only = false, no_sync = false;
+  app.add_option("--site", site_path, "site file, such as /etc/airside/site.toml")->required();
+  app.add_option("--until", until, "stop at this local time, such as 2021-08-20T00:00:00");
+  app.add_flag("--check", check_only, "read everything, say whether it is in order, and stop");
+  app.add_flag("--no-sync", no_sync, "do not force state to the disk each row; for simulations");
+  app.add_option("--backoff", options.backoff_first_s, "first wait after a lost link, s")->check(CLI::Range(0.01, 60.0));
+  app.add_option("--stall", options.stall_s, "how long a simulated plant's clock may stand still, s")
+      ->check(CLI::Range(1.0, 1e6));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  try {
+    const hal::SiteFile site = hal::read_site_file(site_path, hal::site_rules());
+    if (!site.modbus) {
+      throw hal::InputError(site_path + ": [modbus]", "no such section", "how to reach the AHU",
+                            "add [modbus] with host or device and points");
+    }
+    const hal::PointMap points = hal::PointMap::load(site.modbus->points);
+    if (no_sync) options.sync = hal::Sync::none;
+    if (!until.empty()) {
+      options.until = hal::parse_civil_text(until);
+      if (!options.until) {
+        throw hal::InputError("--until", "'" + until + "'", "a local time such as 2021-08-20T00:00:00", "correct it");
+      }
+    }
+    std::signal(SIGTERM, request_stop);
+    std::signal(SIGINT, request_stop);
+    std::signal(SIGPIPE, SIG_IGN);
+    int code = 1;
+    with_topology(site.topology.c_str(), [&]<class T>(T) {
+      auto daemon = std::make_unique<edge::Edge<T>>(site, points, options, hal::StopFlag(&stop_requested));
+      daemon->start();
+      code = check_only ? 0 : daemon->run();
+    });
+    return code;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "airsided: %s\n", e.what());
+    return 1;
+  }
+}

@@ -1,0 +1,104 @@
+#include "firmware/edge/status_snapshot.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "hal/civil_text.hpp"
+
+namespace airside::edge {
+
+namespace {
+
+/// Appends to a fixed buffer; what does not fit is cut and noticed.
+class FixedText {
+ public:
+  explicit FixedText(std::span<char> out) : out_(out) {}
+  template <class... Args>
+  void add(fmt::format_string<Args...> format, Args&&... args) {
+    const auto r = fmt::format_to_n(out_.data() + used_, out_.size() - used_, format, std::forward<Args>(args)...);
+    fits_ = fits_ && r.size <= out_.size() - used_;
+    used_ = fits_ ? used_ + r.size : out_.size();
+  }
+  /// A JSON number, null where there is none.
+  void number(const char* name, double value) {
+    if (std::isfinite(value)) {
+      add(",\"{}\":{:.6g}", name, value);
+    } else {
+      add(",\"{}\":null", name);
+    }
+  }
+  /// A JSON string; control characters, quotes and backslashes become spaces.
+  void string(const char* name, std::string_view value) {
+    add(",\"{}\":\"", name);
+    for (const char c : value) add("{}", static_cast<unsigned char>(c) < 0x20 || c == '"' || c == '\\' ? ' ' : c);
+    add("\"");
+  }
+  void count(const char* name, std::uint64_t value) { add(",\"{}\":{}", name, value); }
+  bool fits() const { return fits_; }
+  std::size_t size() const { return used_; }
+
+ private:
+  std::span<char> out_;
+  std::size_t used_ = 0;
+  bool fits_ = true;
+};
+
+}  // namespace
+
+StatusFile::StatusFile(const std::string& dir) {
+  auto opened = hal::StorageFile::open_dir(dir.c_str());
+  if (opened) dir_ = std::move(*opened);
+}
+
+bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
+  if (!dir_.is_open()) return false;
+  FixedText text(text_);
+  std::array<char, hal::civil_text_size> time{};
+  hal::write_civil_text(time.data(), now);
+  text.add("{{\"time\":\"{}\"", std::string_view(time.data(), time.size()));
+  text.string("site", s.site);
+  text.string("topology", s.topology);
+  text.string("state", text_of(s.decision.mode));
+  text.string("fault", text_of(s.fault));
+  text.string("fault_signal", s.fault_signal);
+  text.add(",\"has_weights\":{}", s.has_weights);
+  text.number("target_degc", s.target_degc);
+  text.number("room_mean_degc", s.decision.room_mean_degc);
+  text.add(",\"room_temp_degc\":[");
+  for (std::size_t i = 0; i < s.room_temp_degc.size(); ++i) {
+    if (std::isfinite(s.room_temp_degc[i])) {
+      text.add("{}{:.2f}", i == 0 ? "" : ",", s.room_temp_degc[i]);
+    } else {
+      text.add("{}null", i == 0 ? "" : ",");
+    }
+  }
+  text.add("]");
+  text.number("setpoint_degc", s.setpoint_degc);
+  text.number("network_setpoint_degc", s.decision.network_degc);
+  text.number("head_setpoint_degc", s.decision.head_degc);
+  text.number("expert_setpoint_degc", s.decision.expert_degc);
+  text.number("confidence", s.decision.confidence);
+  text.number("expected_room_mean_degc", s.decision.expected_mean_degc);
+  text.count("cycles", s.cycles);
+  text.count("rejected_updates", s.rejected_updates);
+  text.count("replay_transitions", s.replay_transitions);
+  text.count("generation", s.generation);
+  text.string("storage", s.storage);
+  text.count("link_timeouts", s.link_timeouts);
+  text.count("link_bad_frames", s.link_bad_frames);
+  text.count("link_wrong_ids", s.link_wrong_ids);
+  text.count("link_exceptions", s.link_exceptions);
+  text.add("}}\n");
+  if (!text.fits()) return false;
+  auto file = hal::StorageFile::open(dir_.descriptor(), "status.json.new", true, "open status");
+  if (!file || !file->truncate(0, "truncate status")) return false;
+  const auto bytes = std::as_bytes(std::span(text_.data(), text.size()));
+  if (!file->write_at(bytes, 0, "write status")) return false;
+  return ::renameat(dir_.descriptor(), "status.json.new", dir_.descriptor(), "status.json") == 0;
+}
+
+}  // namespace airside::edge

@@ -1,0 +1,45 @@
+#pragma once
+// What the box is doing, as one small JSON file that anything may read: written whole or not at all, without heap.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "airside/decision.hpp"
+#include "hal/storage_file.hpp"
+
+namespace airside::edge {
+
+/// One snapshot. Units in the names; texts must outlive the call.
+struct StatusSnapshot {
+  std::string_view site;
+  std::string_view topology;
+  const Decision& decision;
+  Fault fault = Fault::none;
+  double setpoint_degc = Decision::none;
+  std::span<const double> room_temp_degc = {};
+  double target_degc = Decision::none;
+  std::string_view fault_signal = {};  ///< name of the signal at fault, or empty
+  std::uint64_t cycles = 0, rejected_updates = 0, replay_transitions = 0, generation = 0;
+  bool has_weights = false;
+  std::string_view storage = "ok";  ///< or what is wrong with it
+  std::uint64_t link_timeouts = 0, link_bad_frames = 0, link_wrong_ids = 0, link_exceptions = 0;
+};
+
+/// Writes `status.json` into a folder, replacing it atomically.
+class StatusFile {
+ public:
+  /// Errors: none here; a folder that cannot be opened makes every write() fail.
+  explicit StatusFile(const std::string& dir);
+  /// False if the snapshot could not be written; the old one then still stands.  Cost: no heap.
+  bool write(CivilTime now, const StatusSnapshot& status);
+
+ private:
+  hal::StorageFile dir_;
+  std::array<char, 4096> text_{};
+};
+
+}  // namespace airside::edge
