@@ -7,6 +7,7 @@
 #include "sim/energyplus_install.hpp"
 #include "sim/energyplus_options.hpp"
 #include "sim/energyplus_protocol.hpp"
+#include "sim/energyplus_run_config.hpp"
 #include "sim/epjson_lint.hpp"
 #include "sim/merge_patch.hpp"
 
@@ -60,8 +61,12 @@ void check(const EnergyPlusOptions& options) {
 /// Replaces time step and run period; what else the model says of its run period stays.
 void set_dates(nlohmann::json& model, const EnergyPlusOptions& options) {
   using namespace std::chrono;
-  const sys_days first{days{start_of_day_2021(options.start_month, options.start_day).day()}};
-  const year_month_day begin{first}, end{first + days{options.days - 1}};
+  // One day of lead. The engine's own year is a label: 1 January takes 2022, since the year before 2021 is a leap
+  // year and the weather files know none.
+  const bool new_year = options.start_month == 1 && options.start_day == 1;
+  const sys_days first = new_year ? sys_days{year{2022} / January / 1}
+                                  : sys_days{days{start_of_day_2021(options.start_month, options.start_day).day()}};
+  const year_month_day begin{first - days{lead_s / 86400}}, end{first + days{options.days - 1}};
   nlohmann::json period = nlohmann::json::object();
   if (model.contains("RunPeriod") && !model["RunPeriod"].empty()) period = model["RunPeriod"].begin().value();
   period.erase("day_of_week_for_start_day");

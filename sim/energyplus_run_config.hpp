@@ -9,6 +9,10 @@
 
 namespace airside::sim {
 
+/// The engine runs one day ahead of the run's start: its meters stand still in warm-up, and the first sensors
+/// shall show power too.
+constexpr std::int64_t lead_s = 86400;
+
 struct RunConfig {
   std::string engine_library, engine_folder;
   std::string run_folder, model, weather;

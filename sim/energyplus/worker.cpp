@@ -44,7 +44,7 @@ Worker::Worker(RunConfig config, EngineApi api, int socket)
       vavs_(static_cast<int>(config_.names.interior_zones.size())),
       fcus_(static_cast<int>(config_.names.perimeter_zones.size())),
       loops_(config_.rooms, vavs_, fcus_, config_.seed, config_.setpoint_degc),
-      now_{config_.start_s},
+      now_{config_.start_s - lead_s},
       until_{config_.start_s},
       setpoint_degc_(config_.setpoint_degc),
       room_temps_(static_cast<std::size_t>(vavs_), 24.0),
@@ -120,12 +120,16 @@ void Worker::begin_step() {
   if (api_.kindOfSim(state_) != 3) return;
   if (api_.warmupFlag(state_) != 0) {
     const int second = api_.hour(state_) * 3600 + (api_.zoneTimeStepNum(state_) - 1) * config_.step_s;
-    act(loops_.warm_up(CivilTime{config_.start_s + second}, setpoint_degc_, fcu_temps_));
+    act(loops_.warm_up(CivilTime{config_.start_s - lead_s + second}, setpoint_degc_, fcu_temps_));
     return;
   }
-  if (!running_) {
-    running_ = true;
-    read_truth();
+  running_ = true;
+  if (now_.seconds < config_.start_s) {
+    act(loops_.warm_up(now_, setpoint_degc_, fcu_temps_));
+    return;
+  }
+  if (!greeted_) {
+    greeted_ = true;
     sense();
     send(sensed_);
   }
@@ -140,6 +144,7 @@ void Worker::end_step() {
   if (api_.warmupFlag(state_) != 0 || !running_ || now_.seconds >= config_.end_s) return;
   check_clock(now_);
   now_.seconds += config_.step_s;
+  if (now_.seconds <= config_.start_s) return;
   if (branch_pipe_ >= 0) {
     if (now_ < until_) return;
     const double mean = mean_room_temp();

@@ -55,7 +55,7 @@ class Worker {
   int vavs_, fcus_;
   RoomLoops loops_;
   Handles handles_;
-  bool ready_ = false, running_ = false;
+  bool ready_ = false, running_ = false, greeted_ = false;
   CivilTime now_, until_;
   double setpoint_degc_;
   std::vector<double> room_temps_, fcu_temps_;
