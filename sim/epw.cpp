@@ -146,15 +146,17 @@ class Reader {
   }
 
   // Interval of the year that a record covers, -1 for 29 February.
-  std::int64_t interval_of(const Columns& parts) const {
+  std::int64_t interval_of(const Columns& parts) {
     const int month = integer(parts, 1, "month", 1, 12);
     static constexpr int length[] = {31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
     const int day = integer(parts, 2, "day", 1, length[month - 1]);
     const int hour = integer(parts, 3, "hour", 1, 24);
     const int per_hour = 3600 / interval_s_;
-    // Minute 0 and 60 both stand for the end of the hour; hourly files write either.
+    // Hourly files write minute 0 or 60. Finer ones count 6, 12 .. 60 or, as EnergyPlus asks of some, 0, 6 .. 54.
     int minute = integer(parts, 4, "minute", 0, 60);
-    if (per_hour == 1 || minute == 0) minute = 60;
+    if (records_.empty()) minute_of_start_ = per_hour > 1 && minute == 0;
+    if (per_hour == 1) minute = 60;
+    if (minute_of_start_) minute += interval_s_ / 60;
     if (minute * 60 % interval_s_ != 0) {
       fail("minute", std::to_string(minute), "a multiple of " + std::to_string(interval_s_ / 60),
            "see the records per hour in DATA PERIODS");
@@ -267,6 +269,7 @@ class Reader {
   int line_number_ = 0;
   Location location_;
   int interval_s_ = 3600, first_interval_ = 0;
+  bool minute_of_start_ = false;  // minutes name the start of a record's interval, not its end
   std::vector<WeatherRecord> records_;
   std::vector<std::array<bool, columns.size()>> missing_;
   std::vector<int> lines_;

@@ -206,6 +206,21 @@ TEST_F(Epw, ReadsBackSixMinuteRecordsOfSomeDays) {
   expect_same_weather(weather, *read_epw(path_, {.whole_year = false, .from = {}, .to = {}}));
 }
 
+TEST_F(Epw, ReadsRecordsThatAreNamedAfterTheirStart) {
+  const Weather weather({"here", 24.8, 120.97, 8, 0}, "measured", 1800, 0, std::vector<WeatherRecord>(96));
+  write_epw(path_, weather, 2021);
+  auto lines = lines_of(path_);
+  for (std::size_t i = header_lines; i < lines.size(); ++i) set_column(lines[i], 4, i % 2 == 0 ? "0" : "30");
+  set_column(lines[header_lines], 6, "12.0");
+  std::ofstream file(path_);
+  for (const std::string& line : lines) file << line << "\n";
+  file.close();
+  const auto back = read_epw(path_, {.whole_year = false, .from = {}, .to = {}});
+  EXPECT_EQ(back->first_interval(), 0);
+  EXPECT_EQ(back->records().size(), 96u);
+  EXPECT_DOUBLE_EQ(back->records()[0].outdoor_temp_degc, 12);
+}
+
 // A real file, from the engine's package if it is installed.
 std::string tampa() {
   const char* venv = std::getenv("AIRSIDE_VENV");
