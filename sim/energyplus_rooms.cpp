@@ -49,7 +49,6 @@ double office_profile(double minute_of_day) {
 RoomLoops::RoomLoops(const RoomLoopOptions& options, int vavs, int fcus, std::uint64_t seed, double setpoint_degc)
     : options_(options),
       vavs_(vavs),
-      fcus_(fcus),
       seed_(seed),
       sensor_stream_(SplitMix64(seed ^ 0x5E4503u).next()),
       occupancy_stream_(SplitMix64(seed ^ 0x0CC09u).next()),

@@ -41,7 +41,7 @@ class RoomLoops {
   SplitMix64 day_stream(std::int64_t day, int zone, std::uint64_t purpose) const;
 
   RoomLoopOptions options_;
-  int vavs_, fcus_;
+  int vavs_;
   std::uint64_t seed_;
   SplitMix64 sensor_stream_, occupancy_stream_;
   std::vector<double> occupancy_noise_;

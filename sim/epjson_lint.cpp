@@ -5,7 +5,7 @@
 #include <map>
 #include <mutex>
 #include <numeric>
-#include <set>
+#include <utility>
 
 #include "sim/merge_patch.hpp"
 
@@ -100,7 +100,7 @@ class Linter {
       const json& description = types_[type];
       for (const auto& [name, fields] : objects.items()) {
         if (description.contains("name") && description["name"].contains("reference")) {
-          for (const auto& list : description["name"]["reference"]) known_lists_[list].insert(upper(name));
+          for (const auto& list : description["name"]["reference"]) known_lists_[list].emplace(upper(name), name);
         }
         gather_field_names(object_schema(description), fields);
       }
@@ -111,7 +111,7 @@ class Linter {
     if (!fields.is_object() || !schema.contains("properties")) return;
     for (const auto& [field, description] : schema["properties"].items()) {
       if (!description.contains("reference") || !fields.contains(field) || !fields[field].is_string()) continue;
-      for (const auto& list : description["reference"]) known_lists_[list].insert(upper(fields[field]));
+      for (const auto& list : description["reference"]) known_lists_[list].emplace(upper(fields[field]), fields[field]);
     }
   }
 
@@ -202,7 +202,7 @@ class Linter {
       const auto names = known_lists_.find(list);
       if (names == known_lists_.end()) return;  // a list of object types, not of this model's names
       if (names->second.contains(upper(value))) return;
-      candidates.insert(candidates.end(), names->second.begin(), names->second.end());
+      for (const auto& [key, name] : names->second) candidates.push_back(name);
     }
     complain(where, "the name " + shown(value) + ", which no object has",
              "the name of an object (" + schema["object_list"].front().get<std::string>() + ")",
@@ -263,7 +263,7 @@ class Linter {
   const json& types_;
   const LintTarget& target_;
   std::vector<hal::InputError> complaints_;
-  std::map<std::string, std::set<std::string>> known_lists_;
+  std::map<std::string, std::map<std::string, std::string>> known_lists_;  // list: upper case to name
 };
 
 /// Schemas are large (10 MB): each is read once.

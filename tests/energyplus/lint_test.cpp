@@ -90,7 +90,8 @@ TEST(EpjsonLint, FindsAMissingFieldInAWholeModelOnly) {
 }
 
 TEST(EpjsonLint, FindsANameThatNothingDefines) {
-  expect_parts(with(R"({"People": {"p": {"zone_name": "Interior 11"}}})"), {"Interior 11", "ZoneNames"});
+  expect_parts(with(R"({"People": {"p": {"zone_name": "Interior 11"}}})"),
+               {"Interior 11", "ZoneNames", "'Interior 1'"});
 }
 
 TEST(EpjsonLint, LooksIntoArrays) {
