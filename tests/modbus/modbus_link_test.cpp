@@ -1,0 +1,268 @@
+// Whatever the peer does, an exchange ends at its deadline and a wrong answer never becomes a value.
+
+#include "hal/modbus_link.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+
+#include <thread>
+
+#include "hal/input_error.hpp"
+#include "hal/modbus_wire.hpp"
+#include "modbus/modbus_fixture.hpp"
+
+namespace airside::hal {
+namespace {
+
+using namespace testing_peers;
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr double deadline_s = 0.5;
+constexpr double slack_s = 0.2;
+
+struct Hostile {
+  const char* name;
+  HostilePeer::Behaviour behave;
+  LinkError expected;
+};
+
+/// Answers each request with what `forge` makes of the honest answer, then waits for the client to leave.
+HostilePeer::Behaviour forging(std::function<Bytes(Bytes)> forge) {
+  return [forge = std::move(forge)](HostilePeer& peer, int fd) {
+    for (Bytes request = peer.request(fd); !request.empty(); request = peer.request(fd)) {
+      peer.send(fd, forge(honest_answer(request)));
+    }
+  };
+}
+
+HostilePeer::Behaviour trickling(double pause_s) {
+  return [pause_s](HostilePeer& peer, int fd) {
+    const Bytes answer = honest_answer(peer.request(fd));
+    for (const std::uint8_t byte : answer) {
+      peer.send(fd, {byte});
+      peer.pause(pause_s);
+    }
+  };
+}
+
+class HostilePeers : public testing::TestWithParam<Hostile> {};
+
+TEST_P(HostilePeers, CostNoMoreThanTheDeadlineAndGiveNoValue) {
+  const HostilePeer peer(GetParam().behave);
+  ModbusLink link(tcp_settings(peer.port(), deadline_s));
+  std::array<std::uint16_t, 10> registers{};
+  registers.fill(0xABCD);
+  const std::int64_t start = monotonic_ns();
+  const auto read = link.read(3, 100, registers);
+  EXPECT_LT(seconds_since(start), deadline_s + slack_s);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().error, GetParam().expected) << text_of(read.error().error);
+  EXPECT_FALSE(link.connected()) << "a doubtful connection must be closed";
+  for (const std::uint16_t value : registers) EXPECT_EQ(value, 0xABCD) << "nothing may be handed out";
+}
+
+Bytes with(Bytes answer, std::size_t at, std::uint8_t value) {
+  answer[at] = value;
+  return answer;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, HostilePeers,
+    testing::Values(
+        Hostile{"WrongUnit", forging([](Bytes a) { return with(a, 6, 77); }), LinkError::wrong_unit},
+        Hostile{"WrongTransaction", forging([](Bytes a) { return with(a, 0, 0x55); }), LinkError::wrong_transaction},
+        Hostile{"TransactionZero", forging([](Bytes a) { return with(with(a, 0, 0), 1, 0); }),
+                LinkError::wrong_transaction},
+        Hostile{"WrongProtocol", forging([](Bytes a) { return with(a, 3, 1); }), LinkError::bad_frame},
+        Hostile{"LengthFfff", forging([](Bytes a) { return with(with(a, 4, 0xFF), 5, 0xFF); }), LinkError::bad_frame},
+        Hostile{"LengthZero", forging([](Bytes a) { return with(with(a, 4, 0), 5, 0); }), LinkError::bad_frame},
+        Hostile{"LengthTooShort", forging([](Bytes a) { return with(a, 5, 10); }), LinkError::bad_frame},
+        Hostile{"LengthTooLong", forging([](Bytes a) { return with(a, 5, 40); }), LinkError::timed_out},
+        Hostile{"WrongFunction", forging([](Bytes a) { return with(a, 7, 4); }), LinkError::bad_frame},
+        Hostile{"WrongByteCount", forging([](Bytes a) { return with(a, 8, 18); }), LinkError::bad_frame},
+        Hostile{"ExceptionWithPayload", forging([](Bytes a) { return with(a, 7, 0x83); }), LinkError::bad_frame},
+        Hostile{"Truncated", forging([](Bytes a) { return Bytes(a.begin(), a.begin() + 15); }), LinkError::timed_out},
+        Hostile{"TricklesEachByteInTime", trickling(0.1), LinkError::timed_out},
+        Hostile{"HalfOpenNeverAnswers", [](HostilePeer& peer, int) { peer.pause(30); }, LinkError::timed_out},
+        Hostile{"HangsUpAtOnce", [](HostilePeer&, int) {}, LinkError::closed_by_peer},
+        Hostile{"HangsUpAfterTheRequest", [](HostilePeer& peer, int fd) { peer.request(fd); },
+                LinkError::closed_by_peer},
+        Hostile{"ResetsTheConnection",
+                [](HostilePeer& peer, int fd) {
+                  peer.request(fd);
+                  const linger abort = {1, 0};
+                  setsockopt(fd, SOL_SOCKET, SO_LINGER, &abort, sizeof(abort));
+                },
+                LinkError::closed_by_peer},
+        Hostile{"ResetsInTheMiddleOfAnAnswer",
+                [](HostilePeer& peer, int fd) {
+                  const Bytes a = honest_answer(peer.request(fd));
+                  peer.send(fd, Bytes(a.begin(), a.begin() + 12));
+                },
+                LinkError::closed_by_peer}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(ModbusLink, HonestPeerIsBelieved) {
+  const HostilePeer peer(forging([](Bytes a) { return a; }));
+  ModbusLink link(tcp_settings(peer.port()));
+  std::array<std::uint16_t, 3> registers{};
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(link.read(3, 100, registers));
+    ASSERT_EQ(registers, (std::array<std::uint16_t, 3>{100, 101, 102}));
+  }
+  EXPECT_EQ(link.counters().connects, 1U);
+}
+
+TEST(ModbusLink, LateAnswerIsNeverTakenForTheNextRequest) {
+  std::atomic<int> requests{0};
+  const HostilePeer peer([&](HostilePeer& p, int fd) {
+    for (Bytes request = p.request(fd); !request.empty(); request = p.request(fd)) {
+      if (++requests == 2) p.pause(0.35);
+      p.send(fd, honest_answer(request));
+    }
+  });
+  ModbusLink link(tcp_settings(peer.port(), 0.25));
+  std::array<std::uint16_t, 1> value{};
+  ASSERT_TRUE(link.read(3, 1, value));
+  EXPECT_EQ(link.read(3, 2, value).error().error, LinkError::timed_out);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  for (int addr = 3; addr < 10; ++addr) {
+    ASSERT_TRUE(link.read(3, addr, value));
+    ASSERT_EQ(value[0], addr);
+  }
+}
+
+TEST(ModbusLink, TrailingBytesDoNotPoisonTheNextRead) {
+  const HostilePeer peer(forging([](Bytes a) {
+    a.push_back(0);
+    a.push_back(7);
+    return a;
+  }));
+  ModbusLink link(tcp_settings(peer.port()));
+  std::array<std::uint16_t, 1> value{};
+  for (int addr = 0; addr < 5; ++addr) {
+    ASSERT_TRUE(link.read(3, addr, value));
+    ASSERT_EQ(value[0], addr);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(link.counters().connects, 5U) << "each time the stray bytes close the connection";
+  EXPECT_EQ(link.counters().wrong_ids, 4U);
+}
+
+TEST(ModbusLink, IdleConnectionThatTheDeviceClosedCostsNoReading) {
+  const HostilePeer peer([](HostilePeer& p, int fd) { p.send(fd, honest_answer(p.request(fd))); });
+  ModbusLink link(tcp_settings(peer.port()));
+  std::array<std::uint16_t, 1> value{};
+  for (int addr = 0; addr < 20; ++addr) {
+    ASSERT_TRUE(link.read(3, addr, value)) << addr;
+    ASSERT_EQ(value[0], addr);
+  }
+}
+
+TEST(ModbusLink, ExceptionsAreHandedOnAndKeepTheConnection) {
+  std::atomic<int> code{1};
+  const HostilePeer peer([&](HostilePeer& p, int fd) {
+    for (Bytes r = p.request(fd); !r.empty(); r = p.request(fd)) {
+      p.send(fd, {r[0], r[1], 0, 0, 0, 3, r[6], static_cast<std::uint8_t>(r[7] | 0x80U),
+                  static_cast<std::uint8_t>(code.load())});
+    }
+  });
+  LinkSettings settings = tcp_settings(peer.port());
+  settings.backoff_first_s = settings.backoff_max_s = 30;
+  std::array<std::uint16_t, 1> value{};
+  for (const int c : {1, 2, 3, 6, 4, 11, 99}) {
+    ModbusLink link(settings);
+    code = c;
+    const auto read = link.read(3, 0, value);
+    ASSERT_EQ(read.error().error, LinkError::exception_answer);
+    EXPECT_EQ(read.error().exception, c);
+    EXPECT_EQ(link.connected(), c != 4) << "4 means a broken device";
+    const bool rests = c == 4 || c > 6;
+    EXPECT_EQ(link.backoff_left_s() > 0, rests) << c;
+  }
+}
+
+TEST(ModbusLink, BusyDeviceIsAskedAgainWithinTheDeadline) {
+  std::atomic<int> requests{0};
+  const HostilePeer peer([&](HostilePeer& p, int fd) {
+    for (Bytes r = p.request(fd); !r.empty(); r = p.request(fd)) {
+      if (++requests < 3)
+        p.send(fd, {r[0], r[1], 0, 0, 0, 3, r[6], 0x83, 6});
+      else
+        p.send(fd, honest_answer(r));
+    }
+  });
+  ModbusLink link(tcp_settings(peer.port()));
+  std::array<std::uint16_t, 1> value{};
+  EXPECT_TRUE(link.read(3, 42, value));
+  EXPECT_EQ(value[0], 42);
+  EXPECT_EQ(requests, 3);
+}
+
+TEST(ModbusLink, BacksOffLongerAfterEachFailureAndForgetsItAfterSuccess) {
+  std::atomic<bool> honest{false};
+  const HostilePeer peer([&](HostilePeer& p, int fd) {
+    if (!honest) return;
+    for (Bytes r = p.request(fd); !r.empty() && honest; r = p.request(fd)) p.send(fd, honest_answer(r));
+  });
+  LinkSettings settings = tcp_settings(peer.port());
+  settings.backoff_first_s = 0.05;
+  settings.backoff_max_s = 0.15;
+  ModbusLink link(settings);
+  std::array<std::uint16_t, 1> value{};
+  for (const double wait : {0.05, 0.1, 0.15, 0.15}) {
+    ASSERT_EQ(link.read(3, 0, value).error().error, LinkError::closed_by_peer);
+    EXPECT_NEAR(link.backoff_left_s(), wait, 0.02);
+    EXPECT_EQ(link.read(3, 0, value).error().error, LinkError::backing_off);
+    std::this_thread::sleep_for(std::chrono::duration<double>(link.backoff_left_s() + 0.002));
+  }
+  EXPECT_EQ(peer.connections(), 4) << "no attempt while backing off";
+  honest = true;
+  EXPECT_TRUE(link.read(3, 0, value));
+  EXPECT_EQ(link.backoff_left_s(), 0.0);
+}
+
+TEST(ModbusLink, NobodyThereIsSaidBeforeTheDeadline) {
+  int port = 0;
+  {
+    port = HostilePeer([](HostilePeer&, int) {}).port();
+  }
+  ModbusLink link(tcp_settings(port));
+  std::array<std::uint16_t, 1> value{};
+  const std::int64_t start = monotonic_ns();
+  EXPECT_EQ(link.read(3, 0, value).error().error, LinkError::connect_failed);
+  EXPECT_LT(seconds_since(start), deadline_s + slack_s);
+}
+
+TEST(ModbusLink, RequestsOutsideModbusNeverReachTheBus) {
+  ModbusLink link(tcp_settings(1));
+  std::array<std::uint16_t, 126> many{};
+  const auto bad = [](const LinkResult<void>& r) { return !r && r.error().error == LinkError::bad_request; };
+  EXPECT_TRUE(bad(link.read(3, 0, many)));
+  EXPECT_TRUE(bad(link.read(3, 0, {})));
+  EXPECT_TRUE(bad(link.read(7, 0, {many.data(), 1})));
+  EXPECT_TRUE(bad(link.read(3, 65536, {many.data(), 1})));
+  EXPECT_TRUE(bad(link.read(4, 65535, {many.data(), 2})));
+  EXPECT_TRUE(bad(link.write(6, 0, {many.data(), 2})));
+  EXPECT_TRUE(bad(link.write(16, 0, {many.data(), 124})));
+  EXPECT_TRUE(bad(link.write(3, 0, {many.data(), 1})));
+  many[0] = 2;
+  EXPECT_TRUE(bad(link.write(5, 0, {many.data(), 1})));
+  EXPECT_EQ(link.counters().connects, 0U);
+}
+
+TEST(ModbusLink, BadSettingsAreRefused) {
+  EXPECT_THROW(ModbusLink{tcp_settings(0)}, InputError);
+  EXPECT_THROW((ModbusLink{tcp_settings(502, 11)}), InputError);
+  EXPECT_THROW((ModbusLink{tcp_settings(502, 0)}), InputError);
+  LinkSettings settings = tcp_settings(502);
+  settings.address = TcpAddress{"no such host.invalid", 502};
+  EXPECT_THROW(ModbusLink{settings}, InputError);
+  settings.address = SerialAddress{"", 19200, 'E', 8, 1};
+  EXPECT_THROW(ModbusLink{settings}, InputError);
+  settings.address = SerialAddress{"/dev/ttyS0", 19200, 'X', 8, 1};
+  EXPECT_THROW(ModbusLink{settings}, InputError);
+}
+
+}  // namespace
+}  // namespace airside::hal
