@@ -11,6 +11,9 @@ namespace airside {
 /// Columns of every matrix that a kernel writes come in multiples of this.
 constexpr int kernel_columns = 16;
 
+/// LeakyReLU's slope below zero.  Source: spec 3.2.
+constexpr double leaky_slope = 0.2;
+
 /// out = end(start + x w), start = bias row, `out` itself, or 0.
 /// Shape: x rows x depth, w depth x cols, out rows x cols (cols % 16 == 0), all row-major with the given strides.
 template <class Scalar>

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <span>
 
+#include "airside/kernels.hpp"
 #include "airside/splitmix64.hpp"
 #include "airside/topology.hpp"
 
@@ -22,7 +23,6 @@ constexpr int encoder_width = 32;  ///< f_S and f_A
 constexpr int share_width = 64;    ///< concat(f_S, f_A) and every shared layer
 constexpr int branch_width = 64;   ///< first layer of P_STRB and P_TDB
 constexpr int latent_width = 32;   ///< what the decoder takes
-constexpr double leaky_slope = 0.2;
 static_assert(share_width == 2 * encoder_width && latent_width == encoder_width, "Dec takes f_S, f_short and f_res");
 
 /// Layers in the canonical order of weights in files and generators.

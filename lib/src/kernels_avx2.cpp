@@ -24,7 +24,7 @@ struct Avx2 {
   /// gate > 0 ? y : slope y
   static Vector gated(Vector y, Vector gate) {
     const Vector positive = _mm256_cmp_ps(gate, _mm256_setzero_ps(), _CMP_GT_OQ);
-    return _mm256_blendv_ps(_mm256_mul_ps(y, _mm256_set1_ps(0.2F)), y, positive);
+    return _mm256_blendv_ps(_mm256_mul_ps(y, _mm256_set1_ps(static_cast<float>(leaky_slope))), y, positive);
   }
   static Vector adam_ratio(Vector m, Vector v, Vector epsilon) {
     return _mm256_div_ps(m, _mm256_add_ps(_mm256_sqrt_ps(v), epsilon));

@@ -24,7 +24,7 @@ struct Avx512 {
   /// gate > 0 ? y : slope y
   static Vector gated(Vector y, Vector gate) {
     const __mmask16 scaled = _mm512_cmp_ps_mask(gate, _mm512_setzero_ps(), _CMP_NGT_UQ);
-    return _mm512_mask_mul_ps(y, scaled, y, _mm512_set1_ps(0.2F));
+    return _mm512_mask_mul_ps(y, scaled, y, _mm512_set1_ps(static_cast<float>(leaky_slope)));
   }
   /// m / (sqrt(v) + epsilon) by the 14-bit estimates and one Newton step each, error about 1e-7; a division and a
   /// root of 16 floats cost more than all else in Adam. The floor keeps 0 * rsqrt(0) from being NaN.

@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include "airside/kernels.hpp"
-#include "airside/network.hpp"
 
 namespace airside {
 namespace {
