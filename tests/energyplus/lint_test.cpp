@@ -12,10 +12,10 @@ namespace {
 using nlohmann::json;
 
 /// A schema in the engine's own form, so that the rules are tested where no engine is installed.
-std::filesystem::path small_schema() {
-  static const std::filesystem::path file = [] {
-    const auto path = std::filesystem::path(testing::TempDir()) / ("airside-schema-" + std::to_string(getpid()));
-    std::ofstream(path) << R"({"properties": {
+class SmallSchema {
+ public:
+  SmallSchema() : path_(std::filesystem::path(testing::TempDir()) / ("airside-schema-" + std::to_string(getpid()))) {
+    std::ofstream(path_) << R"({"properties": {
       "Zone": {"name": {"reference": ["ZoneNames"]}, "patternProperties": {"^.*$": {"type": "object",
         "properties": {"x_origin": {"type": "number"}, "multiplier": {"type": "integer", "minimum": 1}}}}},
       "People": {"name": {"reference": ["PeopleNames"]}, "patternProperties": {"^.*$": {"type": "object",
@@ -33,9 +33,17 @@ std::filesystem::path small_schema() {
       "Version": {"patternProperties": {".*": {"type": "object", "properties": {}}}},
       "RunPeriod": {"patternProperties": {".*": {"type": "object", "properties": {}}}},
       "Timestep": {"patternProperties": {".*": {"type": "object", "properties": {}}}}}})";
-    return path;
-  }();
-  return file;
+  }
+  ~SmallSchema() { std::filesystem::remove(path_); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+const std::filesystem::path& small_schema() {
+  static const SmallSchema schema;
+  return schema.path();
 }
 
 json whole_model() {
