@@ -1,0 +1,7 @@
+#include "tools/command.hpp"
+
+namespace airside::tools {
+
+void add_footprint(CLI::App&) {}
+
+}  // namespace airside::tools

@@ -1,0 +1,81 @@
+// airside pretrain: weights from a simulated room, before anything is installed.
+
+#include <fmt/format.h>
+
+#include "hal/civil_text.hpp"
+#include "sim/plant_model.hpp"
+#include "tools/command.hpp"
+#include "tools/plant_choice.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+struct PretrainCommand {
+  SiteOptions site;
+  PlantChoice plant;
+  int days = 31;
+  int updates = 0;
+  bool fixed_schedule = false, json = false;
+  std::string out = "weights.blob", log;
+
+  void run() const {
+    const Site s = make_site(site);
+    const auto model = make_plant(plant, s, days);
+    const CivilTime until{start_of(plant).seconds + days * std::int64_t{86400}};
+    Progress bar("pretraining on " + model->description(), progress_steps);
+    PretrainOptions options;
+    options.seed = plant.seed;
+    options.updates_per_cycle = updates;
+    options.fixed_schedule = fixed_schedule;
+    options.provenance = fmt::format("airside pretrain {} --days {}{} ({})", command_text(plant), days,
+                                     fixed_schedule ? " --static" : "", model->description());
+    const Pretraining trained = pretrain(s, *model, until, options, show_progress(bar));
+    bar.finish();
+    write_blob(out, trained.blob);
+    if (!log.empty()) {
+      hal::LogWriter writer(log, s.counts, true);
+      for (const hal::LogRow& row : trained.run.rows) writer.append(row);
+      writer.close();
+    }
+    const Metrics m = metrics_of(s, trained.run);
+    if (json) {
+      nlohmann::json j = json_of(m);
+      j["blob"] = out;
+      j["blob_bytes"] = trained.blob.size();
+      j["digest"] = digest_text(trained.blob);
+      j["days"] = days;
+      j["seeds"] = {plant.seed};
+      j["rejected_updates"] = trained.run.rejected_updates;
+      j["plant"] = model->description();
+      fmt::print("{}\n", j.dump());
+      return;
+    }
+    fmt::print("daily DAE while it learned, degC:");
+    for (const int day : {1, 2, 3, 6, 7, 14, 31}) {
+      if (day <= std::ssize(m.days)) fmt::print("  day {} {:.3f}", day, m.days[static_cast<std::size_t>(day - 1)].dae_degc);
+    }
+    fmt::print("\n(day 1 is the schedule's; the agent acts from day 2)\nweights: {} ({} bytes, digest {})\n", out,
+               trained.blob.size(), digest_text(trained.blob));
+  }
+};
+
+}  // namespace
+
+void add_pretrain(CLI::App& app) {
+  auto self = std::make_shared<PretrainCommand>();
+  CLI::App* c = app.add_subcommand("pretrain", "train weights in the loop with a simulated room (spec 7.2)");
+  add_site_options(*c, self->site);
+  add_plant_options(*c, self->plant);
+  c->add_option("--days", self->days, "length; day 1 runs the schedule and fits the scaler")
+      ->check(CLI::Range(2, 364))
+      ->capture_default_str();
+  c->add_option("--updates", self->updates, "optimiser steps a cycle (default: the preset's)")->check(CLI::Range(1, 100));
+  c->add_flag("--static", self->fixed_schedule, "fixed schedules instead of the agent (spec 7.3)");
+  c->add_option("-o,--out", self->out, "blob to write")->capture_default_str();
+  c->add_option("--log", self->log, "CSV of all rows");
+  c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
+  c->callback([self] { self->run(); });
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,7 @@
+#include "tools/command.hpp"
+
+namespace airside::tools {
+
+void add_report(CLI::App&) {}
+
+}  // namespace airside::tools

@@ -1,0 +1,119 @@
+#include "tools/plant_choice.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "hal/civil_text.hpp"
+#include "hal/input_error.hpp"
+#include "sim/energyplus_install.hpp"
+#include "sim/energyplus_options.hpp"
+#include "sim/energyplus_plant.hpp"
+#include "sim/energyplus_rooms.hpp"
+#include "sim/epw.hpp"
+#include "sim/merge_patch.hpp"
+#include "sim/rc_plant.hpp"
+#include "sim/rc_room_file.hpp"
+#include "sim/synthetic_weather.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+/// The room's own weather where no file is given: the same name always has the same year.
+std::uint64_t weather_seed(const std::string& room, std::uint64_t seed) {
+  std::uint64_t hash = 0xCBF29CE484222325u;
+  for (const char c : room) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+  return hash % 100000 + seed * 100000;
+}
+
+std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& site, CivilTime start) {
+  sim::RcRoom room;
+  const bool standard = site.counts.vavs == 5 && site.counts.fcus == 5 && site.counts.powers == 2;
+  if (standard) {
+    room = sim::load_room(choice.room);
+  } else {
+    room = sim::make_room(site.counts.vavs, site.counts.fcus, site.counts.powers);
+    room.name = choice.room;
+    if (choice.room.ends_with("-real")) room = sim::perturbed_room(room, weather_seed(choice.room, 0));
+  }
+  if (room.vavs != site.counts.vavs || room.fcus != site.counts.fcus || room.powers != site.counts.powers) {
+    throw hal::InputError("--room " + choice.room, fmt::format("{} VAV, {} FCU, {} powers", room.vavs, room.fcus, room.powers),
+                          fmt::format("the site's {} VAV, {} FCU, {} powers", site.counts.vavs, site.counts.fcus, site.counts.powers),
+                          "choose a room of the site's shape, or another topology in the site file");
+  }
+  if (choice.weekends) room.occupancy_weekend_factor = 0.1;
+  auto weather = choice.weather.empty() ? sim::synthetic_weather(weather_seed(choice.room, choice.seed))
+                                        : sim::read_epw(choice.weather);
+  return std::make_unique<sim::RcPlant>(std::move(room), std::move(weather), start, choice.seed,
+                                        site.settings.expert_off_degc);
+}
+
+std::unique_ptr<sim::PlantModel> make_energyplus(const PlantChoice& choice, const Site& site, CivilTime start, int days) {
+  if (site.counts.vavs != 5 || site.counts.fcus != 5 || site.counts.powers != 2) {
+    throw hal::InputError("--plant energyplus", "topology " + site.counts.name, "5vav-5fcu-2power",
+                          "use --plant rc for other shapes; the EnergyPlus twin is the method's room");
+  }
+  std::string name = choice.room;
+  std::replace(name.begin(), name.end(), '-', '_');
+  sim::EnergyPlusOptions options = sim::energyplus_room(name);
+  options.name = choice.room;
+  if (!choice.model.empty()) options.model = choice.model;
+  for (const std::string& path : choice.patches) options.patches.push_back({path, sim::read_json(path)});
+  if (!choice.weather.empty()) options.weather = choice.weather;
+  const hal::CivilDate date = hal::civil_date(start);
+  options.start_month = date.month;
+  options.start_day = date.day;
+  options.days = days;
+  options.seed = choice.seed;
+  options.initial_setpoint_degc = site.settings.expert_off_degc;
+  if (choice.weekends) options.rooms.weekends = true;
+  return std::make_unique<sim::EnergyPlusPlant>(options);
+}
+
+}  // namespace
+
+void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string& default_start) {
+  choice.start = default_start;
+  command.add_option("--plant", choice.kind, "rc, energyplus, or auto: EnergyPlus where it is installed")
+      ->check(CLI::IsMember({"auto", "rc", "energyplus"}))
+      ->capture_default_str();
+  command.add_option("--room", choice.room, "301, 401, 402, 701, 702, each also as NAME-real; rc: also a .json file")
+      ->capture_default_str();
+  command.add_option("--twin", choice.model, "an epJSON model of your own instead of the built-in twin");
+  command.add_option("--patch", choice.patches, "merge patches on the model, in order");
+  command.add_option("--weather", choice.weather, "EPW file (default: Tampa for EnergyPlus, synthetic for rc)");
+  command.add_option("--start", choice.start, "first day, midnight")->capture_default_str();
+  command.add_option("--seed", choice.seed, "of people, outages, noise and learning")->capture_default_str();
+  command.add_flag("--weekends", choice.weekends, "Saturday and Sunday nearly empty");
+}
+
+CivilTime start_of(const PlantChoice& choice) {
+  const auto t = hal::parse_civil_text(choice.start + "T00:00:00");
+  if (!t) throw hal::InputError("--start", "'" + choice.start + "'", "a date such as 2021-07-01", "correct it");
+  return *t;
+}
+
+bool is_energyplus(const PlantChoice& choice) {
+  return choice.kind == "energyplus" || (choice.kind == "auto" && sim::have_energyplus());
+}
+
+std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days) {
+  const CivilTime start = start_of(choice);
+  const bool standard = site.counts.vavs == 5 && site.counts.fcus == 5 && site.counts.powers == 2;
+  if (choice.kind == "auto" && !standard) return make_rc(choice, site, start);
+  return is_energyplus(choice) ? make_energyplus(choice, site, start, days) : make_rc(choice, site, start);
+}
+
+std::string command_text(const PlantChoice& choice) {
+  std::string text = fmt::format("--plant {} --room {} --start {} --seed {}",
+                                 is_energyplus(choice) ? "energyplus" : "rc", choice.room, choice.start, choice.seed);
+  if (!choice.model.empty()) text += " --twin " + choice.model;
+  for (const std::string& patch : choice.patches) text += " --patch " + patch;
+  if (!choice.weather.empty()) text += " --weather " + choice.weather;
+  if (choice.weekends) text += " --weekends";
+  return text;
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,43 @@
+#pragma once
+// Which simulated room a command works on, as command-line options that all commands share.
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "airside/civil_time.hpp"
+#include "sim/plant_model.hpp"
+#include "tools/site.hpp"
+
+namespace airside::tools {
+
+struct PlantChoice {
+  std::string kind = "auto";   ///< rc, energyplus, or auto: EnergyPlus where it is installed
+  std::string room = "301";    ///< a built-in room, or a file (.json for rc)
+  std::string model;           ///< epJSON file instead of the built-in twin
+  std::vector<std::string> patches;
+  std::string weather;         ///< EPW file; empty: Tampa for EnergyPlus, synthetic for rc
+  std::string start = "2021-07-01";
+  std::uint64_t seed = 1;      ///< of people, outages and sensor noise
+  bool weekends = false;       ///< Saturday and Sunday nearly empty
+};
+
+/// Adds --plant, --room, --twin, --patch, --weather, --start, --seed, --weekends to a command.
+void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string& default_start = "2021-07-01");
+
+/// Midnight of the start day.  Errors: hal::InputError for text that is no date.
+CivilTime start_of(const PlantChoice& choice);
+
+/// Whether the choice means EnergyPlus on this machine.
+bool is_energyplus(const PlantChoice& choice);
+
+/// Makes the room; `days` is how long it will be needed.
+/// Errors: hal::InputError for unknown rooms, bad files, an absent engine.
+std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days);
+
+/// The options as they must be typed again, for reports.
+std::string command_text(const PlantChoice& choice);
+
+}  // namespace airside::tools
