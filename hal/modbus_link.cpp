@@ -159,7 +159,8 @@ LinkResult<void> ModbusLink::read(int function, int addr, std::span<std::uint16_
   if (!done) return done;
   const std::uint8_t* content_at = answer_pdu_.data() + 2;
   for (std::size_t i = 0; i < out.size(); ++i) {
-    out[i] = static_cast<std::uint16_t>(bits ? (content_at[i / 8] >> (i % 8)) & 1U : get16(content_at + 2 * i));
+    const unsigned value = bits ? unsigned{content_at[i / 8]} >> (i % 8) & 1U : get16(content_at + 2 * i);
+    out[i] = static_cast<std::uint16_t>(value);
   }
   return {};
 }
