@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
+#include <charconv>
 
 #include "hal/civil_text.hpp"
 #include "hal/input_error.hpp"
@@ -28,10 +28,28 @@ std::uint64_t weather_seed(const std::string& room, std::uint64_t seed) {
   return hash % 100000 + seed * 100000;
 }
 
+/// "study-7" or "tuning-3": a member of one of the two generated sets.
+sim::RcRoom generated_room(const std::string& name) {
+  constexpr int most = 200;
+  int number = -1;
+  const char* digits = name.c_str() + name.find('-') + 1;
+  const auto [end, error] = std::from_chars(digits, name.c_str() + name.size(), number);
+  if (error != std::errc{} || *end != '\0' || number < 0 || number >= most) {
+    throw hal::InputError("--room " + name, "no such room", fmt::format("study-0 .. study-{0} or tuning-0 .. tuning-{0}", most - 1),
+                          "correct the number");
+  }
+  const sim::RcRoom base = sim::make_room();
+  sim::RcRoom room = (name.starts_with("study-") ? sim::study_rooms(base, number + 1) : sim::tuning_rooms(base, number + 1)).back();
+  room.name = name;
+  return room;
+}
+
 std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& site, CivilTime start) {
   sim::RcRoom room;
   const bool standard = site.counts.vavs == 5 && site.counts.fcus == 5 && site.counts.powers == 2;
-  if (standard) {
+  if (standard && (choice.room.starts_with("study-") || choice.room.starts_with("tuning-"))) {
+    room = generated_room(choice.room);
+  } else if (standard) {
     room = sim::load_room(choice.room);
   } else {
     room = sim::make_room(site.counts.vavs, site.counts.fcus, site.counts.powers);

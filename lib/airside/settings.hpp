@@ -56,7 +56,7 @@ struct ControllerSettings {
 
   // Room head (CLOSED_LOOP; DESIGN.md "Room head")
   int head = 0;                     ///< 1: the room head corrects the network's forecast
-  double head_correction = 0.5;     ///< share of the present error removed in one cycle
+  double head_correction = 0.9;     ///< share of the present error removed in one cycle
   double head_noise_k = 0.06;       ///< sd of one innovation
   double head_clip_k = 0.15;        ///< innovations are clipped here
   double head_moving_average = -0.2;///< weight of the last innovation

@@ -1,0 +1,49 @@
+#pragma once
+// One method on one room: the schedule's days first, then the scored days. Simulation and studies share it, so that
+// every row of every table is made the same way.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/plant_choice.hpp"
+#include "tools/session.hpp"
+
+namespace airside::tools {
+
+/// A room with the days that every method gets.
+struct Trial {
+  Site site;
+  PlantChoice plant;
+  int expert_days = 5;
+  int days = 14;
+};
+
+/// Names that run_method knows beside baseline_names(): floors that need the plant's own future.
+/// "floor-frozen", "floor-profile" (rc only), "floor-full".
+std::vector<std::string> floor_names(bool energyplus);
+
+/// A made plant that has run the schedule's days.
+struct Prepared {
+  std::unique_ptr<sim::PlantModel> model;
+  std::vector<hal::LogRow> history;
+  CivilTime until;
+};
+Prepared prepare(const Trial& trial, const OnProgress& progress = {});
+
+/// What `ours` starts from.
+struct OurWeights {
+  BlobBytes blob;          ///< source or finished weights; empty with transfer: from scratch
+  bool transfer = true;    ///< fine-tune on the schedule's days first
+  int steps = 3000;
+};
+
+/// The controller of the site's preset.
+ControlRun run_ours(const Trial& trial, Prepared& prepared, const OurWeights& weights, const OnProgress& progress = {});
+
+/// A baseline or a floor by name.
+/// Errors: hal::InputError on a name that is neither, or a floor that the plant cannot give.
+ControlRun run_method(const Trial& trial, Prepared& prepared, const std::string& name, const OnProgress& progress = {});
+
+}  // namespace airside::tools
