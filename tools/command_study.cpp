@@ -1,14 +1,13 @@
 // airside study rooms: every method on several rooms and seeds, the table that README shows.
 
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
 #include <map>
 
 #include "hal/input_error.hpp"
+#include "tools/child_jobs.hpp"
 #include "tools/command.hpp"
 #include "tools/methods.hpp"
 #include "tools/report/report.hpp"
@@ -52,88 +51,80 @@ struct StudyCommand {
     return kind == "rc" ? "rc" : "301";
   }
 
-  Outcome run_job(const Job& job) const {
+  /// A pretraining that several rooms share.
+  struct Source {
+    std::string twin, preset;
+    std::uint64_t seed;
+    auto operator<=>(const Source&) const = default;
+  };
+
+  std::vector<std::string> presets() const {
+    return no_paper ? std::vector<std::string>{"product"} : std::vector<std::string>{"product", "paper"};
+  }
+
+  static Site site_of(const std::string& preset) {
+    return built_in_site("5vav-5fcu-2power", preset == "paper" ? hal::ControllerPreset::paper : hal::ControllerPreset::product);
+  }
+
+  std::string pretrain_source(const Source& source) const {
+    const Site site = site_of(source.preset);
+    const auto twin = make_plant(choice(source.twin, source.seed, "2021-07-01"), site, pretrain_days);
+    PretrainOptions options;
+    options.seed = source.seed;
+    options.updates_per_cycle = updates;
+    const CivilTime until{twin->time().seconds + pretrain_days * std::int64_t{86400}};
+    const BlobBytes blob = pretrain(site, *twin, until, options).blob;
+    return {reinterpret_cast<const char*>(blob.data()), blob.size()};
+  }
+
+  Outcome run_job(const Job& job, const std::map<Source, std::string>& sources) const {
     Outcome outcome;
-    std::vector<std::string> presets{"product"};
-    if (!no_paper) presets.emplace_back("paper");
-    for (const std::string& preset : presets) {
-      const Site site = built_in_site("5vav-5fcu-2power",
-                                      preset == "paper" ? hal::ControllerPreset::paper : hal::ControllerPreset::product);
-      const auto twin = make_plant(choice(twin_of(job.room), job.seed, "2021-07-01"), site, pretrain_days);
-      PretrainOptions options;
-      options.seed = job.seed;
-      options.updates_per_cycle = updates;
-      const CivilTime until{twin->time().seconds + pretrain_days * std::int64_t{86400}};
-      const Pretraining trained = pretrain(site, *twin, until, options);
-      Trial trial{site, choice(job.room, job.seed, "2021-08-01"), expert_days, days};
+    const auto trial_of = [&](const std::string& preset) {
+      Trial trial{site_of(preset), choice(job.room, job.seed, "2021-08-01"), expert_days, days};
       trial.site.file.seed = job.seed;
+      return trial;
+    };
+    for (const std::string& preset : presets()) {
+      const std::string& text = sources.at({twin_of(job.room), preset, job.seed});
+      const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
+      const Trial trial = trial_of(preset);
       Prepared prepared = prepare(trial);
-      outcome["ours-" + preset] = json_of(metrics_of(site, run_ours(trial, prepared, {trained.blob, true, steps})));
-      if (preset == "product") {
-        Prepared again = prepare(trial);
-        outcome["ours-scratch"] = json_of(metrics_of(site, run_ours(trial, again, {{}, true, steps})));
-        for (const std::string& name : methods) {
-          Prepared fresh = prepare(trial);
-          outcome[name] = json_of(metrics_of(site, run_method(trial, fresh, name)));
-        }
-      }
+      outcome["ours-" + preset] =
+          json_of(metrics_of(trial.site, run_ours(trial, prepared, {BlobBytes(bytes, bytes + text.size()), true, steps})));
+    }
+    const Trial trial = trial_of("product");
+    Prepared again = prepare(trial);
+    outcome["ours-scratch"] = json_of(metrics_of(trial.site, run_ours(trial, again, {{}, true, steps})));
+    for (const std::string& name : methods) {
+      Prepared fresh = prepare(trial);
+      outcome[name] = json_of(metrics_of(trial.site, run_method(trial, fresh, name)));
     }
     return outcome;
   }
 
-  /// Runs all jobs in child processes, `jobs` at a time: co-simulations in one process would not be repeatable.
   std::vector<Outcome> run_all(const std::vector<Job>& list) const {
-    std::vector<Outcome> outcomes(list.size());
-    Progress bar(fmt::format("{} rooms x {} seeds", rooms.size(), seeds), list.size());
-    struct Child {
-      pid_t pid;
-      int pipe;
-      std::size_t job;
-      std::string text;
-    };
-    std::vector<Child> running;
-    std::size_t next = 0;
-    while (next < list.size() || !running.empty()) {
-      while (next < list.size() && std::ssize(running) < jobs) {
-        int ends[2];
-        if (::pipe(ends) != 0) throw std::runtime_error("no pipe for a child process");
-        std::fflush(nullptr);
-        const pid_t pid = ::fork();
-        if (pid < 0) throw std::runtime_error("no child process could be started");
-        if (pid == 0) {
-          ::close(ends[0]);
-          std::string text;
-          try {
-            text = nlohmann::json(run_job(list[next])).dump();
-          } catch (const std::exception& e) {
-            text = nlohmann::json{{"error", e.what()}}.dump();
-          }
-          for (std::size_t sent = 0; sent < text.size();) {
-            const ssize_t n = ::write(ends[1], text.data() + sent, text.size() - sent);
-            if (n <= 0) ::_exit(1);
-            sent += static_cast<std::size_t>(n);
-          }
-          ::_exit(0);
-        }
-        ::close(ends[1]);
-        running.push_back({pid, ends[0], next++, {}});
-      }
-      // The oldest child is drained first; the others' answers wait in their pipes.
-      Child child = running.front();
-      running.erase(running.begin());
-      char buffer[65536];
-      for (ssize_t n = 0; (n = ::read(child.pipe, buffer, sizeof buffer)) > 0;) child.text.append(buffer, static_cast<std::size_t>(n));
-      ::close(child.pipe);
-      int status = 0;
-      ::waitpid(child.pid, &status, 0);
-      const auto answer = nlohmann::json::parse(child.text, nullptr, false);
-      const std::string who = fmt::format("room {} seed {}", list[child.job].room, list[child.job].seed);
-      if (answer.is_discarded()) throw std::runtime_error(who + ": its process ended without an answer");
-      if (answer.contains("error")) throw std::runtime_error(who + ": " + answer["error"].get<std::string>());
-      outcomes[child.job] = answer.get<Outcome>();
-      bar.advance();
+    std::map<Source, std::string> sources;
+    for (const Job& job : list) {
+      for (const std::string& preset : presets()) sources[{twin_of(job.room), preset, job.seed}];
     }
+    std::vector<Source> order;
+    for (const auto& [source, blob] : sources) order.push_back(source);
+    {
+      Progress bar(fmt::format("pretraining {} models", order.size()), order.size());
+      const auto blobs = run_children(
+          order.size(), jobs, [&](std::size_t i) { return pretrain_source(order[i]); },
+          [&](std::size_t i) { return fmt::format("pretraining on {}, seed {}", order[i].twin, order[i].seed); },
+          [&bar] { bar.advance(); });
+      for (std::size_t i = 0; i < order.size(); ++i) sources[order[i]] = blobs[i];
+      bar.finish();
+    }
+    Progress bar(fmt::format("{} rooms x {} seeds", rooms.size(), seeds), list.size());
+    const auto texts = run_children(
+        list.size(), jobs, [&](std::size_t i) { return nlohmann::json(run_job(list[i], sources)).dump(); },
+        [&](std::size_t i) { return fmt::format("room {} seed {}", list[i].room, list[i].seed); }, [&bar] { bar.advance(); });
     bar.finish();
+    std::vector<Outcome> outcomes;
+    for (const std::string& text : texts) outcomes.push_back(nlohmann::json::parse(text).get<Outcome>());
     return outcomes;
   }
 
