@@ -98,7 +98,13 @@ class Edge {
   int run() {
     if (!wait_for_plant()) return stop_.raised() ? 0 : 3;
     const CivilTime end = options_.until.value_or(CivilTime{std::numeric_limits<std::int64_t>::max()});
-    CivilTime t = std::max(next_, next_row(now()));
+    const CivilTime present = next_row(now());
+    CivilTime t = std::max(next_, present);
+    if (t.seconds - present.seconds > row_s) {
+      // The state comes from the future: its clock was wrong. Waiting for that time would leave the room alone.
+      say("the state is {} s ahead of the clock; going on from the clock", t.seconds - present.seconds);
+      t = present;
+    }
     while (!stop_.raised() && t < end) {
       t = plant_clock_ ? run_cycles<T>(plant_, *plant_clock_, *controller_, *this, t, end)
                        : run_cycles<T>(plant_, system_clock_, *controller_, *this, t, end);
@@ -114,8 +120,9 @@ class Edge {
     hal::fill_log_row<T>(log_row_, t, sensed, controller.decision(), controller.cycle().last_setpoint_degc);
     hal::StoreResult<void> logged = log_ ? log_->append(log_row_) : hal::StoreResult<void>{};
     if (logged && log_) logged = log_->sync();
-    note(logged, "log");
-    if (store_) note(store_->commit(state(t)), "state");
+    const hal::StoreResult<void> committed = store_ ? store_->commit(state(t)) : hal::StoreResult<void>{};
+    committed_ = committed_ || committed;
+    note(logged ? committed : logged, logged ? "state" : "log");
     (void)plant_.beat();
     write_status(t, sensed);
     return !stop_.raised();
@@ -165,7 +172,7 @@ class Edge {
                                sizeof(typename Ring::Row) * static_cast<std::size_t>(Ring::capacity)),
             .replay_count = controller_->replay().total_pushed(),
             .log = log_ ? log_->position() : hal::LogPosition{},
-            .learning_changed = starts_cycle(t)};
+            .learning_changed = starts_cycle(t) || !committed_};
   }
 
   void open_log() {
@@ -177,6 +184,7 @@ class Edge {
     if (opened) {
       log_.emplace(std::move(*opened));
     } else {
+      storage_ = storage_at_best_ = "log cannot be written";
       say("log in {}: {}; running without a log", site_.log_dir, hal::describe(opened.error()));
     }
   }
@@ -192,7 +200,7 @@ class Edge {
       throw hal::InputError(site_.state_dir, "another airsided that uses this state folder", "one daemon a state folder",
                             "stop the other one, or give this site its own [state] dir");
     }
-    storage_ = "state cannot be written";
+    storage_ = storage_at_best_ = "state cannot be written";
     say("state in {}: {}; running in memory only", site_.state_dir, hal::describe(opened.error()));
   }
 
@@ -241,7 +249,7 @@ class Edge {
     controller_->cycle() = record_.cycle;
     controller_->replay().restore_count(found->replay_count);
     controller_->restore_decision(record_.decision);
-    if (record_.cycle.has_weights != 0 && controller_->restored() != Fault::none) {
+    if (controller_->restored() != Fault::none) {
       say("saved weights are not finite; starting anew");
       return forget();
     }
@@ -263,7 +271,7 @@ class Edge {
 
   void note(const hal::StoreResult<void>& result, const char* what) {
     const char* before = storage_;
-    storage_ = result ? "ok" : hal::text_of(result.error().fault);
+    storage_ = result ? storage_at_best_ : hal::text_of(result.error().fault);
     if (!result && std::strcmp(before, storage_) != 0) say("{}: {} ({})", what, storage_, result.error().step);
   }
 
@@ -306,6 +314,9 @@ class Edge {
   RowRecord<T> record_ = fresh_record();
   std::array<std::string, static_cast<std::size_t>(Layout<T>::signals)> names_;
   CivilTime next_;
+  /// This process has committed once: until then the medium may hold weights that forget() discarded.
+  bool committed_ = false;
+  const char* storage_at_best_ = "ok";  ///< what is said while nothing fails
   const char* storage_ = "ok";
 };
 

@@ -53,7 +53,7 @@ struct CycleState {
   double head_expected_degc = std::numeric_limits<double>::quiet_NaN();
   double network_error_k2 = 0.01;  ///< running mean of squared one-cycle errors
   double head_error_k2 = 0.01;
-  std::int32_t usable_cycles = 0;  ///< consecutive decisions whose readings may be learned from, up to 3
+  std::int32_t usable_cycles = 0;  ///< successive cycles whose readings may be learned from, up to 3
   std::int32_t has_weights = 0;    ///< 0: schedule only
 };
 
@@ -121,6 +121,7 @@ class Controller {
   const Decision& decide(CivilTime t, const Expected<Reading<T>>& sensed) {
     const SafetyEnvelope envelope(settings_);
     const double expert = expert_setpoint_degc(settings_, t);
+    if (sensed) adopt_setpoint(sensed->setpoint_degc);
     decision_ = {.time = t, .command = envelope.limit(expert, cycle_.last_setpoint_degc, expert)};
     decision_.expert_degc = expert;
     decision_.confidence = cycle_.confidence;
@@ -130,9 +131,6 @@ class Controller {
       decision_.fault = sensed.error();
       return decision_;
     }
-    if (!std::isfinite(cycle_.last_setpoint_degc)) {
-      decision_.command = envelope.limit(expert, sensed->setpoint_degc, expert);
-    }
     const Expected<ValidReading<T>> valid = check(t, *sensed);
     if (!valid) {
       decision_.fault = valid.error();
@@ -141,11 +139,12 @@ class Controller {
     }
     now_ = valid->value();
     usable_ = valid->learnable();
+    if (!usable_) name_held_signal();
     decision_.room_mean_degc = valid->room_mean_degc();
     judge(t);
     if (cycle_.has_weights == 0) return decision_;
     decision_.mode = usable_ ? Mode::learn : Mode::run;
-    propose(t, envelope, std::isfinite(cycle_.last_setpoint_degc) ? cycle_.last_setpoint_degc : sensed->setpoint_degc);
+    propose(t, envelope, cycle_.last_setpoint_degc);
     return decision_;
   }
 
@@ -158,12 +157,14 @@ class Controller {
     if (usable_ && std::isfinite(setpoint)) expect(decision_.time, setpoint);
     if (completed_) replay_.push(newest_);
     if (completed_ && decision_.mode == Mode::learn) learn();
+    const bool follows = decision_.time.seconds - cycle_.last_time.seconds == cycle_s;
     cycle_.before_value = cycle_.last_value;
     cycle_.before_setpoint_degc = cycle_.last_setpoint_degc;
     cycle_.last_value = now_;
     cycle_.last_time = decision_.time;
     cycle_.last_setpoint_degc = setpoint;
-    cycle_.usable_cycles = usable_ && applied ? std::min<std::int32_t>(cycle_.usable_cycles + 1, 3) : 0;
+    const std::int32_t usable_before = follows ? cycle_.usable_cycles : 0;
+    cycle_.usable_cycles = usable_ && applied ? std::min<std::int32_t>(usable_before + 1, 3) : 0;
     ++learning_.cycles;
   }
 
@@ -214,6 +215,27 @@ class Controller {
     Reading<T> at = reading;
     at.time = t;
     return cycle_.validator.check(at);
+  }
+
+  /// The AHU's own word counts: after a start, a refused write or another hand on it, its setpoint is what it shows.
+  /// Nothing is learned from the cycle that this breaks.
+  void adopt_setpoint(double standing_degc) {
+    constexpr double foreign_k = 0.05;  // more than a register's rounding
+    const double known = cycle_.last_setpoint_degc;
+    if (!std::isfinite(standing_degc)) return;
+    if (std::isfinite(known) && std::abs(standing_degc - known) <= foreign_k) return;
+    cycle_.last_setpoint_degc = standing_degc;
+    cycle_.usable_cycles = 0;
+  }
+
+  /// A signal that is held at its last good value is named, though control goes on.
+  void name_held_signal() {
+    const auto& faults = cycle_.validator.faults();
+    for (std::size_t i = 0; i < faults.size() && decision_.fault == Fault::none; ++i) {
+      if (faults[i] == Fault::none) continue;
+      decision_.fault = faults[i];
+      decision_.fault_signal = static_cast<int>(i);
+    }
   }
 
   Row transition(const Vector& before, double setpoint_degc, const Vector& after) const {

@@ -22,12 +22,18 @@ class SafetyEnvelope {
   Command limit(double proposal_degc, double last_degc, double fallback_degc) const {
     double a = std::isfinite(proposal_degc) ? proposal_degc : fallback_degc;
     if (!std::isfinite(a)) a = std::isfinite(last_degc) ? last_degc : max_;
+    double low = min_, high = max_;
     if (std::isfinite(last_degc)) {
       const double from = std::clamp(last_degc, min_, max_);
-      a = std::clamp(a, from - change_, from + change_);
+      low = std::max(min_, from - change_);
+      high = std::min(max_, from + change_);
     }
-    a = std::clamp(a, min_, max_);
-    return Command(std::clamp(round_ * std::round(a / round_), min_, max_));
+    a = std::clamp(a, low, high);
+    // Rounding must not undo a limit: towards the inside where the nearest step lies outside.
+    double rounded = round_ * std::round(a / round_);
+    if (rounded > high) rounded = round_ * std::floor(a / round_);
+    if (rounded < low) rounded = round_ * std::ceil(a / round_);
+    return Command(std::clamp(rounded, low, high));
   }
 
   constexpr double min_degc() const { return min_; }

@@ -90,7 +90,8 @@ class Validator {
         out.value_(i) = last_good_[k];
         continue;
       }
-      const bool held = seen_[k] && reading.time.seconds - good_at_[k] <= static_cast<std::int64_t>(hold_s_);
+      const std::int64_t lost_s = reading.time.seconds - good_at_[k];  // negative after the clock was set back
+      const bool held = seen_[k] && lost_s >= 0 && lost_s <= static_cast<std::int64_t>(hold_s_);
       if (!held && lost == Fault::none) lost = faults_[k], lost_signal_ = i;
       out.value_(i) = last_good_[k];
       ++out.held_;
@@ -114,9 +115,14 @@ class Validator {
     const std::size_t k = static_cast<std::size_t>(i);
     const SignalLimits& l = limits_[k];
     const double v = reading.value(i);
-    if (!std::isfinite(v)) return Fault::not_finite;
-    if (!(reading.age_s(i) <= l.stale_s)) return Fault::stale;
-    if (v < l.min || v > l.max) return Fault::out_of_range;
+    const Fault unfit = !std::isfinite(v)                   ? Fault::not_finite
+                        : !(reading.age_s(i) <= l.stale_s)  ? Fault::stale
+                        : v < l.min || v > l.max            ? Fault::out_of_range
+                                                            : Fault::none;
+    if (unfit != Fault::none) {
+      suspects_[k] = 0;
+      return unfit;
+    }
     const bool status = is_status(signal_id<T>(i).kind);
     if (seen_[k] && !status) {
       const double minutes = std::max(1.0, static_cast<double>(reading.time.seconds - good_at_[k]) / 60.0);
@@ -129,7 +135,9 @@ class Validator {
     last_good_[k] = v;
     seen_[k] = true;
     const bool can_stick = signal_id<T>(i).kind == SignalKind::room_temp;
-    if (can_stick && peers_moved && reading.time.seconds - changed_at_[k] > static_cast<std::int64_t>(l.stuck_s)) {
+    const bool stood = reading.time.seconds - changed_at_[k] > static_cast<std::int64_t>(l.stuck_s);
+    // Once found stuck it stays so until it moves, also while the peers rest.
+    if (can_stick && stood && (peers_moved || faults_[k] == Fault::stuck)) {
       return Fault::stuck;
     }
     good_at_[k] = reading.time.seconds;
