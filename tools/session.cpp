@@ -233,13 +233,17 @@ Pretraining pretrain_as(const Site& site, sim::PlantModel& model, CivilTime unti
 
 }  // namespace
 
-Metrics metrics_of(const Site& site, const ControlRun& run) {
+MetricsSettings metrics_settings(const Site& site) {
   MetricsSettings m;
   m.target_degc = site.settings.target_degc;
   m.work_start_s = static_cast<int>(std::lround(site.settings.work_start_h * 3600));
   m.work_end_s = static_cast<int>(std::lround(site.settings.work_end_h * 3600));
   m.weekdays_only = site.settings.weekday_only != 0;
-  return compute_metrics(run.cycles, run.energy, m);
+  return m;
+}
+
+Metrics metrics_of(const Site& site, const ControlRun& run) {
+  return compute_metrics(run.cycles, run.energy, metrics_settings(site));
 }
 
 ControlRun run_schedule(const Site& site, sim::PlantModel& plant, CivilTime until, const OnProgress& progress) {

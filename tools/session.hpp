@@ -29,6 +29,9 @@ struct ControlRun {
   std::uint64_t rejected_updates = 0; ///< by the acceptance gate
 };
 
+/// What the site counts as target and working hours.
+MetricsSettings metrics_settings(const Site& site);
+
 /// Metrics of a run with the site's target and working hours.
 Metrics metrics_of(const Site& site, const ControlRun& run);
 
