@@ -1,0 +1,204 @@
+#include "closed_loop/bench.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+
+#include "hal/civil_text.hpp"
+#include "hal/log_csv.hpp"
+#include "hal/point_map.hpp"
+
+namespace airside::closed_loop {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void write_text(const fs::path& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out << text;
+  if (!out.flush()) throw std::runtime_error("cannot write " + path.string());
+}
+
+std::vector<std::string> lines_of(const fs::path& path) {
+  std::ifstream in(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+LogText text_of_rows(const tools::Site& site, const std::vector<hal::LogRow>& rows) {
+  LogText text;
+  text.header = hal::log_header(site.counts, true);
+  text.header.pop_back();
+  std::vector<char> line(hal::max_log_row_text);
+  for (const hal::LogRow& row : rows) {
+    const std::size_t size = hal::format_log_row(line, row, true);
+    text.rows.emplace_back(line.data(), size - 1);
+  }
+  return text;
+}
+
+/// Weights for the bench's room shape: two days of pretraining on the embedded plant, once a shape and process.
+tools::BlobBytes weights_for(const tools::Site& site) {
+  static std::vector<std::pair<std::string, tools::BlobBytes>> made;
+  for (const auto& [name, blob] : made) {
+    if (name == site.counts.name) return blob;
+  }
+  const tools::Site plain = tools::built_in_site(site.counts.name);
+  const tools::PlantChoice twin = rc_room("301", "2021-07-01");
+  const auto model = tools::make_plant(twin, plain, 4);
+  const CivilTime until{tools::start_of(twin).seconds + 4 * 86400};
+  made.emplace_back(site.counts.name, tools::pretrain(plain, *model, until, {}).blob);
+  return made.back().second;
+}
+
+}  // namespace
+
+tools::PlantChoice rc_room(const std::string& room, const std::string& start) {
+  tools::PlantChoice choice;
+  choice.kind = "rc";
+  choice.room = room;
+  choice.start = start;
+  choice.seed = 7;
+  return choice;
+}
+
+int from_environment(const char* name, int otherwise) {
+  const char* text = std::getenv(name);
+  return text == nullptr || *text == '\0' ? otherwise : std::atoi(text);
+}
+
+Bench::Bench(BenchOptions options) : options_(std::move(options)) {
+  const bool memory = options_.in_memory && fs::is_directory("/dev/shm");
+  folder_ = (memory ? fs::path("/dev/shm") : fs::temp_directory_path()) /
+            fmt::format("airside_loop_{}_{}", options_.name, ::getpid());
+  fs::remove_all(folder_);
+  for (const char* part : {"state", "log"}) fs::create_directories(folder_ / part);
+  const tools::Site built_in = tools::built_in_site(options_.topology);
+  write_text(folder_ / "points.csv",
+             hal::default_point_map(built_in.counts.vavs, built_in.counts.fcus, built_in.counts.powers));
+  write_site(options_.serial ? fmt::format("transport = \"rtu\"\ndevice = \"{}\"\nbaud = 115200\nparity = \"N\"\n",
+                                           (folder_ / "line").string())
+                             : "transport = \"tcp\"\nhost = \"127.0.0.1\"\nport = 502\n");
+  trial_.site = tools::load_site((folder_ / "site.toml").string());
+  trial_.plant = options_.plant;
+  trial_.expert_days = options_.expert_days;
+  trial_.days = options_.days;
+  blob_ = weights_for(trial_.site);
+  tools::write_blob((folder_ / "weights.blob").string(), blob_);
+  prepared_ = tools::prepare(trial_);
+  hal::LogWriter history((folder_ / "history.csv").string(), trial_.site.counts, true);
+  for (const hal::LogRow& row : prepared_.history) history.append(row);
+  history.close();
+}
+
+Bench::~Bench() {
+  server_.reset();
+  if (::testing::Test::HasFailure()) return;  // what is left shows why
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
+
+void Bench::write_site(const std::string& transport) const {
+  const std::string history = options_.expert_days > 0 ? "[history]\nlog = \"history.csv\"\n" : "";
+  write_text(
+      folder_ / "site.toml",
+      fmt::format("[site]\nname = \"Bench\"\ntopology = \"{}\"\nscope = \"Bench\"\n"
+                  "[controller]\nseed = {}\n[modbus]\n{}unit_id = 1\ndeadline_s = 10.0\npoints = \"points.csv\"\n"
+                  "[clock]\nsource = \"plant\"\n[state]\ndir = \"state\"\n[log]\ndir = \"log\"\nmax_files = 400\n"
+                  "{}[weights]\nblob = \"weights.blob\"\n",
+                  options_.topology, options_.plant.seed, transport, history));
+}
+
+std::filesystem::path Bench::program(const std::string& name) const { return fs::path(AIRSIDE_BIN_DIR) / name; }
+
+const LogText& Bench::expected() {
+  if (expected_.rows.empty()) {
+    run_ = tools::run_controller(trial_.site, *prepared_.model, blob_, prepared_.history, prepared_.until,
+                                 trial_.site.file.seed);
+    expected_ = text_of_rows(trial_.site, run_.rows);
+  }
+  return expected_;
+}
+
+void Bench::start_server() {
+  const fs::path ready = folder_ / "ready";
+  fs::remove(ready);
+  const tools::PlantChoice& plant = options_.plant;
+  std::vector<std::string> command = {program("airside"), "serve",
+                                      "--site",           folder_ / "site.toml",
+                                      "--plant",          plant.kind,
+                                      "--room",           plant.room,
+                                      "--start",          plant.start,
+                                      "--seed",           std::to_string(plant.seed),
+                                      "--expert-days",    std::to_string(options_.expert_days),
+                                      "--days",           std::to_string(options_.days),
+                                      "--ready",          ready};
+  if (options_.serial) {
+    command.insert(command.end(), {"--pty", folder_ / "line"});
+  } else {
+    command.insert(command.end(), {"--port", "0"});
+  }
+  server_ = std::make_unique<Child>(command, folder_ / "server.txt");
+  const double deadline_s = now_s() + 300;
+  while (lines_of(ready).empty()) {
+    if (!server_->running() || now_s() > deadline_s) throw std::runtime_error("airside serve: " + server_->said());
+    sleep_s(0.01);
+  }
+  if (options_.serial) return;
+  const std::string where = lines_of(ready).front();
+  write_site(fmt::format("transport = \"tcp\"\nhost = \"127.0.0.1\"\nport = {}\n", where.substr(where.rfind(':') + 1)));
+}
+
+std::unique_ptr<Child> Bench::start_daemon(bool sync, const std::vector<std::string>& more) {
+  const CivilTime end{tools::start_of(options_.plant).seconds + (options_.expert_days + options_.days) * 86400LL};
+  std::vector<std::string> command = {
+      program("airsided"), "--site", folder_ / "site.toml", "--until", hal::civil_text(end), "--backoff", "0.05"};
+  if (!sync) command.emplace_back("--no-sync");
+  command.insert(command.end(), more.begin(), more.end());
+  return std::make_unique<Child>(command, folder_ / "daemon.txt");
+}
+
+LogText Bench::log() const {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder_ / "log")) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  LogText text;
+  for (const fs::path& path : files) {
+    const auto lines = lines_of(path);
+    if (lines.empty()) continue;
+    text.header = lines.front();
+    text.rows.insert(text.rows.end(), lines.begin() + 1, lines.end());
+  }
+  return text;
+}
+
+std::size_t Bench::logged_rows() const {
+  std::size_t files = 0;
+  fs::path newest;
+  for (const auto& entry : fs::directory_iterator(folder_ / "log")) {
+    ++files;
+    newest = std::max(newest, entry.path());
+  }
+  if (files == 0) return 0;
+  std::ifstream in(newest, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  return (files - 1) * rows_per_day + (lines > 0 ? lines - 1 : 0);
+}
+
+void expect_same_rows(const LogText& log, const LogText& expected) {
+  EXPECT_EQ(log.header, expected.header);
+  EXPECT_EQ(log.rows.size(), expected.rows.size());
+  const std::size_t n = std::min(log.rows.size(), expected.rows.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    ASSERT_EQ(log.rows[i], expected.rows[i]) << "row " << i << " of " << n;
+  }
+}
+
+}  // namespace airside::closed_loop

@@ -1,0 +1,77 @@
+#pragma once
+// One site on a bench: a folder with site file, point map, weights and the schedule's days; the same room once in this
+// process and once behind `airside serve` with a real `airsided` beside it.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "closed_loop/child.hpp"
+#include "tools/methods.hpp"
+
+namespace airside::closed_loop {
+
+struct BenchOptions {
+  std::string name;  ///< of the folder
+  std::string topology = "5vav-5fcu-2power";
+  tools::PlantChoice plant = {};  ///< kind "rc" unless said otherwise
+  int expert_days = 1;            ///< under the schedule before, remembered from history.csv
+  int days = 1;
+  bool in_memory = true;  ///< folder on a memory file system where there is one
+  bool serial = false;    ///< RTU over a pseudo-terminal
+};
+
+/// The daemon's rows as text, oldest first, and the header line of its files.
+struct LogText {
+  std::string header;
+  std::vector<std::string> rows;
+};
+
+class Bench {
+ public:
+  explicit Bench(BenchOptions options);
+  ~Bench();
+
+  /// Rows of the same days by run_controller() in this process, as the log writes them.
+  const LogText& expected();
+  /// Starts `airside serve`; waits until it answers.
+  void start_server();
+  /// Starts `airsided` for the scored days.
+  std::unique_ptr<Child> start_daemon(bool sync = false, const std::vector<std::string>& more = {});
+  /// What stands in the daemon's log folder now.
+  LogText log() const;
+  /// Number of whole rows in the log folder; cheap.
+  std::size_t logged_rows() const;
+
+  tools::Trial trial() const { return trial_; }
+  std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+  std::filesystem::path program(const std::string& name) const;
+  const tools::ControlRun& run() const { return run_; }
+  std::size_t rows() const { return static_cast<std::size_t>(options_.days) * rows_per_day; }
+
+ private:
+  void write_site(const std::string& transport) const;
+
+  BenchOptions options_;
+  std::filesystem::path folder_;
+  tools::Trial trial_;
+  tools::BlobBytes blob_;
+  tools::Prepared prepared_;
+  tools::ControlRun run_;
+  LogText expected_;
+  std::unique_ptr<Child> server_;
+};
+
+/// The room "301" of the RC plant, everything else as default.
+tools::PlantChoice rc_room(const std::string& room = "301", const std::string& start = "2021-08-01");
+
+/// Number in environment variable `name`, else `otherwise`.
+int from_environment(const char* name, int otherwise);
+
+/// Fails at the first row that differs, and shows both.
+void expect_same_rows(const LogText& log, const LogText& expected);
+
+}  // namespace airside::closed_loop
