@@ -58,7 +58,7 @@ std::string resolved(const std::string& path, const std::string& site_path) {
 void read_site(TomlSection root, SiteFile& out, const SiteRules& rules) {
   if (!root.present()) {
     throw InputError(out.path + ": site", "nothing", "a table [site] with name and topology",
-                     "start from the text that `airside check --example` prints");
+                     "start from the file that `airside init` writes");
   }
   out.name = root.required_text("name", "Room 301");
   for (const char c : out.name) {

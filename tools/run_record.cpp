@@ -79,8 +79,8 @@ RunRecord make_run_record(const Site& site, const ControlRun& run) {
   r.confidence = column(cycles, &C::confidence);
   constexpr std::pair<const char*, Column> losses[] = {{"short term", &C::loss_strb},
                                                        {"deviation", &C::loss_tdb},
-                                                       {"gradient", &C::loss_gc},
-                                                       {"relation", &C::loss_rc},
+                                                       {"gradient constraint", &C::loss_gc},
+                                                       {"residual constraint", &C::loss_rc},
                                                        {"reconstruction", &C::loss_rec}};
   for (const auto& [name, member] : losses) {
     std::vector<double> values = column(cycles, member);
