@@ -193,8 +193,7 @@ class BlobCodec {
     return header;
   }
 
- private:
-  /// Over everything but the digest itself and the signature.
+  /// Checksum over everything but the digest itself and the signature.
   static std::uint32_t digest(BlobHeader header, std::span<const std::byte> payload) {
     header.digest = {};
     std::array<std::byte, sizeof(BlobHeader)> bytes{};
@@ -202,14 +201,8 @@ class BlobCodec {
     return crc32c(payload, crc32c(bytes));
   }
 
-  static bool scope_matches(const BlobHeader& header, std::span<const char> site_scope) {
-    if (header.site_scope[0] == '\0') return true;
-    for (std::size_t i = 0; i < header.site_scope.size(); ++i) {
-      if (header.site_scope[i] != (i < site_scope.size() ? site_scope[i] : '\0')) return false;
-    }
-    return true;
-  }
-
+  /// Payload bytes as they are, for showing blobs that decode() refuses.
+  /// Shape: in: Payload::bytes(header.head_states), head_states at most RoomHead's.
   static void read_payload(const BlobHeader& header, std::span<const std::byte> in, Payload& payload) {
     const std::byte* at = in.data();
     const auto get = [&at](void* to, std::size_t n) {
@@ -234,6 +227,15 @@ class BlobCodec {
       }
     }
     get(payload.provenance.data(), blob_provenance_bytes);
+  }
+
+ private:
+  static bool scope_matches(const BlobHeader& header, std::span<const char> site_scope) {
+    if (header.site_scope[0] == '\0') return true;
+    for (std::size_t i = 0; i < header.site_scope.size(); ++i) {
+      if (header.site_scope[i] != (i < site_scope.size() ? site_scope[i] : '\0')) return false;
+    }
+    return true;
   }
 };
 
