@@ -16,6 +16,10 @@ extern "C" void request_stop(int) { stop_requested = 1; }
 
 int main(int argc, char** argv) {
   using namespace airside;
+  // First of all: a stop during a long start must end in order too.
+  std::signal(SIGTERM, request_stop);
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGPIPE, SIG_IGN);
   CLI::App app{
       "airsided controls one air handling unit over Modbus and goes on learning from it.\n"
       "It reads the site file, resumes from its state folder (or starts from the weight blob, or runs the\n"
@@ -51,9 +55,6 @@ int main(int argc, char** argv) {
         throw hal::InputError("--until", "'" + until + "'", "a local time such as 2021-08-20T00:00:00", "correct it");
       }
     }
-    std::signal(SIGTERM, request_stop);
-    std::signal(SIGINT, request_stop);
-    std::signal(SIGPIPE, SIG_IGN);
     int code = 1;
     with_topology(site.topology.c_str(), [&]<class T>(T) {
       auto daemon = std::make_unique<edge::Edge<T>>(site, points, options, hal::StopFlag(&stop_requested));

@@ -113,6 +113,7 @@ class Controller {
 
   /// A row between two decisions: keeps the validator's memory.
   void observe(CivilTime t, const Expected<Reading<T>>& sensed) {
+    resumed_ = false;
     if (sensed) (void)check(t, *sensed);
   }
 
@@ -121,7 +122,8 @@ class Controller {
   const Decision& decide(CivilTime t, const Expected<Reading<T>>& sensed) {
     const SafetyEnvelope envelope(settings_);
     const double expert = expert_setpoint_degc(settings_, t);
-    if (sensed) adopt_setpoint(sensed->setpoint_degc);
+    if (sensed && !(resumed_ && t.seconds - cycle_.last_time.seconds == cycle_s)) adopt_setpoint(sensed->setpoint_degc);
+    resumed_ = false;
     decision_ = {.time = t, .command = envelope.limit(expert, cycle_.last_setpoint_degc, expert)};
     decision_.expert_degc = expert;
     decision_.confidence = cycle_.confidence;
@@ -189,6 +191,7 @@ class Controller {
       return Fault::state_invalid;
     }
     prepare();
+    resumed_ = true;
     return Fault::none;
   }
 
@@ -475,6 +478,7 @@ class Controller {
   Row newest_{};
   bool completed_ = false;  ///< newest_ is a transition that just ended
   bool usable_ = false;     ///< the present reading may be learned from
+  bool resumed_ = false;    ///< no row since restored(): a setpoint that stands there may be of a decision cut off
 
   int candidate_count_ = 0;
   Eigen::Matrix<Scalar, L::signals, 1> scaled_;

