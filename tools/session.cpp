@@ -115,6 +115,7 @@ ControlRun run_chooser(const Site& site, sim::PlantModel& model, CivilTime until
   Chooser<T> chooser(site.settings, std::move(choose));
   ChooserSink<T> sink{recorder};
   run_cycles<T>(plant, clock, chooser, sink, from, until);
+  (void)clock.sleep_until(until);  // where the next run begins: no row stands twice
   return std::move(recorder.run);
 }
 
@@ -176,6 +177,7 @@ ControlRun control(const Site& site, sim::PlantModel& model, Controller<T>& cont
   Recorder recorder(site, from, until, progress);
   ControllerSink<T> sink{recorder};
   run_cycles<T>(plant, clock, controller, sink, from, until);
+  (void)clock.sleep_until(until);  // where the next run begins: no row stands twice
   recorder.run.rejected_updates = controller.learning().rejected;
   return std::move(recorder.run);
 }
