@@ -94,7 +94,7 @@ class Edge {
     payload_.reset();
   }
 
-  /// Runs until told to stop, or until options.until. Returns the process's exit code.
+  /// Runs until told to stop, or until options.until; called again, it goes on. Returns the process's exit code.
   int run() {
     if (!wait_for_plant()) return stop_.raised() ? 0 : 3;
     const CivilTime end = options_.until.value_or(CivilTime{std::numeric_limits<std::int64_t>::max()});
@@ -112,6 +112,7 @@ class Edge {
         say("the plant's clock stands still at row {}; is its server running?", t.seconds);
       }
     }
+    next_ = t;
     return 0;
   }
 

@@ -39,6 +39,7 @@ class Bench {
   const LogText& expected();
   /// Starts `airside serve`; waits until it answers.
   void start_server();
+  void stop_server() { server_.reset(); }
   /// Starts `airsided` for the scored days.
   std::unique_ptr<Child> start_daemon(bool sync = false, const std::vector<std::string>& more = {});
   /// What stands in the daemon's log folder now.

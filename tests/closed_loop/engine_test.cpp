@@ -15,7 +15,7 @@ TEST(ClosedLoopOnEnergyPlus, DaemonDecidesAsTheSimulationToTheBit) {
   }
   tools::PlantChoice room = rc_room("401");
   room.kind = "energyplus";
-  Bench bench({.name = "engine", .plant = room, .expert_days = 1, .days = from_environment("AIRSIDE_ENGINE_DAYS", 2)});
+  Bench bench({.name = "engine", .plant = room, .expert_days = 1, .days = from_environment("AIRSIDE_ENGINE_DAYS", 4)});
   bench.start_server();
   const auto daemon = bench.start_daemon();
   const LogText& expected = bench.expected();  // beside the daemon's run, on another core

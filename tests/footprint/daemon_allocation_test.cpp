@@ -1,0 +1,108 @@
+// Once it runs, the daemon asks nothing of the heap: not for rows, learning, durable commits, the status, nor for a new
+// day's log.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "closed_loop/bench.hpp"
+#include "firmware/edge/edge.hpp"
+#include "footprint/allocation_guard.hpp"
+
+namespace airside::footprint {
+namespace {
+
+using closed_loop::Bench;
+
+/// Edge<T> in this process on the bench's site, its room served by another.
+template <Topology T>
+class DaemonHere {
+ public:
+  DaemonHere(Bench& bench, std::size_t rows) : bench_(bench) {
+    bench_.start_server();
+    const hal::SiteFile site = hal::read_site_file(bench_.file("site.toml").string(), hal::site_rules());
+    const hal::PointMap points = hal::PointMap::load(site.modbus->points);
+    const std::int64_t open =
+        bench_.trial().expert_days * std::int64_t{86400} + tools::start_of(bench_.trial().plant).seconds;
+    edge::EdgeOptions options;
+    options.sync = hal::Sync::full;
+    options.until = CivilTime{open + static_cast<std::int64_t>(rows) * row_s};
+    edge_ = std::make_unique<edge::Edge<T>>(site, points, options, hal::StopFlag(&stop_));
+  }
+
+  edge::Edge<T>& edge() { return *edge_; }
+
+  /// Runs until some rows are logged: connection, files and the first decisions are made.
+  void settle(std::size_t rows) {
+    std::thread watcher([this, rows] {
+      while (bench_.logged_rows() < rows) closed_loop::sleep_s(0.001);
+      stop_ = true;
+    });
+    EXPECT_EQ(edge_->run(), 0);
+    watcher.join();
+    stop_ = false;
+  }
+
+ private:
+  Bench& bench_;
+  std::atomic<bool> stop_{false};
+  std::unique_ptr<edge::Edge<T>> edge_;
+};
+
+template <Topology T>
+void expect_no_heap(const std::string& name, std::size_t rows) {
+  Bench bench({.name = name, .topology = T::name, .plant = closed_loop::rc_room(), .expert_days = 1, .days = 3});
+  DaemonHere<T> daemon(bench, rows);
+  daemon.edge().start();
+  daemon.settle(4);
+  const std::size_t before = bench.logged_rows();
+  const std::uint64_t pushed = daemon.edge().controller().replay().total_pushed();
+  AllocationGuard guard("the daemon's rows");
+  const int code = daemon.edge().run();
+  const HeapEvents events = guard.disarm();
+  EXPECT_EQ(code, 0);
+  EXPECT_EQ(events.total(), 0U) << "first: " << events.first << " of " << events.first_bytes << " bytes";
+  EXPECT_EQ(bench.logged_rows(), rows);
+  EXPECT_GT(rows - before, 240U) << "no midnight was crossed";
+  EXPECT_GT(daemon.edge().controller().replay().total_pushed(), pushed + 100) << "nothing was learned";
+  EXPECT_TRUE(std::filesystem::exists(bench.file("state") / "status.json"));
+  std::printf("%s: %zu rows without a heap event\n", T::name, rows - before);
+  closed_loop::LogText log = bench.log();
+  closed_loop::LogText expected = bench.expected();
+  expected.rows.resize(rows);
+  closed_loop::expect_same_rows(log, expected);
+}
+
+TEST(DaemonHeap, IsNotTouchedByHundredsOfRowsTwoMidnightsAndLearning) { expect_no_heap<FiveZone>("heap5", 640); }
+
+TEST(DaemonHeap, IsNotTouchedInASmallSuite) { expect_no_heap<ThreeVav>("heap3", 360); }
+
+TEST(DaemonHeap, GuardSeesAStart) {
+  Bench bench({.name = "heap_start", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1});
+  DaemonHere<FiveZone> daemon(bench, 240);
+  AllocationGuard guard("the daemon's start");
+  daemon.edge().start();
+  EXPECT_GT(guard.disarm().total(), 10U);
+}
+
+TEST(DaemonHeap, IsNotTouchedWhileThePlantIsAway) {
+  Bench bench({.name = "heap_away", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1});
+  DaemonHere<FiveZone> daemon(bench, 240);
+  daemon.edge().start();
+  daemon.settle(4);
+  bench.stop_server();
+  AllocationGuard guard("a row without a plant");
+  const Expected<Reading<FiveZone>> nothing = tl::unexpected(Fault::no_reading);
+  for (int i = 0; i < 4; ++i) {
+    const CivilTime t{daemon.edge().controller().decision().time.seconds + (i + 1) * cycle_s};
+    EXPECT_TRUE(daemon.edge().row(t, nothing, daemon.edge().controller()));
+  }
+  const HeapEvents events = guard.disarm();
+  EXPECT_EQ(events.total(), 0U) << "first: " << events.first << " of " << events.first_bytes << " bytes";
+}
+
+}  // namespace
+}  // namespace airside::footprint
