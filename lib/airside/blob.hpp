@@ -40,7 +40,7 @@ struct BlobHeader {
   std::uint32_t head_states = 0;  ///< 0: no head; else theta and covariance follow
   std::uint32_t digest_kind = 1;  ///< 1: CRC-32C in the digest's first four bytes
   std::array<std::uint8_t, 32> digest{};
-  std::int64_t created_s = 0;     ///< civil time of training's end
+  std::int64_t created_s = 0;  ///< civil time of training's end
   std::array<std::uint8_t, 48> reserved{};
 };
 static_assert(sizeof(BlobHeader) == 192 && std::is_trivially_copyable_v<BlobHeader>);

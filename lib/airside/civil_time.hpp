@@ -17,16 +17,14 @@ struct CivilTime {
   constexpr auto operator<=>(const CivilTime&) const = default;
 
  private:
-  static constexpr std::int64_t floor_div(std::int64_t a, std::int64_t b) {
-    return a / b - (a % b < 0 ? 1 : 0);
-  }
+  static constexpr std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0 ? 1 : 0); }
 };
 
-constexpr int row_s = 360;                        ///< a logged row: 6 min (spec OPEN-1)
-constexpr int rows_per_cycle = 3;                 ///< one decision: 18 min
-constexpr int cycle_s = row_s * rows_per_cycle;   ///< s
-constexpr int rows_per_day = 86400 / row_s;       ///< 240
-constexpr int cycles_per_day = 86400 / cycle_s;   ///< 80, aligned at midnight
+constexpr int row_s = 360;                       ///< a logged row: 6 min (spec OPEN-1)
+constexpr int rows_per_cycle = 3;                ///< one decision: 18 min
+constexpr int cycle_s = row_s * rows_per_cycle;  ///< s
+constexpr int rows_per_day = 86400 / row_s;      ///< 240
+constexpr int cycles_per_day = 86400 / cycle_s;  ///< 80, aligned at midnight
 
 /// Cycle of the day, 0..79.
 constexpr int cycle_of_day(CivilTime t) { return t.second_of_day() / cycle_s; }

@@ -35,17 +35,19 @@ struct LearningState {
   RoomHead<T> head;
   Scaler<T> scaler;
   SplitMix64 sampler;
-  std::uint64_t cycles = 0;           ///< decisions taken with these weights' ancestors
-  std::uint64_t rejected = 0;         ///< updates that the gate refused
+  std::uint64_t cycles = 0;    ///< decisions taken with these weights' ancestors
+  std::uint64_t rejected = 0;  ///< updates that the gate refused
 };
 
 /// What one row hands to the next. Plain bytes, small: saved every row.
 template <Topology T>
 struct CycleState {
   Validator<T> validator{};
-  typename Reading<T>::Vector last_value = Reading<T>::Vector::Zero();    ///< at the last decision
-  typename Reading<T>::Vector before_value = Reading<T>::Vector::Zero();  ///< one cycle earlier
+  typename Reading<T>::Vector last_value = Reading<T>::Vector::Zero();  ///< at the last decision
+  typename Reading<T>::Vector row_value = Reading<T>::Vector::Zero();   ///< at the last row in between
   CivilTime last_time;
+  CivilTime row_time;
+  HeadFeatures features;  ///< of the last decision, its own setpoint change left 0
   double last_setpoint_degc = std::numeric_limits<double>::quiet_NaN();  ///< applied since last_time
   double before_setpoint_degc = std::numeric_limits<double>::quiet_NaN();
   double confidence = 0.5;
@@ -55,6 +57,8 @@ struct CycleState {
   double head_error_k2 = 0.01;
   std::int32_t usable_cycles = 0;  ///< successive cycles whose readings may be learned from, up to 3
   std::int32_t has_weights = 0;    ///< 0: schedule only
+  std::int32_t has_features = 0;   ///< 1: `features` are good
+  std::int32_t reserved = 0;
 };
 
 /// Controls one AHU. Shape: T. Scalar: float on the box, double in tests.
@@ -114,7 +118,11 @@ class Controller {
   /// A row between two decisions: keeps the validator's memory.
   void observe(CivilTime t, const Expected<Reading<T>>& sensed) {
     resumed_ = false;
-    if (sensed) (void)check(t, *sensed);
+    if (!sensed) return;
+    const Expected<ValidReading<T>> valid = check(t, *sensed);
+    if (!valid || !valid->learnable()) return;
+    cycle_.row_value = valid->value();
+    cycle_.row_time = t;
   }
 
   /// Chooses the next setpoint.  validate -> scale -> predict -> score -> blend -> limit.
@@ -129,6 +137,7 @@ class Controller {
     decision_.confidence = cycle_.confidence;
     completed_ = false;
     usable_ = false;
+    has_features_ = false;
     if (!sensed) {
       decision_.fault = sensed.error();
       return decision_;
@@ -160,7 +169,8 @@ class Controller {
     if (completed_) replay_.push(newest_);
     if (completed_ && decision_.mode == Mode::learn) learn();
     const bool follows = decision_.time.seconds - cycle_.last_time.seconds == cycle_s;
-    cycle_.before_value = cycle_.last_value;
+    cycle_.features = features_;
+    cycle_.has_features = has_features_ && applied ? 1 : 0;
     cycle_.before_setpoint_degc = cycle_.last_setpoint_degc;
     cycle_.last_value = now_;
     cycle_.last_time = decision_.time;
@@ -255,8 +265,9 @@ class Controller {
     const bool follows = t.seconds - cycle_.last_time.seconds == cycle_s && usable_ && cycle_.usable_cycles >= 1;
     if (!follows) return;
     const double moved = decision_.room_mean_degc - room_mean(cycle_.last_value);
-    if (settings_.head != 0 && cycle_.usable_cycles >= 2) {
-      HeadFeatures f = features(cycle_.before_value, cycle_.last_value, cycle_.before_setpoint_degc);
+    if (settings_.head != 0) take_features(t);
+    if (settings_.head != 0 && cycle_.has_features != 0) {
+      HeadFeatures f = cycle_.features;
       f.x(HeadFeatures::setpoint_change) = cycle_.last_setpoint_degc - cycle_.before_setpoint_degc;
       learning_.head.grow(settings_, settings_.head_growth_per_day / cycles_per_day);
       learning_.head.update(settings_, cycle_.last_time, f, moved);
@@ -300,8 +311,7 @@ class Controller {
       decision_.fault = Fault::forecast_invalid;
       return;
     }
-    const double proposal =
-        fuse(effective_confidence(settings_, cycle_.confidence), chosen, decision_.expert_degc);
+    const double proposal = fuse(effective_confidence(settings_, cycle_.confidence), chosen, decision_.expert_degc);
     const double in_range = std::clamp(proposal, settings_.action_min_degc, settings_.action_max_degc);
     decision_.command = envelope.limit(in_range, last_degc, decision_.expert_degc);
   }
@@ -353,10 +363,8 @@ class Controller {
   }
 
   double head_choice(CivilTime t, double last_degc) {
-    const bool follows = t.seconds - cycle_.last_time.seconds == cycle_s && cycle_.usable_cycles >= 1 && usable_;
-    if (settings_.head == 0 || !follows || learning_.head.updates() == 0) return unknown;
-    const HeadFeatures f = features(cycle_.last_value, now_, last_degc);
-    return std::clamp(learning_.head.setpoint_degc(settings_, t, f, room_mean(now_), last_degc),
+    if (!has_features_ || learning_.head.updates() == 0) return unknown;
+    return std::clamp(learning_.head.setpoint_degc(settings_, t, features_, room_mean(now_), last_degc),
                       settings_.action_min_degc, settings_.action_max_degc);
   }
 
@@ -367,10 +375,8 @@ class Controller {
     forecast({&setpoint_degc, 1});
     cycle_.network_expected_degc = short_mean(0);
     decision_.expected_mean_degc = cycle_.network_expected_degc;
-    const bool follows = t.seconds - cycle_.last_time.seconds == cycle_s && cycle_.usable_cycles >= 1;
-    if (settings_.head == 0 || !follows) return;
-    const HeadFeatures f = features(cycle_.last_value, now_, cycle_.last_setpoint_degc);
-    cycle_.head_expected_degc = room_mean(now_) + learning_.head.drift_k(settings_, t, f) +
+    if (!has_features_) return;
+    cycle_.head_expected_degc = room_mean(now_) + learning_.head.drift_k(settings_, t, features_) +
                                 learning_.head.gain(settings_) * (setpoint_degc - cycle_.last_setpoint_degc);
     decision_.expected_mean_degc = cycle_.head_expected_degc;
   }
@@ -441,8 +447,18 @@ class Controller {
     return sane;
   }
 
-  HeadFeatures features(const Vector& before, const Vector& now, double setpoint_before_degc) const {
-    return RoomHead<T>::features(before, now, setpoint_before_degc, learning_.scaler.scale(L::power + T::powers - 1));
+  /// The regressors of now. A row that was missed 6 min ago is thought to lie on the line from the last decision.
+  void take_features(CivilTime t) {
+    Vector recent = cycle_.row_value;
+    if (t.seconds - cycle_.row_time.seconds != row_s) recent = now_ - (now_ - cycle_.last_value) / rows_per_cycle;
+    const double move = cycle_.last_setpoint_degc - cycle_.before_setpoint_degc;
+    features_ = RoomHead<T>::features({.before = cycle_.last_value,
+                                       .recent = recent,
+                                       .now = now_,
+                                       .setpoint_before_degc = cycle_.last_setpoint_degc,
+                                       .last_move_k = std::isfinite(move) ? move : 0.0},
+                                      learning_.scaler.scale(L::power + T::powers - 1));
+    has_features_ = true;
   }
 
   static double room_mean(const Vector& v) { return v.template head<L::rooms>().mean(); }
@@ -477,8 +493,10 @@ class Controller {
   Vector now_ = Vector::Zero();
   Row newest_{};
   bool completed_ = false;  ///< newest_ is a transition that just ended
-  bool usable_ = false;     ///< the present reading may be learned from
-  bool resumed_ = false;    ///< no row since restored(): a setpoint that stands there may be of a decision cut off
+  HeadFeatures features_;
+  bool has_features_ = false;  ///< features_ are those of the present decision
+  bool usable_ = false;        ///< the present reading may be learned from
+  bool resumed_ = false;       ///< no row since restored(): a setpoint that stands there may be of a decision cut off
 
   int candidate_count_ = 0;
   Eigen::Matrix<Scalar, L::signals, 1> scaled_;

@@ -12,7 +12,7 @@ namespace airside {
 template <Topology T>
 using WeightBlob = BlobCodec<T, NetworkWeights<T, float>::count>;
 
-#define AIRSIDE_EXTERN(Tag)                      \
+#define AIRSIDE_EXTERN(Tag)                     \
   extern template class Controller<Tag, float>; \
   extern template class BlobCodec<Tag, NetworkWeights<Tag, float>::count>;
 AIRSIDE_FOR_EACH_TOPOLOGY(AIRSIDE_EXTERN)

@@ -20,9 +20,9 @@ constexpr CivilTime next_row(CivilTime t) {
 /// Returns the first instant that was not run.
 /// Errors: none; a plant that cannot be read yields the schedule's command through the controller.
 template <class Topology_, class Plant_, class Clock_, class Controller_, class Sink_>
-  requires Plant<Plant_, Topology_> && Clock<Clock_>
-CivilTime run_cycles(Plant_& plant, Clock_& clock, Controller_& controller, Sink_& sink, CivilTime from,
-                     CivilTime until) {
+requires Plant<Plant_, Topology_> && Clock<Clock_> CivilTime run_cycles(Plant_& plant, Clock_& clock,
+                                                                        Controller_& controller, Sink_& sink,
+                                                                        CivilTime from, CivilTime until) {
   CivilTime t = from;
   while (t < until) {
     if (!clock.sleep_until(t)) return t;

@@ -38,13 +38,13 @@ struct Decision {
   Command command;
   Mode mode = Mode::expert;
   Fault fault = Fault::none;
-  int fault_signal = -1;           ///< index in Layout<T> of the signal that caused the fault, or -1
+  int fault_signal = -1;  ///< index in Layout<T> of the signal that caused the fault, or -1
   double room_mean_degc = none;
-  double network_degc = none;      ///< the network's choice, A_highest
-  double head_degc = none;         ///< the room head's choice
-  double expert_degc = none;       ///< the schedule
-  double confidence = none;        ///< c_t before it is made effective
-  double head_share = none;        ///< weight of the head against the network
+  double network_degc = none;        ///< the network's choice, A_highest
+  double head_degc = none;           ///< the room head's choice
+  double expert_degc = none;         ///< the schedule
+  double confidence = none;          ///< c_t before it is made effective
+  double head_share = none;          ///< weight of the head against the network
   double expected_mean_degc = none;  ///< room mean forecast for the end of the cycle, at the applied setpoint
   LossTerms loss{none, none, none, none, none, none};  ///< of the transition that just ended
 };

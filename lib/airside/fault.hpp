@@ -9,27 +9,27 @@ namespace airside {
 /// Frozen numbers: they stand in logs, snapshots and durable state.
 enum class Fault : std::uint8_t {
   none = 0,
-  not_finite = 1,         ///< NaN, Inf or a sentinel where a number was expected
-  out_of_range = 2,       ///< outside the point's limits
-  rate_exceeded = 3,      ///< changed faster than the point's maximum rate
-  stuck = 4,              ///< has not moved although its neighbours have
-  stale = 5,              ///< older than the point allows
-  no_reading = 6,         ///< the plant gave no reading at all
-  not_applied = 7,        ///< the plant refused the command
-  forecast_invalid = 8,   ///< the network or head produced a number that is not finite
-  learning_rejected = 9,  ///< the acceptance gate refused new weights
-  blob_truncated = 10,    ///< fewer bytes than the header says
-  blob_magic = 11,        ///< not a weight blob
-  blob_version = 12,      ///< a format that this build does not read
-  blob_architecture = 13, ///< other endianness or float format
-  blob_topology = 14,     ///< for another topology
-  blob_units = 15,        ///< for other units or signal order
-  blob_digest = 16,       ///< payload does not match its digest
-  blob_value = 17,        ///< payload holds a number that is not finite or out of bounds
-  blob_scope = 18,        ///< for another site
-  blob_size = 19,         ///< length differs from what the topology needs
-  state_invalid = 20,     ///< durable state fails its checksum or its size
-  settings_invalid = 21,  ///< a setting is outside its documented range
+  not_finite = 1,          ///< NaN, Inf or a sentinel where a number was expected
+  out_of_range = 2,        ///< outside the point's limits
+  rate_exceeded = 3,       ///< changed faster than the point's maximum rate
+  stuck = 4,               ///< has not moved although its neighbours have
+  stale = 5,               ///< older than the point allows
+  no_reading = 6,          ///< the plant gave no reading at all
+  not_applied = 7,         ///< the plant refused the command
+  forecast_invalid = 8,    ///< the network or head produced a number that is not finite
+  learning_rejected = 9,   ///< the acceptance gate refused new weights
+  blob_truncated = 10,     ///< fewer bytes than the header says
+  blob_magic = 11,         ///< not a weight blob
+  blob_version = 12,       ///< a format that this build does not read
+  blob_architecture = 13,  ///< other endianness or float format
+  blob_topology = 14,      ///< for another topology
+  blob_units = 15,         ///< for other units or signal order
+  blob_digest = 16,        ///< payload does not match its digest
+  blob_value = 17,         ///< payload holds a number that is not finite or out of bounds
+  blob_scope = 18,         ///< for another site
+  blob_size = 19,          ///< length differs from what the topology needs
+  state_invalid = 20,      ///< durable state fails its checksum or its size
+  settings_invalid = 21,   ///< a setting is outside its documented range
 };
 
 constexpr const char* text_of(Fault fault) {

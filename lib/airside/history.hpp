@@ -28,11 +28,15 @@ class HistoryReader {
     if (head_ == Head::leave || !window_.has_change_before()) return;
     const auto& earlier = window_.at(2 * rows_per_cycle);
     const Scaler<T>& scaler = controller_.learning().scaler;
-    HeadFeatures f = RoomHead<T>::features(earlier.value, before.value, earlier.setpoint_degc,
-                                           scaler.scale(Layout<T>::power + T::powers - 1));
+    HeadFeatures f =
+        RoomHead<T>::features({.before = earlier.value,
+                               .recent = window_.at(rows_per_cycle + 1).value,
+                               .now = before.value,
+                               .setpoint_before_degc = earlier.setpoint_degc,
+                               .last_move_k = earlier.setpoint_degc - window_.at(3 * rows_per_cycle).setpoint_degc},
+                              scaler.scale(Layout<T>::power + T::powers - 1));
     f.x(HeadFeatures::setpoint_change) = before.setpoint_degc - earlier.setpoint_degc;
-    const double moved =
-        value.template head<T::vavs>().mean() - before.value.template head<T::vavs>().mean();
+    const double moved = value.template head<T::vavs>().mean() - before.value.template head<T::vavs>().mean();
     // Three rows share each cycle, so each is worth a third of a sample.
     controller_.remember_change(before.time, f, moved, std::sqrt(static_cast<double>(rows_per_cycle)));
   }
@@ -60,8 +64,7 @@ void take_payload(Controller<T, float>& controller, const BlobPayload<T, Network
 
 /// Fills a blob's payload with what the controller has learned.
 template <Topology T>
-void give_payload(const Controller<T, float>& controller,
-                  BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
+void give_payload(const Controller<T, float>& controller, BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
   const auto& learning = controller.learning();
   payload.scaler = learning.scaler;
   std::copy(learning.weights.flat().begin(), learning.weights.flat().end(), payload.weights.begin());

@@ -17,16 +17,28 @@ namespace airside {
 
 /// The regressors x of one instant that do not depend on the next setpoint.
 struct HeadFeatures {
-  static constexpr int count = 9;
+  static constexpr int count = 14;
   static constexpr int setpoint_change = 1;  ///< filled in when the next setpoint is known
   Eigen::Matrix<double, count, 1> x = Eigen::Matrix<double, count, 1>::Zero();
 };
 
+/// The readings that the regressors compare: one cycle ago, one row ago, now.
+template <Topology T>
+struct HeadInstants {
+  using Vector = typename Reading<T>::Vector;
+  const Vector& before;
+  const Vector& recent;
+  const Vector& now;
+  double setpoint_before_degc;  ///< applied from `before` until `now`
+  double last_move_k;           ///< how much that setpoint differed from the one before it
+};
+
 /// ds = x' theta_x + profile(slot) + ma e.
 /// x = [last change of the room mean; change of the setpoint; changes of mean FCU temperature, last power, MAU outlet,
-/// number of FCUs on, number of VAVs on; 2 mean((1 - on) dS); mean(d on (S - A_prev)) / 2].
-/// Shape: 9 regressors and 80 slots a day type. Units: K; power in units of the scaler.
-/// Cost: one Kalman update a cycle, O((9 + 80 d)^2).  Source: CLOSED_LOOP "The room head, in full".
+/// number of FCUs on, number of VAVs on; 2 mean((1 - on) dS); mean(d on (S - A_prev)) / 2; the setpoint change before;
+/// and over the last 6 min alone: room mean, mean(d on (S - A_prev)) / 2, number of FCUs on, mean FCU temperature].
+/// Shape: 14 regressors and 80 slots a day type. Units: K; power in units of the scaler.
+/// Cost: one Kalman update a cycle, O((14 + 80 d)^2).  Source: DESIGN.md "Room head".
 template <Topology T>
 class RoomHead {
  public:
@@ -36,7 +48,7 @@ class RoomHead {
   static constexpr int states = regressors + slots * day_types;
   using State = Eigen::Matrix<double, states, 1>;
   /// Too large for a stack, and for Eigen's limit on fixed matrices: an array seen through a map.
-  using CovarianceStore = std::array<double, static_cast<std::size_t>(states * states)>;
+  using CovarianceStore = std::array<double, static_cast<std::size_t>(states* states)>;
   using Covariance = Eigen::Map<Eigen::Matrix<double, states, states>>;
   using ConstCovariance = Eigen::Map<const Eigen::Matrix<double, states, states>>;
 
@@ -53,26 +65,34 @@ class RoomHead {
     updates_ = 0;
   }
 
-  /// The regressors between two instants one cycle apart, `before` and `now`; `setpoint_before` was applied between.
-  static HeadFeatures features(const typename Reading<T>::Vector& before, const typename Reading<T>::Vector& now,
-                               double setpoint_before_degc, double power_scale_kw) {
+  /// The regressors of an instant; the setpoint's coming change is left 0.
+  static HeadFeatures features(const HeadInstants<T>& at, double power_scale_kw) {
     using L = Layout<T>;
     HeadFeatures f;
-    const auto rooms_now = now.template head<L::rooms>();
-    const auto rooms_before = before.template head<L::rooms>();
-    const auto on_now = now.template segment<L::rooms>(L::vav_on);
-    const auto on_before = before.template segment<L::rooms>(L::vav_on);
-    f.x(0) = rooms_now.mean() - rooms_before.mean();
-    if constexpr (T::fcus > 0) {
-      f.x(2) = now.template segment<T::fcus>(L::fcu_temp).mean() - before.template segment<T::fcus>(L::fcu_temp).mean();
-      f.x(5) = now.template segment<T::fcus>(L::fcu_on).sum() - before.template segment<T::fcus>(L::fcu_on).sum();
-    }
+    const auto rooms = at.now.template head<L::rooms>();
+    const auto moved = rooms - at.before.template head<L::rooms>();
+    const auto on = at.now.template segment<L::rooms>(L::vav_on);
+    const auto on_change = on - at.before.template segment<L::rooms>(L::vav_on);
+    const auto on_change_recent = on - at.recent.template segment<L::rooms>(L::vav_on);
+    const auto to_supply = rooms.array() - at.setpoint_before_degc;
+    f.x(0) = moved.mean();
+    f.x(4) = at.now(L::mau_temp) - at.before(L::mau_temp);
+    f.x(6) = on_change.sum();
+    f.x(7) = 2.0 * ((1.0 - on.array()) * moved.array()).mean();
+    f.x(8) = 0.5 * (on_change.array() * to_supply).mean();
+    f.x(9) = at.last_move_k;
+    f.x(10) = (rooms - at.recent.template head<L::rooms>()).mean();
+    f.x(11) = 0.5 * (on_change_recent.array() * to_supply).mean();
     constexpr int last_power = L::power + T::powers - 1;
-    f.x(3) = (now(last_power) - before(last_power)) / power_scale_kw;
-    f.x(4) = now(L::mau_temp) - before(L::mau_temp);
-    f.x(6) = on_now.sum() - on_before.sum();
-    f.x(7) = 2.0 * ((1.0 - on_now.array()) * (rooms_now - rooms_before).array()).mean();
-    f.x(8) = 0.5 * ((on_now - on_before).array() * (rooms_now.array() - setpoint_before_degc)).mean();
+    f.x(3) = (at.now(last_power) - at.before(last_power)) / power_scale_kw;
+    if constexpr (T::fcus > 0) {
+      const auto fcu = at.now.template segment<T::fcus>(L::fcu_temp);
+      const auto fcu_on = at.now.template segment<T::fcus>(L::fcu_on);
+      f.x(2) = (fcu - at.before.template segment<T::fcus>(L::fcu_temp)).mean();
+      f.x(5) = (fcu_on - at.before.template segment<T::fcus>(L::fcu_on)).sum();
+      f.x(12) = (fcu_on - at.recent.template segment<T::fcus>(L::fcu_on)).sum();
+      f.x(13) = (fcu - at.recent.template segment<T::fcus>(L::fcu_temp)).mean();
+    }
     return f;
   }
 

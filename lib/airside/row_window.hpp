@@ -10,7 +10,7 @@
 
 namespace airside {
 
-/// The last seven rows: enough for one transition and for the change that led to it.
+/// The last ten rows: enough for one transition, the change that led to it, and the setpoint before that.
 template <Topology T>
 class RowWindow {
  public:
@@ -40,10 +40,10 @@ class RowWindow {
   bool has_transition() const { return count_ > rows_per_cycle && constant(rows_per_cycle); }
 
   /// Whether the change at(6) -> at(3) led to it under one setpoint too: then a room head can learn from it.
-  bool has_change_before() const { return count_ > 2 * rows_per_cycle && has_transition() && constant(2 * rows_per_cycle); }
+  bool has_change_before() const { return count_ == size && has_transition() && constant(2 * rows_per_cycle); }
 
  private:
-  static constexpr int size = 2 * rows_per_cycle + 1;
+  static constexpr int size = 3 * rows_per_cycle + 1;
 
   /// Rows back .. back-2 hold one setpoint.
   bool constant(int back) const {

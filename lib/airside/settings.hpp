@@ -12,25 +12,25 @@ constexpr int max_batch = 1000;      ///< samples of one optimiser step
 
 struct ControllerSettings {
   // Goal and schedule
-  double target_degc = 25.25;       ///< room temperature to hold, mean of the VAVs (spec 1)
-  double work_start_h = 7.0;        ///< hours; scoring and the expert's day start here (spec 2)
-  double work_end_h = 19.0;         ///< hours
-  int weekday_only = 0;             ///< 1: Saturday and Sunday are days off (spec OPEN-19)
-  double expert_work_degc = 20.5;   ///< schedule in working hours (spec 6.3)
-  double expert_off_degc = 25.0;    ///< schedule outside
+  double target_degc = 25.25;      ///< room temperature to hold, mean of the VAVs (spec 1)
+  double work_start_h = 7.0;       ///< hours; scoring and the expert's day start here (spec 2)
+  double work_end_h = 19.0;        ///< hours
+  int weekday_only = 0;            ///< 1: Saturday and Sunday are days off (spec OPEN-19)
+  double expert_work_degc = 20.5;  ///< schedule in working hours (spec 6.3)
+  double expert_off_degc = 25.0;   ///< schedule outside
 
   // Action set (OPEN-15)
   double action_min_degc = 20.0;
   double action_max_degc = 26.0;
   double action_step_k = 0.1;
-  double refine_step_k = 0.0;       ///< 0 off; else a second, finer grid around the best candidate
+  double refine_step_k = 0.0;  ///< 0 off; else a second, finer grid around the best candidate
 
   // Score (6.1)
-  double score_alpha = 1.0;         ///< a_s, weight of |S_long - target|
-  double score_beta = 0.9;          ///< b_s, weight of |S_long - S|
-  double tie_degc = 1e-6;           ///< scores closer than this tie (OPEN-16)
-  double move_penalty = 0.0;        ///< per K^2, calms the network's choice
-  double gamma = 0.5;               ///< g, discount of the long-term prediction
+  double score_alpha = 1.0;   ///< a_s, weight of |S_long - target|
+  double score_beta = 0.9;    ///< b_s, weight of |S_long - S|
+  double tie_degc = 1e-6;     ///< scores closer than this tie (OPEN-16)
+  double move_penalty = 0.0;  ///< per K^2, calms the network's choice
+  double gamma = 0.5;         ///< g, discount of the long-term prediction
 
   // Confidence (6.2)
   double confidence_smoothing = 0.2;  ///< b_c
@@ -42,7 +42,7 @@ struct ControllerSettings {
 
   // Losses (4)
   double weight_strb = 1, weight_tdb = 1, weight_gc = 1, weight_rc = 1, weight_rec = 1;
-  double label_vav = 1.0;           ///< relation label of "VAV on" (OPEN-4)
+  double label_vav = 1.0;  ///< relation label of "VAV on" (OPEN-4)
 
   // Learning (5)
   double learning_rate = 1e-3;
@@ -50,30 +50,30 @@ struct ControllerSettings {
   int target_sync_steps = 100;
   int batch = 1000;
   int updates_per_cycle = 10;
-  int recent_in_batch = 0;          ///< so many newest transitions are in every batch
-  int gate = 0;                     ///< 1: new weights must pass the acceptance gate
-  double gate_loss_ratio = 1.25;    ///< held-back loss may grow by this factor at most
+  int recent_in_batch = 0;        ///< so many newest transitions are in every batch
+  int gate = 0;                   ///< 1: new weights must pass the acceptance gate
+  double gate_loss_ratio = 1.25;  ///< held-back loss may grow by this factor at most
 
   // Room head (CLOSED_LOOP; DESIGN.md "Room head")
-  int head = 0;                     ///< 1: the room head corrects the network's forecast
-  double head_correction = 0.9;     ///< share of the present error removed in one cycle
-  double head_noise_k = 0.06;       ///< sd of one innovation
-  double head_clip_k = 0.15;        ///< innovations are clipped here
-  double head_moving_average = -0.2;///< weight of the last innovation
-  double head_profile_sd_k = 0.04;  ///< prior sd of a profile slot
-  double head_profile_length = 6;   ///< slots over which the profile is smooth
-  double head_growth_per_day = 0.03;///< share of the profile's prior variance that returns each day
+  int head = 0;                                     ///< 1: the room head corrects the network's forecast
+  double head_correction = 0.95;                    ///< share of the present error removed in one cycle
+  double head_noise_k = 0.04;                       ///< sd of one innovation
+  double head_clip_k = 0.15;                        ///< innovations are clipped here
+  double head_moving_average = -0.1;                ///< weight of the last innovation
+  double head_profile_sd_k = 0.04;                  ///< prior sd of a profile slot
+  double head_profile_length = 4;                   ///< slots over which the profile is smooth
+  double head_growth_per_day = 0.03;                ///< share of the profile's prior variance that returns each day
   double head_gain_min = 0.2, head_gain_max = 1.2;  ///< K/K, bounds of the setpoint gain
   double head_gain_prior = 0.6, head_gain_prior_sd = 0.3;
-  double head_weight = 1.0;         ///< weight of the head when both forecasts err alike, 0..1
-  int head_day_types = 1;           ///< 1: one profile; 2: another one for days off
+  double head_weight = 1.0;  ///< weight of the head when both forecasts err alike, 0..1
+  int head_day_types = 1;    ///< 1: one profile; 2: another one for days off
 
   // Safety envelope
-  double limit_min_degc = 18.0;     ///< nothing below is ever written
+  double limit_min_degc = 18.0;  ///< nothing below is ever written
   double limit_max_degc = 27.0;
-  double limit_change_k = 6.0;      ///< largest change from one cycle to the next
-  double round_k = 0.01;            ///< resolution of what is written (OPEN-18)
-  double hold_s = 1080;             ///< a lost signal keeps its last good value so long
+  double limit_change_k = 6.0;  ///< largest change from one cycle to the next
+  double round_k = 0.01;        ///< resolution of what is written (OPEN-18)
+  double hold_s = 1080;         ///< a lost signal keeps its last good value so long
 };
 
 /// The printed method. Source: spec/method section 15.

@@ -22,9 +22,7 @@ class SplitMix64 {
   /// Uniform in [-1, 1).
   constexpr double symmetric() { return 2.0 * uniform() - 1.0; }
   /// Uniform integer in [0, n).
-  constexpr std::uint32_t below(std::uint32_t n) {
-    return static_cast<std::uint32_t>(((next() >> 32) * n) >> 32);
-  }
+  constexpr std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(((next() >> 32) * n) >> 32); }
   constexpr std::uint64_t state() const { return state_; }
 
  private:

@@ -38,11 +38,11 @@ struct EightVavFourFcu {
 /// The network's input is X = [S rooms | E exogenous | A setpoint].
 template <Topology T>
 struct Layout {
-  static constexpr int rooms = T::vavs;                                     ///< S: one room temperature a VAV
+  static constexpr int rooms = T::vavs;                                          ///< S: one room temperature a VAV
   static constexpr int exogenous = T::fcus + T::vavs + T::fcus + T::powers + 3;  ///< E
-  static constexpr int signals = rooms + exogenous;                         ///< S and E, what is sensed
-  static constexpr int inputs = signals + 1;                                ///< X: S, E and A
-  static constexpr int transition = 2 * signals + 1;                        ///< S E A S1 E1
+  static constexpr int signals = rooms + exogenous;                              ///< S and E, what is sensed
+  static constexpr int inputs = signals + 1;                                     ///< X: S, E and A
+  static constexpr int transition = 2 * signals + 1;                             ///< S E A S1 E1
 
   static constexpr int room_temp = 0;
   static constexpr int fcu_temp = rooms;

@@ -115,10 +115,10 @@ class Validator {
     const std::size_t k = static_cast<std::size_t>(i);
     const SignalLimits& l = limits_[k];
     const double v = reading.value(i);
-    const Fault unfit = !std::isfinite(v)                   ? Fault::not_finite
-                        : !(reading.age_s(i) <= l.stale_s)  ? Fault::stale
-                        : v < l.min || v > l.max            ? Fault::out_of_range
-                                                            : Fault::none;
+    const Fault unfit = !std::isfinite(v)                  ? Fault::not_finite
+                        : !(reading.age_s(i) <= l.stale_s) ? Fault::stale
+                        : v < l.min || v > l.max           ? Fault::out_of_range
+                                                           : Fault::none;
     if (unfit != Fault::none) {
       suspects_[k] = 0;
       return unfit;
