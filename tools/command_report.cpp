@@ -60,7 +60,7 @@ std::string picture_of(const fs::path& page, const fs::path& png) {
                                       "--no-sandbox",
                                       "--disable-gpu",
                                       "--hide-scrollbars",
-                                      "--window-size=1280,5200",
+                                      "--window-size=1280,4500",
                                       "--virtual-time-budget=4000",
                                       shot,
                                       url};
