@@ -169,6 +169,9 @@ class BlobCodec {
     if (header.digest_kind != 1) return refuse(Fault::blob_digest, "digest_kind");
     std::uint32_t crc = 0;
     std::memcpy(&crc, header.digest.data(), sizeof crc);
+    for (std::size_t i = sizeof crc; i < header.digest.size(); ++i) {
+      if (header.digest[i] != 0) return refuse(Fault::blob_digest, "digest");
+    }
     if (crc != digest(header, in.subspan(sizeof header, header.payload_bytes))) {
       return refuse(Fault::blob_digest, "digest");
     }

@@ -1,0 +1,105 @@
+// The last gate before the actuator: both halves of each rule, and every double there is.
+
+#include "airside/envelope.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <bit>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+
+namespace airside {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double inf = std::numeric_limits<double>::infinity();
+
+ControllerSettings limits(double change_k = 2.0) {
+  ControllerSettings s;
+  s.limit_min_degc = 18;
+  s.limit_max_degc = 27;
+  s.limit_change_k = change_k;
+  return s;
+}
+
+double limited(double proposal, double last, double fallback = 25, double change_k = 2.0) {
+  return SafetyEnvelope(limits(change_k)).limit(proposal, last, fallback).setpoint_degc();
+}
+
+TEST(SafetyEnvelope, LetsASafeProposalThrough) { EXPECT_NEAR(limited(22.37, 22), 22.37, 1e-12); }
+
+TEST(SafetyEnvelope, HoldsLimitWhenProposalIsColder) { EXPECT_EQ(limited(10, 19), 18); }
+TEST(SafetyEnvelope, HoldsLimitWhenProposalIsWarmer) { EXPECT_EQ(limited(40, 26), 27); }
+
+TEST(SafetyEnvelope, HoldsRateDownwards) { EXPECT_NEAR(limited(19, 24), 22, 1e-12); }
+TEST(SafetyEnvelope, HoldsRateUpwards) { EXPECT_NEAR(limited(26, 21), 23, 1e-12); }
+TEST(SafetyEnvelope, AllowsAFullStepButNoMore) {
+  EXPECT_NEAR(limited(22, 24), 22, 1e-12);
+  EXPECT_NEAR(limited(21.99, 24), 22, 1e-12);
+}
+
+TEST(SafetyEnvelope, KnowsNoRateWhereTheLastSetpointIsUnknown) {
+  EXPECT_EQ(limited(19, nan), 19);
+  EXPECT_EQ(limited(19, inf), 19);
+}
+
+TEST(SafetyEnvelope, StartsFromTheNearerLimitWhereTheLastSetpointLiesOutside) {
+  EXPECT_EQ(limited(20, 40), 25);
+  EXPECT_EQ(limited(26, 5), 20);
+}
+
+TEST(SafetyEnvelope, TakesTheFallbackForAProposalThatIsNoNumber) {
+  for (const double bad : {nan, inf, -inf}) {
+    EXPECT_EQ(limited(bad, 24, 25), 25);
+    EXPECT_EQ(limited(bad, 20, 25), 22) << "the fallback keeps the rate too";
+    EXPECT_EQ(limited(bad, 21, nan), 21) << "without a fallback the last setpoint stays";
+    EXPECT_EQ(limited(bad, nan, nan), 27) << "and without any the warm limit";
+  }
+}
+
+TEST(SafetyEnvelope, RoundsToTheRegistersStep) { EXPECT_NEAR(limited(22.3749, 22), 22.37, 1e-12); }
+
+TEST(SafetyEnvelope, RoundsTowardsTheInsideOfALimit) {
+  ControllerSettings s = limits(0.25);
+  s.round_k = 0.1;
+  const SafetyEnvelope envelope(s);
+  EXPECT_NEAR(envelope.limit(27, 22, 25).setpoint_degc(), 22.2, 1e-12) << "22.25 would round to 22.3, more than a step";
+  EXPECT_NEAR(envelope.limit(18, 22, 25).setpoint_degc(), 21.8, 1e-12);
+  s.limit_min_degc = 18.05;
+  s.limit_max_degc = 26.95;
+  EXPECT_GE(SafetyEnvelope(s).limit(1, nan, 25).setpoint_degc(), 18.05);
+  EXPECT_LE(SafetyEnvelope(s).limit(99, nan, 25).setpoint_degc(), 26.95);
+}
+
+/// Any bit pattern as a double, temperatures more often than chance has it.
+rc::Gen<double> any_double() {
+  return rc::gen::oneOf(
+      rc::gen::map(rc::gen::arbitrary<std::uint64_t>(), [](std::uint64_t b) { return std::bit_cast<double>(b); }),
+      rc::gen::map(rc::gen::inRange(-1000, 6000), [](int c) { return c / 100.0; }),
+      rc::gen::element(nan, inf, -inf, 0.0, -0.0, 18.0, 27.0, 1e308, -1e308, 5e-324));
+}
+
+TEST(SafetyEnvelope, EveryTripleOfDoublesGivesAFiniteSetpointInLimitsWithinOneStep) {
+  ::setenv("RC_PARAMS", "seed=20210801 max_success=20000", 0);  // the environment may ask for more
+  const bool held = rc::check("finite, in limits, one step", [] {
+    ControllerSettings s;
+    s.limit_min_degc = *rc::gen::inRange(0, 5000) / 100.0;
+    s.limit_max_degc = s.limit_min_degc + *rc::gen::inRange(1, 3000) / 100.0;
+    s.limit_change_k = *rc::gen::inRange(1, 1000) / 100.0;
+    s.round_k = *rc::gen::element(0.001, 0.01, 0.05, 0.1, 0.5, 1.0);
+    const double proposal = *any_double(), last = *any_double(), fallback = *any_double();
+    const double a = SafetyEnvelope(s).limit(proposal, last, fallback).setpoint_degc();
+    RC_ASSERT(std::isfinite(a));
+    RC_ASSERT(a >= s.limit_min_degc && a <= s.limit_max_degc);
+    if (std::isfinite(last)) {
+      const double from = std::clamp(last, s.limit_min_degc, s.limit_max_degc);
+      RC_ASSERT(std::abs(a - from) <= s.limit_change_k + 1e-12);
+    }
+  });
+  EXPECT_TRUE(held);
+}
+
+}  // namespace
+}  // namespace airside

@@ -1,0 +1,109 @@
+// Civil time, the schedule's edges, and the one random generator.
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "airside/cycle.hpp"
+#include "airside/expert.hpp"
+#include "airside/splitmix64.hpp"
+
+namespace airside {
+namespace {
+
+constexpr CivilTime monday{1'627'862'400};  // 2021-08-02 00:00
+
+constexpr CivilTime at(int day, int hour, int minute, int second = 0) {
+  return {monday.seconds + day * 86400LL + hour * 3600 + minute * 60 + second};
+}
+
+TEST(CivilTime, KnowsWeekdays) {
+  EXPECT_EQ(CivilTime{0}.weekday(), 3) << "1970-01-01 was a Thursday";
+  EXPECT_EQ(monday.weekday(), 0);
+  EXPECT_EQ(at(5, 23, 59).weekday(), 5);
+  EXPECT_EQ(at(6, 0, 0).weekday(), 6);
+  EXPECT_EQ(CivilTime{951'782'400}.weekday(), 1) << "2000-02-29 was a Tuesday";
+}
+
+TEST(CivilTime, CountsBackwardsBefore1970) {
+  const CivilTime t{-1};
+  EXPECT_EQ(t.day(), -1);
+  EXPECT_EQ(t.second_of_day(), 86399);
+  EXPECT_EQ(t.weekday(), 2);
+  EXPECT_EQ(CivilTime{-86400}.day(), -1);
+  EXPECT_EQ(CivilTime{-86400}.second_of_day(), 0);
+}
+
+TEST(CivilTime, HasEightyCyclesADayAlignedAtMidnight) {
+  int starts = 0;
+  for (int row = 0; row < rows_per_day; ++row) starts += starts_cycle({monday.seconds + row * row_s});
+  EXPECT_EQ(starts, 80);
+  EXPECT_TRUE(starts_cycle(monday));
+  EXPECT_EQ(cycle_of_day(at(0, 7, 12)), 24);
+  EXPECT_EQ(cycle_of_day(at(0, 18, 54)), 63);
+  EXPECT_EQ(cycle_of_day(at(0, 23, 59, 59)), 79);
+}
+
+TEST(CivilTime, NextRowIsAtOrAfter) {
+  EXPECT_EQ(next_row(at(0, 0, 6)), at(0, 0, 6));
+  EXPECT_EQ(next_row(at(0, 0, 6, 1)), at(0, 0, 12));
+  EXPECT_EQ(next_row({-1}).seconds, 0);
+  EXPECT_EQ(next_row({-360}).seconds, -360);
+}
+
+TEST(ExpertSchedule, ChangesAtSevenAndAtNineteen) {
+  const ControllerSettings s = paper_settings();
+  EXPECT_EQ(expert_setpoint_degc(s, at(0, 6, 59, 59)), 25.0);
+  EXPECT_EQ(expert_setpoint_degc(s, at(0, 7, 0)), 20.5);
+  EXPECT_EQ(expert_setpoint_degc(s, at(0, 18, 59, 59)), 20.5);
+  EXPECT_EQ(expert_setpoint_degc(s, at(0, 19, 0)), 25.0);
+  EXPECT_EQ(expert_setpoint_degc(s, at(0, 0, 0)), 25.0);
+}
+
+TEST(ExpertSchedule, KnowsDaysOffOnlyWhereTheSiteHasThem) {
+  ControllerSettings s = paper_settings();
+  EXPECT_EQ(expert_setpoint_degc(s, at(5, 12, 0)), 20.5);
+  s.weekday_only = 1;
+  EXPECT_EQ(expert_setpoint_degc(s, at(4, 12, 0)), 20.5);
+  EXPECT_EQ(expert_setpoint_degc(s, at(5, 12, 0)), 25.0);
+  EXPECT_EQ(expert_setpoint_degc(s, at(6, 12, 0)), 25.0);
+  EXPECT_EQ(expert_setpoint_degc(s, at(7, 12, 0)), 20.5);
+}
+
+TEST(ExpertSchedule, TakesHalfHours) {
+  ControllerSettings s = paper_settings();
+  s.work_start_h = 7.5;
+  EXPECT_FALSE(in_working_hours(s, at(0, 7, 29, 59)));
+  EXPECT_TRUE(in_working_hours(s, at(0, 7, 30)));
+}
+
+TEST(SplitMix64, GivesTheReferenceNumbers) {
+  SplitMix64 g(1234567);  // published with the algorithm
+  for (const std::uint64_t expected : {6457827717110365317u, 3203168211198807973u, 9817491932198370423u,
+                                       4593380528125082431u, 16408922859458223821u}) {
+    EXPECT_EQ(g.next(), expected);
+  }
+}
+
+TEST(SplitMix64, GoesOnFromItsState) {
+  SplitMix64 g(9);
+  for (int i = 0; i < 10; ++i) (void)g.next();
+  SplitMix64 again(g.state());
+  EXPECT_EQ(again.next(), g.next());
+}
+
+TEST(SplitMix64, StaysInItsRanges) {
+  SplitMix64 g(4);
+  std::set<std::uint32_t> seen;
+  for (int i = 0; i < 10000; ++i) {
+    const double u = g.uniform(), v = g.symmetric();
+    ASSERT_TRUE(u >= 0 && u < 1 && v >= -1 && v < 1);
+    seen.insert(g.below(7));
+  }
+  EXPECT_EQ(seen.size(), 7U);
+  EXPECT_EQ(*seen.rbegin(), 6U);
+  EXPECT_EQ(g.below(1), 0U);
+}
+
+}  // namespace
+}  // namespace airside
