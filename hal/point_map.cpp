@@ -159,7 +159,7 @@ PointMap PointMap::load(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) {
     throw InputError(path, std::string("no readable file (") + std::strerror(errno) + ")", "a point map in CSV",
-                     "write one, or start from the example that `airside` writes");
+                     "check the path, or start from the one that `airside init` writes");
   }
   std::string text(max_file_bytes + 1, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -211,7 +211,7 @@ PointMap PointMap::parse(std::string_view text, std::string file) {
   }
   if (map.points_.empty()) {
     throw InputError(map.file_, columns == 0 ? "no header row" : "no points", "a header row and at least one point",
-                     "write one, or start from the example that `airside` writes");
+                     "start from the one that `airside init` writes");
   }
   check_duplicates(map.points_, map.file_);
   check_readbacks(map, map.points_);

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "hal/input_error.hpp"
+#include "hal/toml_section.hpp"
 
 namespace airside::sim {
 namespace {
@@ -129,8 +130,12 @@ RcRoom parse(const std::string& text, const std::string& place, const std::strin
     if (not_fields.contains(key)) continue;
     const RoomField* field = find_room_field(key);
     if (field == nullptr) {
+      std::vector<std::string> names;
+      for (const RoomField& known : room_fields()) names.emplace_back(known.name);
+      const std::string near = hal::nearest_name(key, names);
       throw hal::InputError(place + ": " + key, "an unknown field", "a field of an RC room",
-                            "check the spelling; names end in their unit (see sim/rc_room.hpp)");
+                            near.empty() ? "check the spelling; names end in their unit (see sim/rc_room.hpp)"
+                                         : "did you mean `" + near + "`?");
     }
     set_field(room, *field, value, place);
   }

@@ -149,9 +149,9 @@ struct CheckCommand {
     if (!sim::have_energyplus()) return "not compared with the schema: EnergyPlus is not installed";
     const auto complaints = sim::epjson_complaints(model, sim::find_energyplus().schema, {path, scope});
     if (complaints.empty()) return "fits the schema";
-    constexpr std::size_t most = 20;
-    for (std::size_t i = 1; i < std::min(complaints.size(), most); ++i) out.refuse(what, path, complaints[i]);
-    throw complaints.front();
+    const std::size_t shown = std::min<std::size_t>(complaints.size(), 20);
+    for (std::size_t i = 0; i + 1 < shown; ++i) out.refuse(what, path, complaints[i]);
+    throw complaints[shown - 1];
   }
 
   static void check_twin(Findings& out, const std::string& model_path, const std::vector<std::string>& patch_paths) {

@@ -71,8 +71,7 @@ class Edge {
         plant_(points, link_, {}),
         system_clock_(stop),
         controller_(std::make_unique<Controller<T>>()),
-        log_row_(hal::make_log_row(hal::counts_of<T>())),
-        status_(site.state_dir) {
+        log_row_(hal::make_log_row(hal::counts_of<T>())) {
     controller_->configure(hal::controller_settings(site), limits_, hal::box_kernels(), site.seed);
     if (site.clock == hal::ClockSource::plant) plant_clock_.emplace(points, link_, stop, options.stall_s);
     for (int i = 0; i < Layout<T>::signals; ++i) names_[static_cast<std::size_t>(i)] = hal::point_name(signal_id<T>(i));
@@ -81,9 +80,10 @@ class Edge {
   /// Opens state and log and finds out where to go on: the newest good state, else the blob, else the schedule.
   /// Errors: hal::InputError for a bad blob or history, or a state folder that another daemon uses.
   void start() {
+    const std::uint32_t blob_crc = load_blob();  // first: a refused blob leaves no folder behind
     open_log();
     open_store();
-    const std::uint32_t blob_crc = load_blob();
+    status_.emplace(site_.state_dir);
     const CivilTime resumed = load_state(blob_crc);
     if (resumed.seconds == 0) {
       record_.blob_crc = blob_crc;
@@ -294,7 +294,7 @@ class Edge {
     s.link_bad_frames = link.bad_frames;
     s.link_wrong_ids = link.wrong_ids;
     s.link_exceptions = link.exceptions;
-    (void)status_.write(t, s);
+    (void)status_->write(t, s);
   }
 
   hal::SiteFile site_;
@@ -311,7 +311,7 @@ class Edge {
   std::optional<hal::DurableStore> store_;
   std::optional<hal::RowLog> log_;
   hal::LogRow log_row_;
-  StatusFile status_;
+  std::optional<StatusFile> status_;  ///< from start() on
   RowRecord<T> record_ = fresh_record();
   std::array<std::string, static_cast<std::size_t>(Layout<T>::signals)> names_;
   CivilTime next_;

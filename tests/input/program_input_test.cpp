@@ -1,0 +1,484 @@
+// Broken input given to the built programs: each is refused with exit code 1 and a complaint that says where, what
+// was found, what was expected and what to do; nothing but JSON on standard output with --json; no file left behind.
+
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "airside/controller_instances.hpp"
+#include "input/complaint.hpp"
+#include "input/program.hpp"
+#include "sim/energyplus_install.hpp"
+#include "sim/epw.hpp"
+#include "sim/synthetic_weather.hpp"
+
+namespace airside {
+namespace {
+
+using hal::Complaint;
+
+/// A folder with whole files, made when a case asks for them, and the ways to break them.
+class Desk {
+ public:
+  const fs::path& folder() const { return folder_.path(); }
+  fs::path path(const std::string& name) const { return folder() / name; }
+  Outcome run(const std::string& program, const std::vector<std::string>& words) const {
+    return run_program(program, words, folder(), scratch_.path());
+  }
+
+  void make(const std::string& words) const {
+    const Outcome o = run("airside", split(words));
+    ASSERT_EQ(o.code, 0) << words << "\n" << o.err;
+  }
+  void site() const { make("init ."); }
+  void blob() const { make("pretrain --plant rc --days 2 -o a.blob --log log.csv"); }
+  void small_blob() const { make("pretrain --plant rc --topology 3vav-0fcu-1power --days 2 -o a.blob --log log.csv"); }
+  void weather() const { sim::write_epw(path("w.epw").string(), *sim::synthetic_weather(1), 2021); }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(path(name), std::ios::binary) << text;
+  }
+  void edit(const std::string& name, const std::string& from, const std::string& to) const {
+    write(name, hal::replaced(text_of_file(path(name)), from, to));
+  }
+  void cut(const std::string& name, std::size_t bytes) const { write(name, text_of_file(path(name)).substr(0, bytes)); }
+  /// Replaces column `column` of line `line`, both from 0.
+  void set_column(const std::string& name, int line, int column, const std::string& to) const {
+    std::string text = text_of_file(path(name));
+    std::size_t at = 0;
+    for (int i = 0; i < line; ++i) at = text.find('\n', at) + 1;
+    for (int i = 0; i < column; ++i) at = text.find(',', at) + 1;
+    write(name, text.replace(at, text.find_first_of(",\r\n", at) - at, to));
+  }
+  void keep_lines(const std::string& name, int lines) const {
+    const std::string text = text_of_file(path(name));
+    std::size_t at = 0;
+    for (int i = 0; i < lines; ++i) at = text.find('\n', at) + 1;
+    write(name, text.substr(0, at));
+  }
+  void drop_line(const std::string& name, int line) const {
+    std::string text = text_of_file(path(name));
+    std::size_t at = 0;
+    for (int i = 0; i < line; ++i) at = text.find('\n', at) + 1;
+    write(name, text.erase(at, text.find('\n', at) + 1 - at));
+  }
+  /// Puts `value` at `offset` of a.blob; with `mend` the checksum is made right again.
+  template <class Value>
+  void poke(std::size_t offset, Value value, bool mend) const {
+    std::string bytes = text_of_file(path("a.blob"));
+    ASSERT_LE(offset + sizeof value, bytes.size());
+    std::memcpy(bytes.data() + offset, &value, sizeof value);
+    if (mend) {
+      BlobHeader header;
+      std::memcpy(&header, bytes.data(), sizeof header);
+      const auto payload = std::as_bytes(std::span(bytes)).subspan(sizeof header, header.payload_bytes);
+      const std::uint32_t crc = WeightBlob<FiveZone>::digest(header, payload);
+      std::memcpy(bytes.data() + offsetof(BlobHeader, digest), &crc, sizeof crc);
+    }
+    write("a.blob", bytes);
+  }
+
+  static std::vector<std::string> split(const std::string& text) {
+    std::istringstream in(text);
+    return {std::istream_iterator<std::string>(in), std::istream_iterator<std::string>()};
+  }
+
+ private:
+  TemporaryFolder folder_, scratch_;
+};
+
+using Break = std::function<void(const Desk&)>;
+
+struct Case {
+  const char* name;
+  const char* command;  ///< words after `airside`, or beginning with airsided
+  Break prepare;
+  Complaint want;
+  bool engine = false;  ///< needs the EnergyPlus schema
+};
+
+/// How GoogleTest names a case when it fails.
+void PrintTo(const Case& c, std::ostream* out) { *out << "airside " << c.command; }
+
+Break site(const char* from, const char* to) {
+  return [=](const Desk& d) { d.site(), d.edit("site.toml", from, to); };
+}
+Break points(const char* from, const char* to) {
+  return [=](const Desk& d) { d.site(), d.edit("points.csv", from, to); };
+}
+Break log(int line, int column, const char* to) {
+  return [=](const Desk& d) { d.blob(), d.set_column("log.csv", line, column, to); };
+}
+Break short_log(int lines) {
+  return [=](const Desk& d) { d.blob(), d.keep_lines("log.csv", lines); };
+}
+Break weather(int line, int column, const char* to) {
+  return [=](const Desk& d) { d.weather(), d.set_column("w.epw", line, column, to); };
+}
+Break file(const char* name, const char* text) {
+  return [=](const Desk& d) { d.write(name, text); };
+}
+template <class Value>
+Break blob(std::size_t offset, Value value, bool mend) {
+  return [=](const Desk& d) { d.blob(), d.poke(offset, value, mend); };
+}
+void whole(const Desk&) {}
+
+constexpr const char* check = "check site.toml";
+constexpr const char* fit = "transfer --log log.csv -o x.blob";
+constexpr const char* train = "pretrain --plant rc --weather w.epw --days 2 -o x.blob --log y.csv";
+constexpr const char* from_blob = "transfer --from a.blob --log log.csv -o x.blob";
+constexpr const char* try_blob =
+    "simulate --plant rc --expert-days 0 --days 1 --weights a.blob --log y.csv --report rep";
+constexpr const char* try_room =
+    "simulate --plant rc --room room.json --method expert --expert-days 0 --days 1 --log y.csv";
+constexpr std::size_t scaler_at = sizeof(BlobHeader);
+constexpr std::size_t weights_at = scaler_at + 2 * 8 * Layout<FiveZone>::inputs;
+constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> all = {
+      // Site files
+      {"SiteMissing", "check no/site.toml", whole, {"no/site.toml", "no file", "site file in TOML", "check the path"}},
+      {"SiteIsAFolder", "simulate --site . --days 1", whole, {".", "a directory", "site file", "the file in it"}},
+      {"SiteEmpty", check, file("site.toml", ""), {"site.toml: site", "nothing", "[site]", "airside init"}},
+      {"SiteNoToml", check, site("min_degc = 20.0", "min_degc = = 2"), {"site.toml:16:", "not TOML", "key", "correct"}},
+      {"SiteBinary",
+       check,
+       [](const Desk& d) { d.write("site.toml", std::string("\x7f\0ELF", 5)); },
+       {"site.toml:1:1", "not text", "TOML", ".toml file"}},
+      {"SiteTopology",
+       check,
+       site("5vav-5fcu-2power", "6vav-2fcu-1power"),
+       {"site.toml:6:1: site.topology", "6vav-2fcu-1power", "one of 5vav", "AIRSIDE_TOPOLOGIES"}},
+      {"SiteUnknownKey", check, site("step_k", "stepk"), {"setpoint.stepk", "unknown key", "step_k", "did you mean"}},
+      {"SiteFahrenheit",
+       check,
+       site("room_temp_degc = 25.25", "room_temp_degc = 77"),
+       {"site.toml:10:1: target.room_temp_degc", "77", "10 to 40 degC", "default is 25.25"}},
+      {"SiteOverride",
+       "pretrain --plant rc --site site.toml --days 2 -o x.blob",
+       site("# move_penalty = 0.1", "move_penalti = 1"),
+       {"override.move_penalti", "unknown", "setting", "move_penalty"}},
+      {"SiteCandidates",
+       check,
+       [](const Desk& d) {
+         d.site(), d.edit("site.toml", "step_k = 0.1", "step_k = 0.05"), d.edit("site.toml", "= 26.0", "= 36.0");
+       },
+       {"site.toml: [setpoint]", "20 to 36 degC in steps of 0.05 K", "at most 192", "widen step_k"}},
+      {"SiteOfDaemon",
+       "airsided --site site.toml --check",
+       site("port = 502", "port = 70000"),
+       {"site.toml:36:1: modbus.port", "70000", "1 to 65535", "default is 502"}},
+      {"SiteWithoutModbusOfDaemon",
+       "airsided --site site.toml --check",
+       file("site.toml", "[site]\nname = \"a\"\ntopology = \"5vav-5fcu-2power\"\n"),
+       {"site.toml: [modbus]", "no such section", "reach the AHU", "add [modbus]"}},
+      {"SiteNamesMissingWeights",
+       check,
+       site("blob = \"\"", "blob = \"none.blob\""),
+       {"none.blob", "No such file", "weight blob", "airside pretrain"}},
+      {"SiteNamesMissingHistory",
+       check,
+       site("log = \"\"", "log = \"none.csv\""),
+       {"none.csv", "no file", "CSV log", "check the path"}},
+
+      // Point maps
+      {"PointsMissing",
+       check,
+       [](const Desk& d) { d.site(), fs::remove(d.path("points.csv")); },
+       {"points.csv", "no readable file", "point map in CSV", "airside init"}},
+      {"PointsEmpty", "check --points p.csv", file("p.csv", ""), {"p.csv", "no header", "", ""}},
+      {"PointsUnknownColumn", check, points("name,", "nmae,"), {"points.csv:", "nmae", "", ""}},
+      {"PointsType", check, points("uint16", "uint61"), {"column type", "uint61", "", ""}},
+      {"PointsUnit", check, points("degc", "degf"), {"column unit", "degf", "", ""}},
+      {"PointsSignalMissing", check, points("outdoor_temp,", "weather_temp,"), {"points.csv", "outdoor_temp", "", ""}},
+      {"PointsOfAnotherRoom",
+       "check --topology 3vav-0fcu-1power --points points.csv",
+       [](const Desk& d) { d.site(); },
+       {"points.csv", "", "3", ""}},
+      {"PointsOfDaemon",
+       "airsided --site site.toml --check",
+       points("uint16", "uint61"),
+       {"column type", "uint61", "", ""}},
+
+      // Logs
+      {"LogMissing", fit, whole, {"log.csv", "no file", "CSV log", "check the path"}},
+      {"LogEmpty", fit, file("log.csv", ""), {"log.csv:1", "empty file", "header", "export"}},
+      {"LogNoTime", fit, log(0, 0, "when"), {"log.csv:1", "no column `time`", "`time`", "ISO"}},
+      {"LogColumnMissing", fit, log(0, 1, "office"), {"log.csv:1: room_temp_1_degc", "no such", "room_temp_1", "add"}},
+      {"LogFahrenheit", fit, log(0, 1, "room_temp_1_degf"), {"room_temp_1_degf", "degf", "degc", "convert"}},
+      {"LogText", fit, log(3, 1, "warm"), {"log.csv:4: room_temp_1_degc", "`warm`", "25.3", "correct"}},
+      {"LogNotANumber", fit, log(3, 2, "nan"), {"log.csv:4: room_temp_2_degc", "`nan`", "0 to 50", "gaps"}},
+      {"LogSentinel", fit, log(5, 2, "3276.7"), {"log.csv:6: room_temp_2_degc", "3276.7", "0 to 50", "sensor"}},
+      {"LogGermanDate", fit, log(2, 0, "01.07.2021 00:06"), {"log.csv:3: time", "01.07.2021", "2021-", "ISO"}},
+      {"LogTwice", fit, log(2, 0, "2021-07-01T00:00:00"), {"log.csv:3: time", "same as line 2", "once", "remove"}},
+      {"LogFiveMinutes", fit, log(2, 0, "2021-07-01T00:05:00"), {"log.csv:3: time", "300 s", "6 min", "resample"}},
+      {"LogOfAnotherRoom",
+       "transfer --topology 3vav-0fcu-1power --log log.csv -o x.blob",
+       [](const Desk& d) { d.blob(); },
+       {"log.csv:1", "5vav-5fcu-2power", "3vav-0fcu-1power", "topology"}},
+      {"LogTooShort", fit, short_log(3), {"log", "without one 18-min stretch", "four successive", "log some days"}},
+      {"LogOfReport",
+       "report log.csv -o rep",
+       log(3, 1, "warm"),
+       {"log.csv:4: room_temp_1_degc", "`warm`", "25.3", ""}},
+      {"LogOfReportWithoutWork",
+       "report log.csv -o rep",
+       short_log(60),
+       {"log.csv: metrics", "no cycle in working hours", "at least one", "scored day"}},
+      {"LogOfCheck", "check --log log.csv", log(3, 1, "warm"), {"log.csv:4: room_temp_1_degc", "`warm`", "25.3", ""}},
+
+      // Weather files
+      {"WeatherMissing", train, whole, {"w.epw", "", "", ""}},
+      {"WeatherEmpty", train, file("w.epw", ""), {"w.epw", "empty file", "", ""}},
+      {"WeatherNoLocation",
+       train,
+       [](const Desk& d) { d.weather(), d.drop_line("w.epw", 0); },
+       {"w.epw:1: LOCATION", "DESIGN", "", ""}},
+      {"WeatherLatitude", train, weather(0, 6, "95"), {"w.epw:1: latitude", "95", "", ""}},
+      {"WeatherText", train, weather(11, 6, "warm"), {"w.epw:12: dry bulb", "warm", "", ""}},
+      {"WeatherTooHot", train, weather(11, 6, "85"), {"w.epw:12: dry bulb", "85", "", ""}},
+      {"WeatherColumns", train, weather(11, 6, "1,2"), {"w.epw:12: columns", "36 columns", "", ""}},
+      {"WeatherHourMissing",
+       train,
+       [](const Desk& d) { d.weather(), d.drop_line("w.epw", 13); },
+       {"w.epw:14: date", "", "", ""}},
+      {"WeatherPartYear",
+       train,
+       [](const Desk& d) { d.weather(), d.keep_lines("w.epw", 8 + 72); },
+       {"w.epw", "records", "8760", "whole year"}},
+      {"WeatherOfCheck", "check --weather w.epw", weather(11, 8, "-3"), {"w.epw:12: relative humidity", "-3", "", ""}},
+
+      // Rooms of the RC plant
+      {"RoomUnknown",
+       "simulate --plant rc --room 999 --method expert --days 1",
+       whole,
+       {"room", "room \"999\"", "one of rc", "path of a .json"}},
+      {"RoomNoJson", try_room, file("room.json", "{\n\"shgc\": 0.4,\n}"), {"room.json:3", "JSON", "", ""}},
+      {"RoomField", try_room, file("room.json", "{\"shcg\": 0.4}"), {"room.json: shcg", "unknown field", "", "shgc"}},
+      {"RoomRange", try_room, file("room.json", "{\"shgc\": 1.4}"), {"room.json: shgc", "1.4", "", ""}},
+      {"RoomCount",
+       try_room,
+       file("room.json", "{\"vav_damper\": [0.5, 0.5]}"),
+       {"room.json: vav_damper", "2 values", "", ""}},
+      {"RoomKeyTwice",
+       try_room,
+       file("room.json", "{\"shgc\": 0.4, \"shgc\": 0.5}"),
+       {"room.json: shgc", "twice", "", ""}},
+      {"RoomOfAnotherShape",
+       try_room,
+       file("room.json", "{\"vavs\": 3, \"fcus\": 0, \"powers\": 1}"),
+       {"room.json", "3", "5", ""}},
+      {"RoomOfCheck", "check --room-file room.json", file("room.json", "[1]"), {"room.json", "array", "", ""}},
+
+      // Weight blobs
+      {"BlobMissing", from_blob, whole, {"a.blob", "No such file", "weight blob", "airside pretrain"}},
+      {"BlobEmpty", from_blob, file("a.blob", ""), {"a.blob", "0 bytes", "192 to", "copy the file again"}},
+      {"BlobOtherFile",
+       from_blob,
+       [](const Desk& d) { d.write("a.blob", std::string(300, 'x')); },
+       {"a.blob: magic", "another kind of file", "weight blob", "airside pretrain"}},
+      {"BlobCutInHeader",
+       try_blob,
+       [](const Desk& d) { d.blob(), d.cut("a.blob", 100); },
+       {"a.blob", "100 bytes", "192", "copy"}},
+      {"BlobCutInPayload",
+       try_blob,
+       [](const Desk& d) { d.blob(), d.cut("a.blob", 60000); },
+       {"a.blob: payload_bytes", "ends early", "header says", "copy"}},
+      {"BlobTooLong",
+       try_blob,
+       [](const Desk& d) { d.blob(), d.write("a.blob", text_of_file(d.path("a.blob")) + "x"); },
+       {"a.blob: payload_bytes", "length", "", ""}},
+      {"BlobVersion",
+       from_blob,
+       blob(8, std::uint16_t{9}, true),
+       {"a.blob: format_version", "version", "version 1", "airside"}},
+      {"BlobByteOrder",
+       from_blob,
+       blob(12, std::uint32_t{0x04030201}, true),
+       {"a.blob: endian_mark", "byte order", "little", "machine"}},
+      {"BlobFlippedWeight",
+       try_blob,
+       blob(weights_at + 4000, std::uint8_t{0x55}, false),
+       {"a.blob: digest", "checksum", "undamaged", "copy"}},
+      {"BlobFlippedHeader",
+       try_blob,
+       blob(136, std::uint8_t{0x55}, false),
+       {"a.blob: digest", "checksum", "undamaged", "copy"}},
+      {"BlobOtherTopology",
+       try_blob,
+       [](const Desk& d) { d.small_blob(); },
+       {"a.blob: topology_hash", "another topology", "site's", "pretrain"}},
+      {"BlobOtherUnits", from_blob, blob(32, std::uint64_t{7}, true), {"a.blob: units_hash", "units", "", "again"}},
+      {"BlobScope",
+       from_blob,
+       blob(56, std::array<char, 9>{"Room 999"}, true),
+       {"a.blob: site_scope", "another site", "scope", "transfer"}},
+      {"BlobNanWeight",
+       try_blob,
+       blob(weights_at, std::numeric_limits<float>::quiet_NaN(), true),
+       {"a.blob: weights", "not finite", "finite", "train again"}},
+      {"BlobHugeWeight",
+       from_blob,
+       blob(weights_at + 400, 1e6f, true),
+       {"a.blob: weights", "out of bounds", "1000", "train again"}},
+      {"BlobNanScaler",
+       from_blob,
+       blob(scaler_at, nan_value, true),
+       {"a.blob: scaler", "not finite", "", "train again"}},
+      {"BlobZeroScale",
+       from_blob,
+       blob(scaler_at + 8 * Layout<FiveZone>::inputs, 0.0, true),
+       {"a.blob: scaler", "", "", ""}},
+      {"BlobOfCheck",
+       "check --weights a.blob",
+       blob(weights_at, std::numeric_limits<float>::infinity(), true),
+       {"a.blob: weights", "finite", "", ""}},
+      {"BlobOfInspect",
+       "blob inspect a.blob",
+       blob(weights_at + 4000, std::uint8_t{0x55}, false),
+       {"a.blob: digest", "checksum", "", "copy"}},
+      {"BlobOfDiff",
+       "blob diff a.blob a.blob",
+       blob(weights_at + 4000, std::uint8_t{0x55}, false),
+       {"a.blob: digest", "checksum", "", "copy"}},
+      {"BlobOfDaemon",
+       "airsided --site site.toml --check",
+       [](const Desk& d) {
+         d.blob(), d.cut("a.blob", 60000), d.site(), d.edit("site.toml", "blob = \"\"", "blob = \"a.blob\"");
+       },
+       {"a.blob: payload_bytes", "ends early", "header says", "copy"}},
+
+      // Models and patches
+      {"ModelMissing",
+       "check --twin none.epJSON",
+       whole,
+       {"none.epJSON", "no readable file", "JSON", "check the path"}},
+      {"ModelNoJson",
+       "check --twin m.epJSON",
+       file("m.epJSON", "{\"Zone\": {\n"),
+       {"m.epJSON:2", "not JSON", "JSON object", "correct"}},
+      {"ModelKeyTwice",
+       "check --twin m.epJSON",
+       file("m.epJSON", "{\"Zone\": {}, \"Zone\": {}}"),
+       {"m.epJSON: Zone", "twice", "once", "rename"}},
+      {"PatchNoObject", "check --patch p.json", file("p.json", "[]"), {"p.json", "array", "object", "start the file"}},
+      {"ModelIncomplete",
+       "check --twin m.epJSON",
+       file("m.epJSON", "{\"Zone\": {\"a\": {}}}"),
+       {"m.epJSON: Building", "no such object", "one", "cannot run"},
+       true},
+      {"PatchFieldMistyped",
+       "check --patch p.json",
+       file("p.json", "{\"Zone\": {\"a\": {\"x_orign\": 1}}}"),
+       {"p.json: Zone / a / x_orign", "does not know", "a field of that object", "x_origin"},
+       true},
+      {"PatchTypeUnknown",
+       "check --patch p.json",
+       file("p.json", "{\"Zonne\": {\"a\": {}}}"),
+       {"p.json: Zonne", "object type", "Energy+.schema", "Zone"},
+       true},
+      {"PatchNoNumber",
+       "check --patch p.json",
+       file("p.json", "{\"Zone\": {\"a\": {\"x_origin\": \"left\"}}}"),
+       {"p.json", "left", "number", ""},
+       true},
+      {"PatchOfPretrain",
+       "pretrain --plant energyplus --patch p.json --days 2 -o x.blob",
+       file("p.json", "{\"Zonne\": {\"a\": {}}}"),
+       {"p.json: Zonne", "object type", "Energy+.schema", "Zone"},
+       true},
+
+      // What the box shows, and names on the command line
+      {"StatusMissing", "status .", whole, {"status.json", "no such file", "airsided", "state folder"}},
+      {"StatusCut",
+       "status status.json",
+       file("status.json", "{\"time\":\"2021-"),
+       {"status.json:1", "not JSON", "", ""}},
+      {"StatusNotAStatus",
+       "status status.json",
+       file("status.json", "{\"a\": 1}"),
+       {"status.json: time", "nothing", "", "airsided"}},
+      {"InitTwice", "init .", [](const Desk& d) { d.site(); }, {"site.toml", "already there", "", "--force"}},
+      {"NameOfInit", "init new --name <b>", whole, {"site.name", "<b>", "without", "use letters"}},
+      {"StartDay",
+       "pretrain --plant rc --start 2021-02-30 --days 2 -o x.blob",
+       whole,
+       {"--start", "2021-02-30", "2021-07-01", "correct"}},
+      {"MethodUnknown",
+       "simulate --plant rc --method pdi --expert-days 0 --days 1 --log y.csv",
+       whole,
+       {"baseline", "pdi", "one of expert", "choose a name"}},
+      {"NoWeights",
+       "simulate --plant rc --expert-days 0 --days 1 --log y.csv",
+       whole,
+       {"--weights", "no weights", "blob", "airside pretrain"}},
+  };
+  return all;
+}
+
+void expect_said(const Complaint& want, const Said& said, const std::string& all) {
+  EXPECT_FALSE(said.place.empty() || said.found.empty() || said.expected.empty() || said.remedy.empty()) << all;
+  EXPECT_NE(said.place.find(want.place), std::string::npos) << all;
+  EXPECT_NE(said.found.find(want.found), std::string::npos) << all;
+  EXPECT_NE(said.expected.find(want.expected), std::string::npos) << all;
+  EXPECT_NE(said.remedy.find(want.remedy), std::string::npos) << all;
+}
+
+class ProgramInput : public testing::TestWithParam<Case> {};
+
+TEST_P(ProgramInput, IsRefusedWithACompleteComplaintAndLeavesNoFile) {
+  const Case& c = GetParam();
+  if (c.engine && !sim::have_energyplus()) {
+    GTEST_SKIP() << "NOT CHECKED: EnergyPlus is not installed, its schema is needed; run tools/setup";
+  }
+  const Desk desk;
+  c.prepare(desk);
+  if (HasFatalFailure()) return;
+  std::vector<std::string> words = Desk::split(c.command);
+  const std::string program = words.front() == "airsided" ? "airsided" : "airside";
+  if (program == "airsided") words.erase(words.begin());
+  const std::set<std::string> before = names_in(desk.folder());
+
+  const Outcome plain = desk.run(program, words);
+  EXPECT_EQ(plain.code, 1) << plain.err;
+  // `check` prints its list, complaints included, on standard output.
+  expect_said(c.want, complaint_in(plain.err.find(": found ") == std::string::npos ? plain.out : plain.err),
+              plain.out + plain.err);
+  EXPECT_EQ(names_in(desk.folder()), before);
+  if (program == "airsided") return;
+
+  words.push_back("--json");
+  const Outcome machine = desk.run(program, words);
+  EXPECT_EQ(machine.code, 1) << machine.err;
+  EXPECT_EQ(names_in(desk.folder()), before);
+  if (machine.out.empty()) return;
+  const auto object = nlohmann::json::parse(machine.out, nullptr, false);
+  ASSERT_TRUE(object.is_object()) << machine.out;
+  EXPECT_FALSE(object.value("ok", true)) << machine.out;
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, ProgramInput, testing::ValuesIn(cases()),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST(ProgramInputTable, HasAtLeastSixtyCases) { EXPECT_GE(cases().size(), 60u); }
+
+TEST(ProgramInputTable, TheFilesThatCasesBreakAreAcceptedWhole) {
+  const Desk desk;
+  desk.site();
+  desk.blob();
+  desk.weather();
+  desk.write("room.json", "{\"shgc\": 0.4}");
+  const Outcome o = desk.run("airside", Desk::split("check site.toml --log log.csv --weights a.blob --weather w.epw "
+                                                    "--room-file room.json --json"));
+  EXPECT_EQ(o.code, 0) << o.out << o.err;
+  const auto object = nlohmann::json::parse(o.out);
+  EXPECT_TRUE(object["ok"]);
+  EXPECT_EQ(object["checked"].size(), 6u);
+}
+
+}  // namespace
+}  // namespace airside
