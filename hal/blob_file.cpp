@@ -46,7 +46,8 @@ void throw_blob_error(const BlobError& error, const std::string& place) {
   const std::string where = place + ": " + error.field;
   switch (error.fault) {
     case Fault::blob_truncated:
-      throw InputError(where, "a blob that ends early", "as many bytes as its header says", "copy the file again, whole");
+      throw InputError(where, "a blob that ends early", "as many bytes as its header says",
+                       "copy the file again, whole");
     case Fault::blob_magic:
       throw InputError(where, "another kind of file", "a weight blob (it begins with AIRSIDEB)",
                        "give a file made by `airside pretrain` or `airside transfer`");

@@ -63,7 +63,8 @@ bool drain(Child& child) {
 }  // namespace
 
 std::vector<std::string> run_children(std::size_t count, int jobs, const std::function<std::string(std::size_t)>& work,
-                                      const std::function<std::string(std::size_t)>& name, const std::function<void()>& done) {
+                                      const std::function<std::string(std::size_t)>& name,
+                                      const std::function<void()>& done) {
   std::vector<std::string> texts(count);
   std::vector<Child> running;
   std::string first_failure;

@@ -13,6 +13,7 @@ namespace airside::tools {
 /// `done` is called after each.
 /// Errors: std::runtime_error with name(i) and the child's own message, or that it died.
 std::vector<std::string> run_children(std::size_t count, int jobs, const std::function<std::string(std::size_t)>& work,
-                                      const std::function<std::string(std::size_t)>& name, const std::function<void()>& done);
+                                      const std::function<std::string(std::size_t)>& name,
+                                      const std::function<void()>& done);
 
 }  // namespace airside::tools

@@ -48,13 +48,14 @@ nlohmann::json json_of(const Metrics& m) {
 }
 
 void print_figures_header() {
-  fmt::print("{:<26} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>10} {:>9}\n", "method", "DAE", "ME", "day 1", "DARV", "CDH", "HDH",
-             "deg-h/day", "kWh/day");
+  fmt::print("{:<26} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>10} {:>9}\n", "method", "DAE", "ME", "day 1", "DARV", "CDH",
+             "HDH", "deg-h/day", "kWh/day");
 }
 
 void print_figures(const std::string& name, const Metrics& m) {
-  fmt::print("{:<26} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.1f} {:>9.1f} {:>10.2f} {:>9.1f}\n", name, m.dae_degc, m.me_degc,
-             m.day1_dae_degc, m.darv_degc, m.cdh_degch, m.hdh_degch, m.degree_hours_degch, m.hvac_kwh_per_day);
+  fmt::print("{:<26} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.1f} {:>9.1f} {:>10.2f} {:>9.1f}\n", name, m.dae_degc,
+             m.me_degc, m.day1_dae_degc, m.darv_degc, m.cdh_degch, m.hdh_degch, m.degree_hours_degch,
+             m.hvac_kwh_per_day);
 }
 
 std::string digest_text(const BlobBytes& blob) { return fmt::format("{:08x}", crc32c(blob)); }

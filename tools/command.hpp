@@ -26,8 +26,8 @@ void add_status(CLI::App& app);
 
 /// --site, --preset and --topology, shared by all commands on a room.
 struct SiteOptions {
-  std::string path;      ///< empty: the built-in site
-  std::string preset;    ///< empty: the site's
+  std::string path;                           ///< empty: the built-in site
+  std::string preset;                         ///< empty: the site's
   std::string topology = "5vav-5fcu-2power";  ///< of the built-in site
 };
 void add_site_options(CLI::App& command, SiteOptions& options);

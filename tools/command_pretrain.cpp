@@ -53,7 +53,8 @@ struct PretrainCommand {
     }
     fmt::print("daily DAE while it learned, degC:");
     for (const int day : {1, 2, 3, 6, 7, 14, 31}) {
-      if (day <= std::ssize(m.days)) fmt::print("  day {} {:.3f}", day, m.days[static_cast<std::size_t>(day - 1)].dae_degc);
+      if (day <= std::ssize(m.days))
+        fmt::print("  day {} {:.3f}", day, m.days[static_cast<std::size_t>(day - 1)].dae_degc);
     }
     fmt::print("\n(day 1 is the schedule's; the agent acts from day 2)\nweights: {} ({} bytes, digest {})\n", out,
                trained.blob.size(), digest_text(trained.blob));
@@ -70,7 +71,8 @@ void add_pretrain(CLI::App& app) {
   c->add_option("--days", self->days, "length; day 1 runs the schedule and fits the scaler")
       ->check(CLI::Range(2, 364))
       ->capture_default_str();
-  c->add_option("--updates", self->updates, "optimiser steps a cycle (default: the preset's)")->check(CLI::Range(1, 100));
+  c->add_option("--updates", self->updates, "optimiser steps a cycle (default: the preset's)")
+      ->check(CLI::Range(1, 100));
   c->add_flag("--static", self->fixed_schedule, "fixed schedules instead of the agent (spec 7.3)");
   c->add_option("-o,--out", self->out, "blob to write")->capture_default_str();
   c->add_option("--log", self->log, "CSV of all rows");

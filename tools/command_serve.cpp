@@ -29,7 +29,12 @@ extern "C" void request_serve_stop(int) { stop_requested = 1; }
 class ServedPlant {
  public:
   ServedPlant(const Site& site, sim::PlantModel& model, hal::ModbusServer& server, double speed, CivilTime end)
-      : site_(site), model_(model), server_(server), speed_(speed), end_(end), began_(model.time()),
+      : site_(site),
+        model_(model),
+        server_(server),
+        speed_(speed),
+        end_(end),
+        began_(model.time()),
         began_ns_(hal::monotonic_ns()) {
     server_.on_write([this](const hal::Point& point, double value) { return write(point, value); });
     publish();
@@ -110,7 +115,8 @@ struct ServeCommand {
       settings.listen = hal::PtyListen{pty};
     } else {
       int chosen = port;
-      if (chosen < 0) chosen = s.file.modbus && s.file.modbus->transport == hal::ModbusTransport::tcp ? s.file.modbus->port : 0;
+      if (chosen < 0)
+        chosen = s.file.modbus && s.file.modbus->transport == hal::ModbusTransport::tcp ? s.file.modbus->port : 0;
       settings.listen = hal::TcpListen{listen, chosen};
     }
     if (s.file.modbus) settings.unit = s.file.modbus->unit_id;
@@ -123,7 +129,9 @@ struct ServeCommand {
     std::fflush(stdout);
     if (!ready_file.empty()) {
       std::FILE* f = std::fopen(ready_file.c_str(), "w");
-      if (f == nullptr) throw hal::InputError("--ready " + ready_file, "a file that cannot be written", "a writable path", "choose another");
+      if (f == nullptr)
+        throw hal::InputError("--ready " + ready_file, "a file that cannot be written", "a writable path",
+                              "choose another");
       fmt::print(f, "{}\n", where);
       std::fclose(f);
     }

@@ -29,8 +29,8 @@ struct SimulateCommand {
   bool transfer = false, json = false;
 
   std::string again() const {
-    std::string text = fmt::format("airside simulate {} --expert-days {} --days {} --method {}", command_text(plant), expert_days,
-                                   days, method);
+    std::string text = fmt::format("airside simulate {} --expert-days {} --days {} --method {}", command_text(plant),
+                                   expert_days, days, method);
     if (!site.path.empty()) text += " --site " + site.path;
     if (!site.preset.empty()) text += " --preset " + site.preset;
     if (!weights.empty()) text += " --weights " + weights;
@@ -39,7 +39,8 @@ struct SimulateCommand {
     return text;
   }
 
-  ControlRun run_one(const Trial& trial, const std::string& name, const BlobBytes& blob, std::vector<hal::LogRow>* rows) const {
+  ControlRun run_one(const Trial& trial, const std::string& name, const BlobBytes& blob,
+                     std::vector<hal::LogRow>* rows) const {
     Progress bar(fmt::format("{} on room {}", name, plant.room), progress_steps);
     Prepared prepared = prepare(trial);
     if (!history.empty()) prepared.history = hal::read_log(history, trial.site.counts).rows;
@@ -56,8 +57,9 @@ struct SimulateCommand {
     BlobBytes blob;
     if (method == "ours") {
       if (weights.empty() && !transfer) {
-        throw hal::InputError("--weights", "no weights", "a blob for the controller",
-                              "give --weights (airside pretrain makes one), --transfer alone to train from scratch, or another --method");
+        throw hal::InputError(
+            "--weights", "no weights", "a blob for the controller",
+            "give --weights (airside pretrain makes one), --transfer alone to train from scratch, or another --method");
       }
       if (!weights.empty()) blob = read_blob(weights, trial.site);
     }
@@ -66,10 +68,12 @@ struct SimulateCommand {
     write_rows(log, trial.site, run.rows);
     write_rows(history_log, trial.site, past);
     const Metrics metrics = metrics_of(trial.site, run);
-    std::vector<MethodResult> results{{method, method == "ours" ? MethodResult::Kind::ours : MethodResult::Kind::peer, {metrics}}};
+    std::vector<MethodResult> results{
+        {method, method == "ours" ? MethodResult::Kind::ours : MethodResult::Kind::peer, {metrics}}};
     for (const std::string& name : compare) {
-      const auto kind = name == "expert" ? MethodResult::Kind::schedule
-                        : name.starts_with("floor-") ? MethodResult::Kind::floor : MethodResult::Kind::peer;
+      const auto kind = name == "expert"             ? MethodResult::Kind::schedule
+                        : name.starts_with("floor-") ? MethodResult::Kind::floor
+                                                     : MethodResult::Kind::peer;
       results.push_back({name, kind, {metrics_of(trial.site, run_one(trial, name, blob, nullptr))}});
     }
     if (!report.empty()) {
@@ -93,7 +97,8 @@ struct SimulateCommand {
       std::vector<double> setpoints;
       for (const CycleSample& c : run.cycles) setpoints.push_back(c.setpoint_degc);
       j["setpoint_degc"] = setpoints;
-      for (std::size_t i = 1; i < results.size(); ++i) j["compared"][results[i].name] = json_of(results[i].runs.front());
+      for (std::size_t i = 1; i < results.size(); ++i)
+        j["compared"][results[i].name] = json_of(results[i].runs.front());
       fmt::print("{}\n", j.dump());
       return;
     }
@@ -111,12 +116,17 @@ void add_simulate(CLI::App& app) {
                                    "The schedule runs --expert-days first; then --days are controlled and scored.");
   add_site_options(*c, self->site);
   add_plant_options(*c, self->plant, "2021-08-01");
-  c->add_option("--expert-days", self->expert_days, "days under the schedule before")->check(CLI::Range(0, 60))->capture_default_str();
+  c->add_option("--expert-days", self->expert_days, "days under the schedule before")
+      ->check(CLI::Range(0, 60))
+      ->capture_default_str();
   c->add_option("--days", self->days, "controlled days")->check(CLI::Range(1, 300))->capture_default_str();
-  c->add_option("--method", self->method, "ours, or a baseline: expert, pid-tuned, integral-5, arx-rls, ...")->capture_default_str();
+  c->add_option("--method", self->method, "ours, or a baseline: expert, pid-tuned, integral-5, arx-rls, ...")
+      ->capture_default_str();
   c->add_option("--weights", self->weights, "blob to start from");
   c->add_flag("--transfer", self->transfer, "fine-tune on the schedule's days first, as airside transfer does");
-  c->add_option("--steps", self->steps, "optimiser steps of --transfer")->check(CLI::Range(0, 1000000))->capture_default_str();
+  c->add_option("--steps", self->steps, "optimiser steps of --transfer")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
   c->add_option("--history", self->history, "log whose rows are remembered instead of the simulated schedule days");
   c->add_option("--compare", self->compare, "further methods on the same days, comma-separated")->delimiter(',');
   c->add_option("--log", self->log, "CSV of the controlled rows");

@@ -21,13 +21,15 @@ namespace {
 using Outcome = std::map<std::string, nlohmann::json>;
 
 /// The figures of a table row that have a mean and a spread.
-constexpr const char* figures[] = {"dae_degc", "me_degc", "day1_dae_degc", "darv_degc", "degree_hours_per_day_degch",
-                                   "hvac_kwh_per_day", "cdh_degch", "hdh_degch"};
+constexpr const char* figures[] = {
+    "dae_degc",         "me_degc",   "day1_dae_degc", "darv_degc", "degree_hours_per_day_degch",
+    "hvac_kwh_per_day", "cdh_degch", "hdh_degch"};
 
 struct StudyCommand {
   std::string kind = "auto", out, twin_room;
   std::vector<std::string> rooms, methods;
-  int room_count = 12, seeds = 5, first_seed = 1, pretrain_days = 31, expert_days = 5, days = 14, updates = 0, steps = 3000, jobs = 2;
+  int room_count = 12, seeds = 5, first_seed = 1, pretrain_days = 31, expert_days = 5, days = 14, updates = 0,
+      steps = 3000, jobs = 2;
   bool json = false, no_paper = false;
 
   struct Job {
@@ -63,7 +65,8 @@ struct StudyCommand {
   }
 
   static Site site_of(const std::string& preset) {
-    return built_in_site("5vav-5fcu-2power", preset == "paper" ? hal::ControllerPreset::paper : hal::ControllerPreset::product);
+    return built_in_site("5vav-5fcu-2power",
+                         preset == "paper" ? hal::ControllerPreset::paper : hal::ControllerPreset::product);
   }
 
   std::string pretrain_source(const Source& source) const {
@@ -89,8 +92,8 @@ struct StudyCommand {
       const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
       const Trial trial = trial_of(preset);
       Prepared prepared = prepare(trial);
-      outcome["ours-" + preset] =
-          json_of(metrics_of(trial.site, run_ours(trial, prepared, {BlobBytes(bytes, bytes + text.size()), true, steps})));
+      outcome["ours-" + preset] = json_of(
+          metrics_of(trial.site, run_ours(trial, prepared, {BlobBytes(bytes, bytes + text.size()), true, steps})));
     }
     const Trial trial = trial_of("product");
     Prepared again = prepare(trial);
@@ -121,7 +124,8 @@ struct StudyCommand {
     Progress bar(fmt::format("{} rooms x {} seeds", rooms.size(), seeds), list.size());
     const auto texts = run_children(
         list.size(), jobs, [&](std::size_t i) { return nlohmann::json(run_job(list[i], sources)).dump(); },
-        [&](std::size_t i) { return fmt::format("room {} seed {}", list[i].room, list[i].seed); }, [&bar] { bar.advance(); });
+        [&](std::size_t i) { return fmt::format("room {} seed {}", list[i].room, list[i].seed); },
+        [&bar] { bar.advance(); });
     bar.finish();
     std::vector<Outcome> outcomes;
     for (const std::string& text : texts) outcomes.push_back(nlohmann::json::parse(text).get<Outcome>());
@@ -161,8 +165,8 @@ struct StudyCommand {
     if (!no_paper) order.insert(order.begin() + 1, "ours-paper");
     order.insert(order.end(), methods.begin(), methods.end());
     if (!json) {
-      fmt::print("{:<16} {:>15} {:>15} {:>15} {:>15} {:>15} {:>15} {:>9} {:>9}\n", "method", "DAE", "ME", "day 1", "DARV",
-                 "deg-h/day", "kWh/day", "DAE/floor", "DARV/fl.");
+      fmt::print("{:<16} {:>15} {:>15} {:>15} {:>15} {:>15} {:>15} {:>9} {:>9}\n", "method", "DAE", "ME", "day 1",
+                 "DARV", "deg-h/day", "kWh/day", "DAE/floor", "DARV/fl.");
     }
     for (const std::string& name : order) {
       nlohmann::json& m = j["methods"][name];
@@ -193,14 +197,15 @@ struct StudyCommand {
         const std::string key = std::string(figure) + "_over_" + floor;
         return m.contains(key) ? fmt::format("{:.2f}", m[key].get<double>()) : std::string("-");
       };
-      fmt::print("{:<16} {:>15} {:>15} {:>15} {:>15} {:>15} {:>15} {:>9} {:>9}\n", name, cell("dae_degc"), cell("me_degc"),
-                 cell("day1_dae_degc"), cell("darv_degc"), cell("degree_hours_per_day_degch"), cell("hvac_kwh_per_day"), ratio("dae"),
-                 ratio("darv"));
+      fmt::print("{:<16} {:>15} {:>15} {:>15} {:>15} {:>15} {:>15} {:>9} {:>9}\n", name, cell("dae_degc"),
+                 cell("me_degc"), cell("day1_dae_degc"), cell("darv_degc"), cell("degree_hours_per_day_degch"),
+                 cell("hvac_kwh_per_day"), ratio("dae"), ratio("darv"));
     }
     for (std::size_t i = 0; i < outcomes.size(); ++i) j["runs"].push_back(outcomes[i]);
     if (!out.empty()) {
       std::FILE* f = std::fopen(out.c_str(), "w");
-      if (f == nullptr) throw hal::InputError("--out " + out, "a file that cannot be written", "a writable path", "choose another");
+      if (f == nullptr)
+        throw hal::InputError("--out " + out, "a file that cannot be written", "a writable path", "choose another");
       fmt::print(f, "{}\n", j.dump(1));
       std::fclose(f);
     }
@@ -218,8 +223,11 @@ void add_study(CLI::App& app) {
       "rooms",
       "pretrain on the twin, fine-tune on schedule days of each room, control it, beside every other method.\n"
       "Each row: mean +- sd over rooms and seeds; ratios are per room to its floor.");
-  c->add_option("--plant", self->kind, "rc, energyplus, or auto")->check(CLI::IsMember({"auto", "rc", "energyplus"}))->capture_default_str();
-  c->add_option("--rooms", self->rooms, "rooms, comma-separated (default: the five counterparts; rc: and study rooms up to --count)")
+  c->add_option("--plant", self->kind, "rc, energyplus, or auto")
+      ->check(CLI::IsMember({"auto", "rc", "energyplus"}))
+      ->capture_default_str();
+  c->add_option("--rooms", self->rooms,
+                "rooms, comma-separated (default: the five counterparts; rc: and study rooms up to --count)")
       ->delimiter(',');
   c->add_option("--count", self->room_count, "how many rc rooms")->check(CLI::Range(1, 200))->capture_default_str();
   c->add_option("--seeds", self->seeds, "seeds a room")->check(CLI::Range(1, 100))->capture_default_str();

@@ -20,8 +20,8 @@ struct TransferCommand {
     const BlobBytes source = from.empty() ? BlobBytes{} : read_blob(from, s);
     const hal::Log rows = hal::read_log(log, s.counts);
     Progress bar(from.empty() ? "training from scratch" : "fine-tuning", progress_steps);
-    options.provenance = fmt::format("airside transfer --from {} --log {} --steps {} --seed {} (source digest {})", from, log,
-                                     options.steps, options.seed, digest_text(source));
+    options.provenance = fmt::format("airside transfer --from {} --log {} --steps {} --seed {} (source digest {})",
+                                     from, log, options.steps, options.seed, digest_text(source));
     const BlobBytes blob = fine_tune(s, source, rows.rows, options, show_progress(bar));
     bar.finish();
     write_blob(out, blob);
@@ -38,7 +38,8 @@ struct TransferCommand {
       return;
     }
     fmt::print("{} rows from {} to {}; weights: {} ({} bytes, digest {})\n", rows.rows.size(),
-               hal::civil_text(rows.summary.first), hal::civil_text(rows.summary.last), out, blob.size(), digest_text(blob));
+               hal::civil_text(rows.summary.first), hal::civil_text(rows.summary.last), out, blob.size(),
+               digest_text(blob));
     if (!rows.summary.gaps.empty()) {
       fmt::print("the log has {} gaps ({} rows missing); learning skipped them\n", rows.summary.gaps.size(),
                  rows.summary.missing_rows);
@@ -54,7 +55,9 @@ void add_transfer(CLI::App& app) {
   add_site_options(*c, self->site);
   c->add_option("--from", self->from, "source blob (none: train from scratch)");
   c->add_option("--log", self->log, "CSV log of the target room under the schedule, 5 days or so")->required();
-  c->add_option("--steps", self->options.steps, "optimiser steps")->check(CLI::Range(0, 1000000))->capture_default_str();
+  c->add_option("--steps", self->options.steps, "optimiser steps")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
   c->add_option("--seed", self->options.seed, "of sampling")->capture_default_str();
   c->add_option("-o,--out", self->out, "blob to write")->capture_default_str();
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");

@@ -31,7 +31,8 @@ ControlRun run_ours(const Trial& trial, Prepared& prepared, const OurWeights& we
     options.provenance = "fine-tuned in a trial: " + command_text(trial.plant);
     blob = fine_tune(trial.site, weights.blob, prepared.history, options);
   }
-  return run_controller(trial.site, *prepared.model, blob, prepared.history, prepared.until, trial.site.file.seed, progress);
+  return run_controller(trial.site, *prepared.model, blob, prepared.history, prepared.until, trial.site.file.seed,
+                        progress);
 }
 
 ControlRun run_method(const Trial& trial, Prepared& prepared, const std::string& name, const OnProgress& progress) {
@@ -48,14 +49,18 @@ ControlRun run_method(const Trial& trial, Prepared& prepared, const std::string&
     if (name == "floor-full") foresight = sim::Foresight::full;
     if (foresight) {
       return run_setpoints(
-          trial.site, *rc, [&] { return sim::floor_setpoint(*rc, target, low, high, *foresight); }, prepared.until, progress);
+          trial.site, *rc, [&] { return sim::floor_setpoint(*rc, target, low, high, *foresight); }, prepared.until,
+          progress);
     }
   }
-  if (auto* engine = dynamic_cast<sim::EnergyPlusPlant*>(prepared.model.get()); engine != nullptr && name == "floor-full") {
+  if (auto* engine = dynamic_cast<sim::EnergyPlusPlant*>(prepared.model.get());
+      engine != nullptr && name == "floor-full") {
     return run_setpoints(
-        trial.site, *engine, [&] { return sim::full_forecast_setpoint(*engine, target, low, high); }, prepared.until, progress);
+        trial.site, *engine, [&] { return sim::full_forecast_setpoint(*engine, target, low, high); }, prepared.until,
+        progress);
   }
-  throw hal::InputError("method " + name, "a floor that this plant cannot give", "floor-frozen, floor-profile, floor-full on rc; floor-full on EnergyPlus",
+  throw hal::InputError("method " + name, "a floor that this plant cannot give",
+                        "floor-frozen, floor-profile, floor-full on rc; floor-full on EnergyPlus",
                         "choose another method or --plant");
 }
 

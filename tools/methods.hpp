@@ -34,8 +34,8 @@ Prepared prepare(const Trial& trial, const OnProgress& progress = {});
 
 /// What `ours` starts from.
 struct OurWeights {
-  BlobBytes blob;          ///< source or finished weights; empty with transfer: from scratch
-  bool transfer = true;    ///< fine-tune on the schedule's days first
+  BlobBytes blob;        ///< source or finished weights; empty with transfer: from scratch
+  bool transfer = true;  ///< fine-tune on the schedule's days first
   int steps = 3000;
 };
 

@@ -11,9 +11,7 @@ namespace {
 
 using Samples = std::span<const CycleSample>;
 
-std::string at_second(CivilTime time) {
-  return "second " + std::to_string(time.seconds);
-}
+std::string at_second(CivilTime time) { return "second " + std::to_string(time.seconds); }
 
 void check(Samples samples, std::span<const EnergyRow> energy) {
   if (samples.empty()) {
@@ -114,8 +112,7 @@ Metrics compute_metrics(Samples samples, std::span<const EnergyRow> energy, cons
     begin = end;
   }
   if (m.days.empty()) {
-    throw hal::InputError("metrics", "no cycle in working hours", "at least one",
-                          "run at least one scored day");
+    throw hal::InputError("metrics", "no cycle in working hours", "at least one", "run at least one scored day");
   }
 
   const double days = static_cast<double>(m.days.size());
@@ -132,15 +129,13 @@ Metrics compute_metrics(Samples samples, std::span<const EnergyRow> energy, cons
     m.degree_hours_below_degch += day.degree_hours_below_degch / days;
     m.saved_area_degch += day.saved_area_degch / days;
     m.saved_area_unsigned_degch += day.saved_area_unsigned_degch / days;
-    for (std::size_t r = 0; r < m.room_dae_degc.size(); ++r)
-      m.room_dae_degc[r] += day.room_dae_degc[r] / days;
+    for (std::size_t r = 0; r < m.room_dae_degc.size(); ++r) m.room_dae_degc[r] += day.room_dae_degc[r] / days;
   }
   m.degree_hours_degch = m.degree_hours_above_degch + m.degree_hours_below_degch;
 
   const double row_hours = settings.row_s / 3600.0;
   for (const EnergyRow& row : energy) m.hvac_kwh += row.power_kw * row_hours;
-  if (!energy.empty())
-    m.hvac_kwh_per_day = m.hvac_kwh * 24.0 / (row_hours * static_cast<double>(energy.size()));
+  if (!energy.empty()) m.hvac_kwh_per_day = m.hvac_kwh * 24.0 / (row_hours * static_cast<double>(energy.size()));
   return m;
 }
 

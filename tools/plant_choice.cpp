@@ -35,11 +35,13 @@ sim::RcRoom generated_room(const std::string& name) {
   const char* digits = name.c_str() + name.find('-') + 1;
   const auto [end, error] = std::from_chars(digits, name.c_str() + name.size(), number);
   if (error != std::errc{} || *end != '\0' || number < 0 || number >= most) {
-    throw hal::InputError("--room " + name, "no such room", fmt::format("study-0 .. study-{0} or tuning-0 .. tuning-{0}", most - 1),
+    throw hal::InputError("--room " + name, "no such room",
+                          fmt::format("study-0 .. study-{0} or tuning-0 .. tuning-{0}", most - 1),
                           "correct the number");
   }
   const sim::RcRoom base = sim::make_room();
-  sim::RcRoom room = (name.starts_with("study-") ? sim::study_rooms(base, number + 1) : sim::tuning_rooms(base, number + 1)).back();
+  sim::RcRoom room =
+      (name.starts_with("study-") ? sim::study_rooms(base, number + 1) : sim::tuning_rooms(base, number + 1)).back();
   room.name = name;
   return room;
 }
@@ -57,9 +59,10 @@ std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& 
     if (choice.room.ends_with("-real")) room = sim::perturbed_room(room, weather_seed(choice.room, 0));
   }
   if (room.vavs != site.counts.vavs || room.fcus != site.counts.fcus || room.powers != site.counts.powers) {
-    throw hal::InputError("--room " + choice.room, fmt::format("{} VAV, {} FCU, {} powers", room.vavs, room.fcus, room.powers),
-                          fmt::format("the site's {} VAV, {} FCU, {} powers", site.counts.vavs, site.counts.fcus, site.counts.powers),
-                          "choose a room of the site's shape, or another topology in the site file");
+    throw hal::InputError(
+        "--room " + choice.room, fmt::format("{} VAV, {} FCU, {} powers", room.vavs, room.fcus, room.powers),
+        fmt::format("the site's {} VAV, {} FCU, {} powers", site.counts.vavs, site.counts.fcus, site.counts.powers),
+        "choose a room of the site's shape, or another topology in the site file");
   }
   if (choice.weekends) room.occupancy_weekend_factor = 0.1;
   auto weather = choice.weather.empty() ? sim::synthetic_weather(weather_seed(choice.room, choice.seed))
@@ -68,7 +71,8 @@ std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& 
                                         site.settings.expert_off_degc);
 }
 
-std::unique_ptr<sim::PlantModel> make_energyplus(const PlantChoice& choice, const Site& site, CivilTime start, int days) {
+std::unique_ptr<sim::PlantModel> make_energyplus(const PlantChoice& choice, const Site& site, CivilTime start,
+                                                 int days) {
   if (site.counts.vavs != 5 || site.counts.fcus != 5 || site.counts.powers != 2) {
     throw hal::InputError("--plant energyplus", "topology " + site.counts.name, "5vav-5fcu-2power",
                           "use --plant rc for other shapes; the EnergyPlus twin is the method's room");

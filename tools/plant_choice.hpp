@@ -14,14 +14,14 @@
 namespace airside::tools {
 
 struct PlantChoice {
-  std::string kind = "auto";   ///< rc, energyplus, or auto: EnergyPlus where it is installed
-  std::string room = "301";    ///< a built-in room, or a file (.json for rc)
-  std::string model;           ///< epJSON file instead of the built-in twin
+  std::string kind = "auto";  ///< rc, energyplus, or auto: EnergyPlus where it is installed
+  std::string room = "301";   ///< a built-in room, or a file (.json for rc)
+  std::string model;          ///< epJSON file instead of the built-in twin
   std::vector<std::string> patches;
-  std::string weather;         ///< EPW file; empty: Tampa for EnergyPlus, synthetic for rc
+  std::string weather;  ///< EPW file; empty: Tampa for EnergyPlus, synthetic for rc
   std::string start = "2021-07-01";
-  std::uint64_t seed = 1;      ///< of people, outages and sensor noise
-  bool weekends = false;       ///< Saturday and Sunday nearly empty
+  std::uint64_t seed = 1;  ///< of people, outages and sensor noise
+  bool weekends = false;   ///< Saturday and Sunday nearly empty
 };
 
 /// Adds --plant, --room, --twin, --patch, --weather, --start, --seed, --weekends to a command.

@@ -73,7 +73,9 @@ class Chooser {
  public:
   using Choose = std::function<double(CivilTime, const Reading<T>&, double last_degc)>;
   Chooser(const ControllerSettings& settings, Choose choose)
-      : settings_(settings), envelope_(settings), choose_(std::move(choose)),
+      : settings_(settings),
+        envelope_(settings),
+        choose_(std::move(choose)),
         decision_{.time = {}, .command = envelope_.limit(settings.expert_off_degc, settings.expert_off_degc, 0)} {}
 
   void observe(CivilTime, const Expected<Reading<T>>&) {}
@@ -196,13 +198,14 @@ ControlRun run_varied_schedule(const Site& site, sim::PlantModel& plant, CivilTi
   SplitMix64 draw(seed ^ 0x57A71Cu);
   std::int64_t day = -1;
   double work_degc = site.settings.expert_work_degc;
-  return run_chooser<T>(site, plant, until, progress, [&, draw, day, work_degc](CivilTime t, const Reading<T>&, double) mutable {
-    if (t.day() != day) {
-      day = t.day();
-      work_degc = 19.5 + 0.5 * draw.below(5);
-    }
-    return in_working_hours(site.settings, t) ? work_degc : site.settings.expert_off_degc;
-  });
+  return run_chooser<T>(site, plant, until, progress,
+                        [&, draw, day, work_degc](CivilTime t, const Reading<T>&, double) mutable {
+                          if (t.day() != day) {
+                            day = t.day();
+                            work_degc = 19.5 + 0.5 * draw.below(5);
+                          }
+                          return in_working_hours(site.settings, t) ? work_degc : site.settings.expert_off_degc;
+                        });
 }
 
 template <Topology T>
@@ -217,8 +220,8 @@ Pretraining pretrain_as(const Site& site, sim::PlantModel& model, CivilTime unti
   Pretraining out;
   if (options.fixed_schedule) {
     out.run = run_varied_schedule<T>(site, model, until, options.seed, progress);
-    std::vector<hal::LogRow> first(out.run.rows.begin(),
-                                   out.run.rows.begin() + std::min<std::ptrdiff_t>(rows_per_day, std::ssize(out.run.rows)));
+    std::vector<hal::LogRow> first(
+        out.run.rows.begin(), out.run.rows.begin() + std::min<std::ptrdiff_t>(rows_per_day, std::ssize(out.run.rows)));
     controller->start(scaler_of<T>(site, first));
     read_history<T>(*controller, out.run.rows, HistoryReader<T>::Head::learn);
     const std::int64_t cycles = (until.seconds - day_two.seconds) / cycle_s;

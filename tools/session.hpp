@@ -23,10 +23,10 @@ using OnProgress = std::function<void(double)>;
 
 /// What a run leaves behind.
 struct ControlRun {
-  std::vector<hal::LogRow> rows;      ///< every 6 min
-  std::vector<CycleSample> cycles;    ///< every decision
-  std::vector<EnergyRow> energy;      ///< every row
-  std::uint64_t rejected_updates = 0; ///< by the acceptance gate
+  std::vector<hal::LogRow> rows;       ///< every 6 min
+  std::vector<CycleSample> cycles;     ///< every decision
+  std::vector<EnergyRow> energy;       ///< every row
+  std::uint64_t rejected_updates = 0;  ///< by the acceptance gate
 };
 
 /// What the site counts as target and working hours.
@@ -40,9 +40,9 @@ ControlRun run_schedule(const Site& site, sim::PlantModel& plant, CivilTime unti
 
 struct PretrainOptions {
   std::uint64_t seed = 1;
-  int updates_per_cycle = 0;  ///< 0: the preset's; pretraining can afford more than the box
+  int updates_per_cycle = 0;    ///< 0: the preset's; pretraining can afford more than the box
   bool fixed_schedule = false;  ///< static pretraining (spec 7.3): the schedule acts, training follows
-  std::string provenance;     ///< twin, patches, weather, dates; stored in the blob
+  std::string provenance;       ///< twin, patches, weather, dates; stored in the blob
 };
 
 struct Pretraining {

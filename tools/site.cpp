@@ -41,8 +41,8 @@ Site built_in_site(const std::string& topology, hal::ControllerPreset preset) {
   site.file.topology = topology;
   site.file.preset = preset;
   site.settings = hal::controller_settings(site.file);
-  site.points = hal::PointMap::parse(
-      hal::default_point_map(site.counts.vavs, site.counts.fcus, site.counts.powers), "built-in");
+  site.points =
+      hal::PointMap::parse(hal::default_point_map(site.counts.vavs, site.counts.fcus, site.counts.powers), "built-in");
   return site;
 }
 

@@ -198,8 +198,8 @@ class Edge {
       return;
     }
     if (opened.error().fault == hal::StoreFault::locked) {
-      throw hal::InputError(site_.state_dir, "another airsided that uses this state folder", "one daemon a state folder",
-                            "stop the other one, or give this site its own [state] dir");
+      throw hal::InputError(site_.state_dir, "another airsided that uses this state folder",
+                            "one daemon a state folder", "stop the other one, or give this site its own [state] dir");
     }
     storage_ = storage_at_best_ = "state cannot be written";
     say("state in {}: {}; running in memory only", site_.state_dir, hal::describe(opened.error()));
@@ -233,11 +233,11 @@ class Edge {
   CivilTime load_state(std::uint32_t blob_crc) {
     if (!store_) return {};
     auto& learning = controller_->learning();
-    auto found = store_->load(
-        {.learning = bytes_of(static_cast<void*>(&learning), sizeof(Learning)),
-         .row = bytes_of(static_cast<void*>(&record_), sizeof record_),
-         .replay = bytes_of(static_cast<void*>(&controller_->replay().slot(0)),
-                            sizeof(typename Ring::Row) * static_cast<std::size_t>(Ring::capacity))});
+    auto found =
+        store_->load({.learning = bytes_of(static_cast<void*>(&learning), sizeof(Learning)),
+                      .row = bytes_of(static_cast<void*>(&record_), sizeof record_),
+                      .replay = bytes_of(static_cast<void*>(&controller_->replay().slot(0)),
+                                         sizeof(typename Ring::Row) * static_cast<std::size_t>(Ring::capacity))});
     if (!found) {
       say("state in {}: {}", site_.state_dir, hal::describe(found.error()));
       return forget();
@@ -268,7 +268,9 @@ class Edge {
     return {};
   }
 
-  static RowRecord<T> fresh_record() { return {.cycle = {}, .decision = Controller<T>::schedule_decision(), .row_time = {}}; }
+  static RowRecord<T> fresh_record() {
+    return {.cycle = {}, .decision = Controller<T>::schedule_decision(), .row_time = {}};
+  }
 
   void note(const hal::StoreResult<void>& result, const char* what) {
     const char* before = storage_;

@@ -33,7 +33,8 @@ int main(int argc, char** argv) {
   app.add_option("--until", until, "stop at this local time, such as 2021-08-20T00:00:00");
   app.add_flag("--check", check_only, "read everything, say whether it is in order, and stop");
   app.add_flag("--no-sync", no_sync, "do not force state to the disk each row; for simulations");
-  app.add_option("--backoff", options.backoff_first_s, "first wait after a lost link, s")->check(CLI::Range(0.01, 60.0));
+  app.add_option("--backoff", options.backoff_first_s, "first wait after a lost link, s")
+      ->check(CLI::Range(0.01, 60.0));
   app.add_option("--stall", options.stall_s, "how long a simulated plant's clock may stand still, s")
       ->check(CLI::Range(1.0, 1e6));
   try {

@@ -42,9 +42,7 @@ class FirstOrderPlant {
     return s;
   }
 
-  CycleObservation observe(double target_degc = 25.25) const {
-    return {time_, sensors(), setpoint_degc_, target_degc};
-  }
+  CycleObservation observe(double target_degc = 25.25) const { return {time_, sensors(), setpoint_degc_, target_degc}; }
 
  private:
   double swing_k_;

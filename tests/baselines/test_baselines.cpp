@@ -38,8 +38,7 @@ Metrics run(BaselineController& controller, int days, double swing_k = 0.8) {
       plant.set_setpoint(controller.decide(plant.observe()));
     }
     if (cycle)
-      samples.push_back(
-          {plant.time(), plant.mean_degc(), plant.sensors().room_temp_degc, plant.setpoint_degc()});
+      samples.push_back({plant.time(), plant.mean_degc(), plant.sensors().room_temp_degc, plant.setpoint_degc()});
     plant.step_row();
   }
   return compute_metrics(samples, {});
@@ -68,8 +67,7 @@ TEST_P(FeedbackBaseline, SettlesAtTheTargetOnAQuietRoom) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, FeedbackBaseline,
-                         ::testing::Values("pid-spec", "pid-tuned", "integral-5", "integral-7", "arx-2",
-                                           "arx-rls"));
+                         ::testing::Values("pid-spec", "pid-tuned", "integral-5", "integral-7", "arx-2", "arx-rls"));
 
 TEST(Baselines, EveryOneKeepsToTheActionRangeAndResolutionUnlessWrittenOtherwise) {
   for (const std::string& name : baseline_names()) {
@@ -187,8 +185,7 @@ TEST(RecursiveLeastSquares, EqualsTheRidgeSolution) {
   y << 0.3, 0.5, 0.2, 0.1, -0.1, 0.4;
   const double r = 0.04;
   for (int i = 0; i < 6; ++i) rls.update(h.row(i).transpose(), y[i], r, 1.0, 100);
-  const Eigen::Matrix2d precision =
-      Eigen::Matrix2d(sd.cwiseAbs2().cwiseInverse().asDiagonal()) + h.transpose() * h / r;
+  const Eigen::Matrix2d precision = Eigen::Matrix2d(sd.cwiseAbs2().cwiseInverse().asDiagonal()) + h.transpose() * h / r;
   const Eigen::Vector2d rhs = mean.cwiseQuotient(sd.cwiseAbs2()) + h.transpose() * y / r;
   const double det = precision(0, 0) * precision(1, 1) - precision(0, 1) * precision(1, 0);
   EXPECT_NEAR(rls.parameters()[0], (precision(1, 1) * rhs[0] - precision(0, 1) * rhs[1]) / det, 1e-9);

@@ -70,8 +70,8 @@ TEST(Metrics, DarvOfAHandSeriesUsesThePrintedDivisor) {
 
 TEST(Metrics, DarvIgnoresWhatHappensOutsideWorkingHoursAndStartsAnewEachDay) {
   // The schedule jumps at cycle 24 and 64 and every day has another level: neither is variation within a day.
-  const auto samples = days_of(
-      2, [](int d, int k, CycleSample& s) { s.setpoint_degc = k >= 24 && k <= 63 ? 20.5 + d : 25.0; });
+  const auto samples =
+      days_of(2, [](int d, int k, CycleSample& s) { s.setpoint_degc = k >= 24 && k <= 63 ? 20.5 + d : 25.0; });
   const Metrics m = compute_metrics(samples, {});
   EXPECT_NEAR(m.darv_degc, 0.0, 1e-12);
   // Full day: |-4.5| + |4.5| at each of two steps; second day 3.5. Sums 18 and 14, divisor 77.
@@ -82,8 +82,7 @@ TEST(Metrics, DarvIgnoresWhatHappensOutsideWorkingHoursAndStartsAnewEachDay) {
 TEST(Metrics, DarvOfARampIsZeroAndOfASawtoothIsFourTimesItsHalfHeight) {
   const auto ramp = days_of(1, [](int, int k, CycleSample& s) { s.setpoint_degc = 20 + 0.05 * k; });
   EXPECT_NEAR(compute_metrics(ramp, {}).darv_degc, 0.0, 1e-12);
-  const auto saw =
-      days_of(1, [](int, int k, CycleSample& s) { s.setpoint_degc = 22 + (k % 2 ? 0.1 : -0.1); });
+  const auto saw = days_of(1, [](int, int k, CycleSample& s) { s.setpoint_degc = 22 + (k % 2 ? 0.1 : -0.1); });
   EXPECT_NEAR(compute_metrics(saw, {}).darv_degc, 38 * 0.4 / 37, 1e-12);
 }
 
@@ -106,8 +105,7 @@ TEST(Metrics, CdhCountsRoomsWarmerThanTheSetpointAndHdhTheReverse) {
 
 TEST(Metrics, EnergyIntegratesEveryRowWorkingHoursOrNot) {
   std::vector<EnergyRow> rows;
-  for (int i = 0; i < 2 * rows_per_day; ++i)
-    rows.push_back({{monday + i * row_s}, i < rows_per_day ? 1.0 : 3.0});
+  for (int i = 0; i < 2 * rows_per_day; ++i) rows.push_back({{monday + i * row_s}, i < rows_per_day ? 1.0 : 3.0});
   const Metrics m = compute_metrics(days_of(2, [](int, int, CycleSample&) {}), rows);
   EXPECT_NEAR(m.hvac_kwh, 24 + 72, 1e-9);
   EXPECT_NEAR(m.hvac_kwh_per_day, 48, 1e-9);
@@ -123,9 +121,7 @@ TEST(Metrics, SavedAreaIsSignedOverAllCyclesAndAlsoUnsigned) {
 
 TEST(Metrics, RoomDaeIsKeptApartFromTheMean) {
   // Two rooms 0.6 K either side of the target: the mean is perfect, the rooms are not.
-  const auto samples = days_of(2, [](int, int, CycleSample& s) {
-    s.room_temp_degc = {25.25 + 0.6, 25.25 - 0.6};
-  });
+  const auto samples = days_of(2, [](int, int, CycleSample& s) { s.room_temp_degc = {25.25 + 0.6, 25.25 - 0.6}; });
   const Metrics m = compute_metrics(samples, {});
   EXPECT_NEAR(m.dae_degc, 0.0, 1e-12);
   ASSERT_EQ(m.room_dae_degc.size(), 2u);

@@ -12,9 +12,7 @@ constexpr int gain_index = 1;
 /// Neighbouring rows share two thirds of their cycle, so three of them are worth one.
 constexpr double row_overlap = rows_per_cycle;
 
-int parameter_count(const ArxSettings& s) {
-  return own_parameters + (s.exogenous ? ArxBaseline::exogenous_count : 0);
-}
+int parameter_count(const ArxSettings& s) { return own_parameters + (s.exogenous ? ArxBaseline::exogenous_count : 0); }
 
 Eigen::VectorXd prior_mean(const ArxSettings& s) {
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(parameter_count(s));
@@ -41,8 +39,8 @@ double sum(const std::vector<double>& values) {
 RecursiveLeastSquares::RecursiveLeastSquares(const Eigen::VectorXd& mean, const Eigen::VectorXd& sd)
     : theta_(mean), covariance_(sd.cwiseAbs2().asDiagonal()), prior_trace_(sd.squaredNorm()) {}
 
-void RecursiveLeastSquares::update(const Eigen::VectorXd& h, double target, double noise_var,
-                                   double forgetting, double clip) {
+void RecursiveLeastSquares::update(const Eigen::VectorXd& h, double target, double noise_var, double forgetting,
+                                   double clip) {
   if (!h.allFinite() || !std::isfinite(target)) return;
   if (covariance_.trace() < prior_trace_) covariance_ /= forgetting;
   const Eigen::VectorXd ph = covariance_ * h;
@@ -55,35 +53,30 @@ void RecursiveLeastSquares::update(const Eigen::VectorXd& h, double target, doub
 ArxBaseline::ArxBaseline(const ControllerSettings& site, const ArxSettings& settings)
     : site_(site), settings_(settings), model_(prior_mean(settings), prior_sd(settings)) {}
 
-std::string ArxBaseline::name() const {
-  return settings_.exogenous ? "ARX + exogenous, RLS" : "ARX, 2 parameters";
-}
+std::string ArxBaseline::name() const { return settings_.exogenous ? "ARX + exogenous, RLS" : "ARX, 2 parameters"; }
 
 double ArxBaseline::gain() const {
   return std::clamp(model_.parameters()[gain_index], settings_.gain_min, settings_.gain_max);
 }
 
-ArxBaseline::Instant ArxBaseline::instant(CivilTime time, const sim::Sensors& sensors,
-                                          double setpoint_degc) const {
+ArxBaseline::Instant ArxBaseline::instant(CivilTime time, const sim::Sensors& sensors, double setpoint_degc) const {
   Instant i{time, room_mean_degc(sensors), {}, setpoint_degc};
   if (settings_.exogenous) {
     const auto fcus = static_cast<double>(sensors.fcu_temp_degc.size());
     i.x.resize(exogenous_count);
     i.x << (fcus > 0 ? sum(sensors.fcu_temp_degc) / fcus : 0.0),
-        (sensors.power_kw.empty() ? 0.0 : sensors.power_kw.back()), sensors.mau_temp_degc,
-        sum(sensors.fcu_on), sum(sensors.vav_on);
+        (sensors.power_kw.empty() ? 0.0 : sensors.power_kw.back()), sensors.mau_temp_degc, sum(sensors.fcu_on),
+        sum(sensors.vav_on);
   }
   return i;
 }
 
-Eigen::VectorXd ArxBaseline::regressors(const Instant& before, const Instant& now,
-                                        double setpoint_change_k) const {
+Eigen::VectorXd ArxBaseline::regressors(const Instant& before, const Instant& now, double setpoint_change_k) const {
   Eigen::VectorXd h(parameter_count(settings_));
   h.head<own_parameters>() << now.mean_degc - before.mean_degc, setpoint_change_k;
   if (settings_.exogenous) {
     // A meter that cannot be read has not changed.
-    h.tail<exogenous_count>() =
-        (now.x - before.x).unaryExpr([](double d) { return std::isfinite(d) ? d : 0.0; });
+    h.tail<exogenous_count>() = (now.x - before.x).unaryExpr([](double d) { return std::isfinite(d) ? d : 0.0; });
   }
   return h;
 }
@@ -103,8 +96,8 @@ void ArxBaseline::observe_history(std::span<const HistoryRow> rows) {
   for (std::size_t j = cycle; j + cycle < log.size(); ++j) {
     if (!held(j - cycle) || !held(j)) continue;
     const double change = log[j].setpoint_degc - log[j - cycle].setpoint_degc;
-    model_.update(regressors(log[j - cycle], log[j], change), log[j + cycle].mean_degc - log[j].mean_degc,
-                  noise_var, 1.0, std::numeric_limits<double>::infinity());
+    model_.update(regressors(log[j - cycle], log[j], change), log[j + cycle].mean_degc - log[j].mean_degc, noise_var,
+                  1.0, std::numeric_limits<double>::infinity());
   }
   past_.clear();
   const std::size_t keep = std::min(log.size(), 2 * cycle);

@@ -19,8 +19,7 @@ class RecursiveLeastSquares {
   /// Shape: mean and sd, one entry a parameter. sd is the prior's standard deviation.
   RecursiveLeastSquares(const Eigen::VectorXd& mean, const Eigen::VectorXd& sd);
   /// `noise_var` r > 0; `forgetting` lambda in (0, 1]; |innovation| is clipped at `clip`.
-  void update(const Eigen::VectorXd& regressors, double target, double noise_var, double forgetting,
-              double clip);
+  void update(const Eigen::VectorXd& regressors, double target, double noise_var, double forgetting, double clip);
   const Eigen::VectorXd& parameters() const { return theta_; }
 
  private:

@@ -36,24 +36,17 @@ constexpr std::array<Entry, 15> entries = {{
     {"expert", [](S s) -> Made { return std::make_unique<ScheduleBaseline>(s); }},
     {"constant-20.5", [](S s) -> Made { return std::make_unique<ConstantBaseline>(s, 20.5); }},
     {"constant-22.5", [](S s) -> Made { return std::make_unique<ConstantBaseline>(s, 22.5); }},
-    {"pid-spec",
-     [](S s) -> Made { return std::make_unique<PidBaseline>(s, pid_spec_gains(), "PID, spec gains"); }},
-    {"pid-tuned",
-     [](S s) -> Made { return std::make_unique<PidBaseline>(s, pid_tuned_gains(), "PID, tuned"); }},
+    {"pid-spec", [](S s) -> Made { return std::make_unique<PidBaseline>(s, pid_spec_gains(), "PID, spec gains"); }},
+    {"pid-tuned", [](S s) -> Made { return std::make_unique<PidBaseline>(s, pid_tuned_gains(), "PID, tuned"); }},
     {"integral-5", [](S s) -> Made { return std::make_unique<IntegralBaseline>(s, 5.0); }},
     {"integral-7", [](S s) -> Made { return std::make_unique<IntegralBaseline>(s, 7.0); }},
     {"arx-2", [](S s) -> Made { return arx(s, false); }},
     {"arx-rls", [](S s) -> Made { return arx(s, true); }},
-    {"g36-written-16",
-     [](S s) -> Made { return g36(s, guideline36_as_written(16), "G36 as written, 12-16 °C"); }},
-    {"g36-written-18",
-     [](S s) -> Made { return g36(s, guideline36_as_written(18), "G36 as written, 12-18 °C"); }},
-    {"g36-site-i2",
-     [](S s) -> Made { return g36(s, guideline36_on_site(s, 2), "G36 on site range, I = 2"); }},
-    {"g36-site-i1",
-     [](S s) -> Made { return g36(s, guideline36_on_site(s, 1), "G36 on site range, I = 1"); }},
-    {"g36-site-i0",
-     [](S s) -> Made { return g36(s, guideline36_on_site(s, 0), "G36 on site range, I = 0"); }},
+    {"g36-written-16", [](S s) -> Made { return g36(s, guideline36_as_written(16), "G36 as written, 12-16 °C"); }},
+    {"g36-written-18", [](S s) -> Made { return g36(s, guideline36_as_written(18), "G36 as written, 12-18 °C"); }},
+    {"g36-site-i2", [](S s) -> Made { return g36(s, guideline36_on_site(s, 2), "G36 on site range, I = 2"); }},
+    {"g36-site-i1", [](S s) -> Made { return g36(s, guideline36_on_site(s, 1), "G36 on site range, I = 1"); }},
+    {"g36-site-i0", [](S s) -> Made { return g36(s, guideline36_on_site(s, 0), "G36 on site range, I = 0"); }},
     {"g36-site-airflow",
      [](S s) -> Made {
        Guideline36Settings settings = guideline36_on_site(s, 2);
@@ -86,8 +79,7 @@ std::unique_ptr<BaselineController> make_baseline(std::string_view name, const C
   }
   std::string known;
   for (const Entry& entry : entries) known += (known.empty() ? "" : ", ") + std::string(entry.name);
-  throw hal::InputError("baseline", '"' + std::string(name) + '"', "one of " + known,
-                        "choose a name from the list");
+  throw hal::InputError("baseline", '"' + std::string(name) + '"', "one of " + known, "choose a name from the list");
 }
 
 std::vector<std::string> baseline_names() {

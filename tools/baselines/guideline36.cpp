@@ -48,9 +48,7 @@ double Guideline36Baseline::bounded(double setpoint_degc) const {
 double Guideline36Baseline::decide(const CycleObservation& now) {
   const double dt_h = settings_.period_s / 3600.0;
   const auto& rooms = now.sensors.room_temp_degc;
-  const auto open = [&](std::size_t i) {
-    return i >= now.sensors.vav_on.size() || now.sensors.vav_on[i] > 0.5;
-  };
+  const auto open = [&](std::size_t i) { return i >= now.sensors.vav_on.size() || now.sensors.vav_on[i] > 0.5; };
   zones_.resize(rooms.size());
   requests_ = 0;
   bool fan = rooms.empty();
@@ -81,9 +79,9 @@ double Guideline36Baseline::decide(const CycleObservation& now) {
   }
   was_occupied_ = true;
   if (!settings_.oat_reset || !std::isfinite(now.sensors.outdoor_temp_degc)) return bounded(reset_degc_);
-  const double warm = std::clamp((now.sensors.outdoor_temp_degc - settings_.oat_min_degc) /
-                                     (settings_.oat_max_degc - settings_.oat_min_degc),
-                                 0.0, 1.0);
+  const double warm = std::clamp(
+      (now.sensors.outdoor_temp_degc - settings_.oat_min_degc) / (settings_.oat_max_degc - settings_.oat_min_degc), 0.0,
+      1.0);
   return bounded(reset_degc_ + warm * (settings_.sp_min_degc - reset_degc_));
 }
 

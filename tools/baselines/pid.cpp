@@ -42,9 +42,7 @@ double PidBaseline::decide(const CycleObservation& now) {
   return admissible_setpoint_degc(output(integral_degch_), site_);
 }
 
-std::string IntegralBaseline::name() const {
-  return fmt::format("integral (Ki {:g}/h)", ki_per_h_);
-}
+std::string IntegralBaseline::name() const { return fmt::format("integral (Ki {:g}/h)", ki_per_h_); }
 
 double IntegralBaseline::decide(const CycleObservation& now) {
   const double error_k = now.target_degc - room_mean_degc(now.sensors);
@@ -54,8 +52,7 @@ double IntegralBaseline::decide(const CycleObservation& now) {
   return admissible_setpoint_degc(now.previous_setpoint_degc + ki_per_h_ * error_k * dt_h, site_);
 }
 
-TunedGains tune_gains(const std::function<double(const PidGains&)>& cost,
-                      std::span<const PidGains> candidates) {
+TunedGains tune_gains(const std::function<double(const PidGains&)>& cost, std::span<const PidGains> candidates) {
   TunedGains best;
   best.cost = std::numeric_limits<double>::infinity();
   for (const PidGains& gains : candidates) {

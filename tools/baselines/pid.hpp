@@ -18,12 +18,8 @@ struct PidGains {
   bool operator==(const PidGains&) const = default;
 };
 
-constexpr PidGains pid_spec_gains() {
-  return {};
-}  ///< Source: spec 11
-constexpr PidGains pid_tuned_gains() {
-  return {0.3, 5.0, 0.0};
-}  ///< Source: CLOSED_LOOP
+constexpr PidGains pid_spec_gains() { return {}; }                ///< Source: spec 11
+constexpr PidGains pid_tuned_gains() { return {0.3, 5.0, 0.0}; }  ///< Source: CLOSED_LOOP
 
 /// Positional PID around a fixed offset.
 ///   A = clamp(22.5 + kp e + ki int(e) dt + kd de/dt)
@@ -74,8 +70,7 @@ struct TunedGains {
 
 /// Runs `cost` (lower is better, e.g. the DAE of 7 days that are not scored) for every candidate. A cost that
 /// is not finite loses. Errors: hal::InputError when there is no candidate or no finite cost.
-TunedGains tune_gains(const std::function<double(const PidGains&)>& cost,
-                      std::span<const PidGains> candidates);
+TunedGains tune_gains(const std::function<double(const PidGains&)>& cost, std::span<const PidGains> candidates);
 
 /// kp {0, .1, .3, 1} x ki {.5, 1, 2, 3, 5, 7} 1/h x kd {0, .1} h.
 std::vector<PidGains> pid_grid();
