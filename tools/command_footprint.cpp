@@ -21,7 +21,7 @@ struct FootprintCommand {
 
   template <Topology T>
   nlohmann::json ledger() const {
-    constexpr auto entries = footprint<T>();
+    constexpr auto entries = footprint_ledger<T>();
     const std::size_t total = entries.back().bytes;
     nlohmann::json parts = nlohmann::json::array();
     for (const FootprintEntry& e : entries) {
@@ -43,7 +43,7 @@ struct FootprintCommand {
 
   template <Topology T>
   void print() const {
-    constexpr auto entries = footprint<T>();
+    constexpr auto entries = footprint_ledger<T>();
     fmt::print("{}: {} rooms, {} network inputs, {} parameters; a blob has at most {} bytes\n", T::name, T::vavs,
                Layout<T>::inputs, NetworkWeights<T, float>::count, WeightBlob<T>::max_bytes);
     fmt::print("  {:<11} {:<50} {:>10} {:>11} {:>8} {:>7}\n", "part", "what it is", "bytes", "budget", "of that",

@@ -17,7 +17,7 @@ struct FootprintEntry {
 
 /// One entry a part; the last is the whole controller.
 template <Topology T>
-constexpr auto footprint() {
+constexpr auto footprint_ledger() {
   using C = Controller<T, float>;
   constexpr std::size_t kb = 1024;
   // Budgets follow the network's size; the constants are the method's room plus a tenth.
@@ -39,7 +39,7 @@ constexpr std::size_t stack_budget_bytes = 64 * 1024;
 
 template <Topology T>
 constexpr bool within_budget() {
-  for (const FootprintEntry& e : footprint<T>()) {
+  for (const FootprintEntry& e : footprint_ledger<T>()) {
     if (e.bytes > e.budget_bytes) return false;
   }
   return true;
