@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <string_view>
@@ -38,10 +39,11 @@ void RowLog::write_name(char (&name)[name_size], FileId id) {
 bool RowLog::parse_name(const char* name, FileId& id) {
   std::string_view text(name);
   if (text.size() < prefix.size() + date_text_size + suffix.size()) return false;
-  char date[civil_text_size] = {};
-  std::memcpy(date, name + prefix.size(), date_text_size);
-  std::memcpy(date + date_text_size, "T00:00:00", 9);
-  const auto time = parse_civil_text({date, civil_text_size});
+  std::array<char, civil_text_size> date{};
+  constexpr std::string_view midnight = "T00:00:00";
+  std::copy_n(name + prefix.size(), date_text_size, date.begin());
+  std::copy(midnight.begin(), midnight.end(), date.begin() + date_text_size);
+  const auto time = parse_civil_text({date.data(), date.size()});
   if (!time) return false;
   id = {time->day(), 0};
   if (text.size() == prefix.size() + date_text_size + 3 + suffix.size()) {

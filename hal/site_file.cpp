@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <regex>
 
 #include "hal/input_error.hpp"
 #include "hal/text_file.hpp"
@@ -36,14 +37,14 @@ std::string resolved(const std::string& path, const std::string& site_path) {
 [[noreturn]] void refuse_topology(const TomlSection& site, const std::string& name, const SiteRules& rules) {
   std::string known;
   for (const std::string& topology : rules.topologies) known += (known.empty() ? "" : ", ") + topology;
-  int vavs = 0, fcus = 0, powers = 0, end = 0;
-  const bool shape = std::sscanf(name.c_str(), "%2dvav-%2dfcu-%2dpower%n", &vavs, &fcus, &powers, &end) == 3 &&
-                     static_cast<std::size_t>(end) == name.size() && vavs > 0 && fcus >= 0 && powers >= 0;
+  static const std::regex shape_of(R"((\d{1,2})vav-(\d{1,2})fcu-(\d{1,2})power)");
+  std::smatch counts;
+  const bool shape = std::regex_match(name, counts, shape_of) && counts[1] != "0";
   std::string remedy;
   if (shape) {
-    remedy = "for this room add `struct Room" + std::to_string(vavs) + "x" + std::to_string(fcus) + "x" +
-             std::to_string(powers) + "` with vavs = " + std::to_string(vavs) + ", fcus = " + std::to_string(fcus) +
-             ", powers = " + std::to_string(powers) + ", name = \"" + name +
+    const std::string vavs = counts[1], fcus = counts[2], powers = counts[3];
+    remedy = "for this room add `struct Room" + vavs + "x" + fcus + "x" + powers + "` with vavs = " + vavs +
+             ", fcus = " + fcus + ", powers = " + powers + ", name = \"" + name +
              "\" to lib/airside/topology.hpp, and that struct's name to the CMake list AIRSIDE_TOPOLOGIES, then "
              "build again";
   } else {

@@ -98,7 +98,7 @@ EnergyPlusInstall find_energyplus() {
 bool have_energyplus() { return engine_folder().has_value(); }
 
 fs::path default_weather(const EnergyPlusInstall& install) {
-  const fs::path file = install.folder / "WeatherData" / "USA_FL_Tampa.Intl.AP.722110_TMY3.epw";
+  fs::path file = install.folder / "WeatherData" / "USA_FL_Tampa.Intl.AP.722110_TMY3.epw";
   if (!present(file)) {
     throw hal::InputError(file.string(), "no such file", "the weather file that comes with the engine",
                           "run tools/setup again, or name a weather file (--weather x.epw)");

@@ -144,6 +144,7 @@ RcRoom perturbed_room(const RcRoom& base, std::uint64_t seed, const Perturbation
 namespace {
 std::vector<RcRoom> rooms_from(const RcRoom& base, std::uint64_t first_seed, int count) {
   std::vector<RcRoom> rooms;
+  rooms.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) rooms.push_back(perturbed_room(base, first_seed + static_cast<std::uint64_t>(i)));
   return rooms;
 }
