@@ -163,7 +163,8 @@ class BlobCodec {
     if (header.header_bytes != sizeof header) return refuse(Fault::blob_version, "header_bytes");
     if (header.endian_mark != BlobHeader{}.endian_mark) return refuse(Fault::blob_architecture, "endian_mark");
     if (header.float_mark != BlobHeader{}.float_mark) return refuse(Fault::blob_architecture, "float_mark");
-    const std::size_t total = sizeof header + std::size_t{header.payload_bytes} + blob_signature_bytes;
+    // 64 bits also where size_t has 32: a length near 2^32 must not wrap round to a small one.
+    const std::uint64_t total = sizeof header + std::uint64_t{header.payload_bytes} + blob_signature_bytes;
     if (in.size() < total) return refuse(Fault::blob_truncated, "payload_bytes");
     if (in.size() > total) return refuse(Fault::blob_size, "payload_bytes");
     if (header.digest_kind != 1) return refuse(Fault::blob_digest, "digest_kind");
