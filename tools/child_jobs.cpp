@@ -80,12 +80,15 @@ std::vector<std::string> run_children(std::size_t count, int jobs, const std::fu
       running.erase(running.begin() + static_cast<std::ptrdiff_t>(i));
       ::close(child.pipe);
       int status = 0;
-      ::waitpid(child.pid, &status, 0);
-      const bool good = !child.text.empty() && child.text.front() == succeeded;
+      while (::waitpid(child.pid, &status, 0) < 0 && errno == EINTR) {
+      }
+      // An answer that was cut off by the child's death begins like a whole one.
+      const bool whole = WIFEXITED(status) && WEXITSTATUS(status) == 0 && !child.text.empty();
+      const bool good = whole && child.text.front() == succeeded;
       if (good) {
         texts[child.job] = child.text.substr(1);
       } else if (first_failure.empty()) {
-        first_failure = name(child.job) + ": " + (child.text.empty() ? "its process died" : child.text.substr(1));
+        first_failure = name(child.job) + ": " + (whole ? child.text.substr(1) : "its process died");
       }
       done();
     }
