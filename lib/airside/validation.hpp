@@ -131,7 +131,8 @@ class Validator {
       }
     }
     suspects_[k] = 0;
-    if (!seen_[k] || v != last_good_[k]) changed_at_[k] = reading.time.seconds;
+    const bool set_back = changed_at_[k] > reading.time.seconds;
+    if (!seen_[k] || set_back || v != last_good_[k]) changed_at_[k] = reading.time.seconds;
     last_good_[k] = v;
     seen_[k] = true;
     const bool can_stick = signal_id<T>(i).kind == SignalKind::room_temp;
@@ -152,23 +153,24 @@ class Validator {
     return suspects_[k] >= 3;
   }
 
-  /// Excitation: at least one other room has changed by 0.5 K since a room last moved.
+  /// Excitation: some room has moved by 0.5 K within the present window of at most stuck_s. A room that has stood
+  /// still for longer than stuck_s has not moved in it, so it was another one.
   bool peers_moved(const Reading<T>& reading) {
     double widest = 0;
+    const std::int64_t window_s = reading.time.seconds - window_at_;  // negative after the clock was set back
+    const auto over = [window_s](double stuck_s) {
+      return window_s < 0 || window_s > static_cast<std::int64_t>(stuck_s);
+    };
     for (int r = 0; r < Layout<T>::rooms; ++r) {
       const std::size_t k = static_cast<std::size_t>(r);
       const double v = reading.value(r);
       if (!std::isfinite(v)) continue;
-      if (!seen_[k] || reading.time.seconds - window_at_ > static_cast<std::int64_t>(limits_[k].stuck_s)) {
-        low_[k] = high_[k] = v;
-      }
+      if (!seen_[k] || over(limits_[k].stuck_s)) low_[k] = high_[k] = v;
       low_[k] = std::min(low_[k], v);
       high_[k] = std::max(high_[k], v);
       widest = std::max(widest, high_[k] - low_[k]);
     }
-    if (reading.time.seconds - window_at_ > static_cast<std::int64_t>(limits_[0].stuck_s)) {
-      window_at_ = reading.time.seconds;
-    }
+    if (over(limits_[0].stuck_s)) window_at_ = reading.time.seconds;
     return widest >= 0.5;
   }
 
