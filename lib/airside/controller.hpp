@@ -364,8 +364,9 @@ class Controller {
 
   double head_choice(CivilTime t, double last_degc) {
     if (!has_features_ || learning_.head.updates() == 0) return unknown;
-    return std::clamp(learning_.head.setpoint_degc(settings_, t, features_, room_mean(now_), last_degc),
-                      settings_.action_min_degc, settings_.action_max_degc);
+    const double wish = learning_.head.setpoint_degc(settings_, t, features_, room_mean(now_), last_degc);
+    if (!std::isfinite(wish)) return unknown;  // before the clamp, which would make a bound of an infinite one
+    return std::clamp(wish, settings_.action_min_degc, settings_.action_max_degc);
   }
 
   /// What network and head expect of the cycle that begins now, at the setpoint that was really applied.
@@ -378,7 +379,7 @@ class Controller {
     if (!has_features_) return;
     cycle_.head_expected_degc = room_mean(now_) + learning_.head.drift_k(settings_, t, features_) +
                                 learning_.head.gain(settings_) * (setpoint_degc - cycle_.last_setpoint_degc);
-    decision_.expected_mean_degc = cycle_.head_expected_degc;
+    if (std::isfinite(cycle_.head_expected_degc)) decision_.expected_mean_degc = cycle_.head_expected_degc;
   }
 
   /// A bounded number of steps on shadow weights; they replace the ones in use only if they pass the gate.
@@ -386,10 +387,11 @@ class Controller {
     if (settings_.updates_per_cycle == 0 || replay_.size() == 0) return;
     shadow_ = learning_.weights;
     for (int i = 0; i < settings_.updates_per_cycle; ++i) (void)step_on_replay(shadow_);
-    if (settings_.gate != 0 && !gate_passes()) {
+    // Weights that are no numbers are refused with or without the gate: nothing could learn its way back from them.
+    if (settings_.gate != 0 ? !gate_passes() : !all_finite(shadow_)) {
       ++learning_.rejected;
       learning_.learner.reset(learning_.weights);
-      decision_.fault = Fault::learning_rejected;
+      if (decision_.fault == Fault::none) decision_.fault = Fault::learning_rejected;
       return;
     }
     learning_.weights = shadow_;
@@ -412,7 +414,7 @@ class Controller {
   /// Every tenth slot of the ring is never trained on when the gate is on: it judges.
   static constexpr bool held_back(std::uint32_t slot) { return slot % 10 == 9; }
 
-  /// Finite, not worse on the held-back slots, and a warmer setpoint still means a warmer room on canary states.
+  /// Finite, not worse on the held-back slots than gate_loss_ratio allows, and sane on canary states.
   bool gate_passes() {
     if (!all_finite(shadow_)) return false;
     const std::uint32_t slots = static_cast<std::uint32_t>(replay_.size());
@@ -429,7 +431,7 @@ class Controller {
   }
 
   /// Rooms 1 K above and below target, setpoint at both ends of the range: forecasts stay within 15 K of the room and
-  /// the mean does not fall as the setpoint rises.
+  /// the mean does not fall by more than 0.5 K from the coldest setpoint to the warmest.
   bool canary_passes() {
     pack(shadow_, scratch_.kernels, packed_);
     bool sane = true;
