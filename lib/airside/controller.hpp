@@ -200,6 +200,7 @@ class Controller {
       cycle_.has_weights = 0;
       return Fault::state_invalid;
     }
+    learning_.head.complete_day_types(settings_);  // the site file may ask for a second day type since
     prepare();
     resumed_ = true;
     return Fault::none;

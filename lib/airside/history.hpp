@@ -58,6 +58,7 @@ void take_payload(Controller<T, float>& controller, const BlobPayload<T, Network
     learning.head.theta() = payload.head_theta;
     std::copy(payload.head_covariance.begin(), payload.head_covariance.end(), learning.head.covariance().data());
     learning.head.set_updates(payload.head_updates);
+    learning.head.complete_day_types(controller.settings());
   }
   controller.start(payload.scaler);
 }

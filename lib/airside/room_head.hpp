@@ -137,6 +137,25 @@ class RoomHead {
     return innovation;
   }
 
+  /// Gives days off their own profile where the estimate comes from settings with one: it begins as the working
+  /// days' profile plus an unknown difference, as sure as the prior has it. Changes nothing where there is one.
+  /// Cost: O(states^2).
+  void complete_day_types(const ControllerSettings& s) {
+    Covariance p = covariance();
+    constexpr int known = regressors + slots;
+    if (s.head_day_types != 2 || !(p.diagonal().template tail<slots>().array() == 0).all()) return;
+    for (int i = 0; i < slots; ++i) {
+      theta_(known + i) = theta_(regressors + i);
+      for (int j = 0; j < known; ++j) p(known + i, j) = p(j, known + i) = p(regressors + i, j);
+    }
+    for (int i = 0; i < slots; ++i) {
+      for (int j = 0; j < slots; ++j) {
+        const int d = i > j ? i - j : j - i;
+        p(known + i, known + j) = p(regressors + i, regressors + j) + profile_covariance(s, d);
+      }
+    }
+  }
+
   /// Lets the profile change: returns `share` of its prior variance.
   void grow(const ControllerSettings& s, double share) { add_profile_covariance(s, share); }
 
@@ -161,6 +180,11 @@ class RoomHead {
     h(first + slot) = 1.0 - share;
     h(first + (slot + 1) % slots) += share;
     return h;
+  }
+
+  /// Prior covariance of two slots that lie `d` slots apart, K^2.
+  static double profile_covariance(const ControllerSettings& s, int d) {
+    return s.head_profile_sd_k * s.head_profile_sd_k * std::exp(-std::min(d, slots - d) / s.head_profile_length);
   }
 
   void add_profile_covariance(const ControllerSettings& s, double share) {

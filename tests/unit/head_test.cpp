@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <memory>
 
 #include "airside/room_head.hpp"
@@ -141,6 +142,32 @@ TEST(RoomHead, KeepsDaysOffApartOnlyWhereAskedTo) {
   EXPECT_NEAR(head->drift_k(s, noon, {}), 0.05, 0.01);
   EXPECT_LT(head->drift_k(s, saturday_noon, {}), 0.8 * head->drift_k(s, noon, {}));
   EXPECT_GT(head->drift_k(s, saturday_noon, {}), 0.0) << "half of the prior is shared";
+}
+
+TEST(RoomHead, BeginsDaysOffFromWorkingDaysWhereItKnewOneProfileOnly) {
+  ControllerSettings s = settings();
+  auto head = std::make_unique<Head>();
+  head->reset(s, 0.6, 0.3);
+  live(*head, s, 10, 0.02);
+  const CivilTime noon{monday.seconds + 40 * cycle_s}, saturday_noon{noon.seconds + 5 * 86400LL};
+  const double working = head->drift_k(s, noon, {});
+  s.head_day_types = 2;
+  ASSERT_EQ(head->drift_k(s, saturday_noon, {}), 0.0);
+  head->complete_day_types(s);
+  EXPECT_EQ(head->drift_k(s, saturday_noon, {}), working);
+  EXPECT_EQ(head->drift_k(s, noon, {}), working);
+  EXPECT_LT((head->covariance() - head->covariance().transpose()).cwiseAbs().maxCoeff(), 1e-12);
+  const Eigen::MatrixXd p = head->covariance();
+  EXPECT_GT(p.ldlt().vectorD().minCoeff(), 0) << "a covariance";
+  for (int week = 0; week < 4; ++week) {
+    for (int i = 0; i < cycles_per_day; ++i) {
+      head->update(s, {monday.seconds + (5 + 7 * week) * 86400LL + i * cycle_s}, {}, -0.1);
+    }
+  }
+  EXPECT_NEAR(head->drift_k(s, saturday_noon, {}), -0.1, 0.02) << "and then goes its own way";
+  const double told = head->drift_k(s, saturday_noon, {});
+  head->complete_day_types(s);
+  EXPECT_EQ(head->drift_k(s, saturday_noon, {}), told) << "a profile that is there stays";
 }
 
 }  // namespace
