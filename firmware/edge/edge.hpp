@@ -88,7 +88,7 @@ class Edge {
     if (resumed.seconds == 0) {
       record_.blob_crc = blob_crc;
       if (blob_bytes_ > 0) begin_from_blob();
-      if (log_) (void)log_->resume({});
+      if (log_) note(log_->resume({}), "log");
     }
     next_ = {resumed.seconds == 0 ? 0 : resumed.seconds + row_s};
     payload_.reset();
@@ -96,7 +96,7 @@ class Edge {
 
   /// Runs until told to stop, or until options.until; called again, it goes on. Returns the process's exit code.
   int run() {
-    if (!wait_for_plant()) return stop_.raised() ? 0 : 3;
+    if (!wait_for_plant()) return 0;
     const CivilTime end = options_.until.value_or(CivilTime{std::numeric_limits<std::int64_t>::max()});
     const CivilTime present = next_row(now());
     CivilTime t = std::max(next_, present);
@@ -134,7 +134,7 @@ class Edge {
  private:
   CivilTime now() { return plant_clock_ ? plant_clock_->now() : system_clock_.now(); }
 
-  /// Until the plant answers once: a clock that was never read must not decide where to begin.
+  /// Until the plant answers once: a clock that was never read must not decide where to begin. False: told to stop.
   bool wait_for_plant() {
     bool said = false;
     while (!stop_.raised()) {
