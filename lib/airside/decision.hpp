@@ -12,12 +12,13 @@
 
 namespace airside {
 
-/// Rungs of the ladder, numbers frozen; the highest that any fault asks for wins. Source: RELIABILITY "The ladder".
+/// Rungs of the ladder, numbers frozen. Every fault inside lib ends at the schedule, since a cycle always yields a
+/// command; `release` is the AHU's own step once nothing reaches it. Source: RELIABILITY "The ladder".
 enum class Mode : std::uint8_t {
   learn = 0,    ///< control and learn
   run = 1,      ///< control with frozen weights
   expert = 2,   ///< the schedule
-  release = 3,  ///< nothing is written
+  release = 3,  ///< nothing is written; never the mode of a decision
 };
 
 constexpr const char* text_of(Mode mode) {

@@ -15,7 +15,8 @@ class SafetyEnvelope {
   constexpr explicit SafetyEnvelope(const ControllerSettings& s)
       : min_(s.limit_min_degc), max_(s.limit_max_degc), change_(s.limit_change_k), round_(s.round_k) {}
 
-  /// The nearest safe setpoint to `proposal_degc`, at most one rate step from `last_degc`.
+  /// The nearest safe setpoint to `proposal_degc`, at most one rate step from `last_degc`, or from the nearer
+  /// limit where that lies outside.
   /// Units: degC. `fallback_degc` replaces a proposal that is not finite; `last_degc` may be NaN (unknown): no rate
   /// limit then, since any other choice would invent a value.
   /// Errors: none; every input, NaN included, yields a safe Command.

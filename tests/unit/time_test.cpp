@@ -1,10 +1,13 @@
-// Civil time, the schedule's edges, and the one random generator.
+// Civil time, the loop's way with clocks, the schedule's edges, and the one random generator.
 
 #include <gtest/gtest.h>
 
 #include <set>
+#include <vector>
 
 #include "airside/cycle.hpp"
+#include "airside/decision.hpp"
+#include "airside/envelope.hpp"
 #include "airside/expert.hpp"
 #include "airside/splitmix64.hpp"
 
@@ -49,6 +52,67 @@ TEST(CivilTime, NextRowIsAtOrAfter) {
   EXPECT_EQ(next_row(at(0, 0, 6, 1)), at(0, 0, 12));
   EXPECT_EQ(next_row({-1}).seconds, 0);
   EXPECT_EQ(next_row({-360}).seconds, -360);
+}
+
+/// A plant that always answers, and a clock that somebody sets right once, after so many rows.
+struct AnsweringPlant {
+  Expected<Reading<FiveZone>> sense() { return Reading<FiveZone>{}; }
+  Expected<Applied> actuate(const Command& command) { return Applied{command.setpoint_degc()}; }
+};
+struct CorrectedClock {
+  CivilTime time;
+  std::int64_t correction_s = 0;
+  int rows_before = 0;
+  CivilTime now() {
+    if (rows_before-- == 0) time.seconds += correction_s;
+    return time;
+  }
+  bool sleep_until(CivilTime t) {
+    time = std::max(time, t);
+    return true;
+  }
+};
+struct Schedule {
+  Decision last{.time = {}, .command = SafetyEnvelope(paper_settings()).limit(25, 25, 25)};
+  const Decision& decide(CivilTime, const Expected<Reading<FiveZone>>&) { return last; }
+  void absorb(const Expected<Applied>&) {}
+  void observe(CivilTime, const Expected<Reading<FiveZone>>&) {}
+};
+struct Times {
+  std::vector<CivilTime> rows;
+  bool row(CivilTime t, const Expected<Reading<FiveZone>>&, const Schedule&) {
+    rows.push_back(t);
+    return rows.size() < 6;
+  }
+};
+std::vector<CivilTime> rows_with(std::int64_t correction_s) {
+  AnsweringPlant plant;
+  CorrectedClock clock{at(0, 12, 0), correction_s, 2};
+  Schedule controller;
+  Times times;
+  run_cycles<FiveZone>(plant, clock, controller, times, at(0, 12, 0), at(2, 0, 0));
+  return times.rows;
+}
+
+TEST(RunCycles, FollowsAClockThatIsSetBackInsteadOfWaitingForIt) {
+  const auto rows = rows_with(-3 * 3600);
+  ASSERT_EQ(rows.size(), 6U);
+  EXPECT_EQ(rows[2], at(0, 12, 12));
+  EXPECT_EQ(rows[3], at(0, 9, 12));
+  EXPECT_EQ(rows[4], at(0, 9, 18));
+}
+
+TEST(RunCycles, WaitsOutASmallCorrectionAndRepeatsNoRow) {
+  const auto rows = rows_with(-400);
+  ASSERT_EQ(rows.size(), 6U);
+  for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(rows[i], at(0, 12, 6 * static_cast<int>(i)));
+}
+
+TEST(RunCycles, SkipsTheRowsThatAClockJumpsOver) {
+  const auto rows = rows_with(3600);
+  ASSERT_EQ(rows.size(), 6U);
+  EXPECT_EQ(rows[2], at(0, 12, 12));
+  EXPECT_EQ(rows[3], at(0, 13, 12));
 }
 
 TEST(ExpertSchedule, ChangesAtSevenAndAtNineteen) {
