@@ -144,6 +144,20 @@ TEST(ControllerFaults, AForecastThatIsNoNumberYieldsTheSchedule) {
   EXPECT_EQ(rig.decision().command.setpoint_degc(), expert_setpoint_degc(s, rig.decision().time));
 }
 
+TEST(ControllerFaults, AnInfiniteWishOfTheHeadIsNotTakenForTheEndOfTheRange) {
+  Rig rig;
+  rig.cycles(4);
+  ASSERT_TRUE(std::isfinite(rig.decision().head_degc));
+  auto& theta = rig.controller->learning().head.theta();
+  theta.setZero();
+  theta(HeadFeatures::setpoint_change) = 0.2;
+  theta.tail<RoomHead<FiveZone>::slots * 2>().setConstant(1.7e308);  // finite, but not once it is divided by the gain
+  rig.row();
+  EXPECT_FALSE(std::isfinite(rig.decision().head_degc));
+  EXPECT_TRUE(std::isfinite(rig.decision().network_degc)) << "which takes over";
+  EXPECT_NE(rig.decision().mode, Mode::expert);
+}
+
 TEST(ControllerFaults, RestoredWeightsThatAreNoNumbersAreRefused) {
   Rig rig;
   rig.cycles(2);

@@ -86,6 +86,22 @@ TEST(Gate, AStepThatExplodesIsRefused) {
   EXPECT_TRUE(rig.same_weights(before));
 }
 
+TEST(Gate, WithoutItWeightsThatAreNoNumbersAreRefusedAllTheSame) {
+  ControllerSettings s = product_settings();
+  s.gate = 0;
+  Rig rig(s);
+  remember_a_day(rig);
+  rig.cycles(1);
+  auto& replay = rig.controller->replay();
+  for (int slot = 0; slot < replay.size(); ++slot) {
+    replay.slot(slot).fill(std::numeric_limits<float>::quiet_NaN());
+  }
+  const auto before = rig.controller->learning().weights;
+  rig.cycles(1);
+  EXPECT_EQ(rig.controller->learning().rejected, 1U);
+  EXPECT_TRUE(rig.same_weights(before));
+}
+
 TEST(Gate, WithoutItThePoisonWouldHaveControlled) {
   ControllerSettings s = eager();
   s.gate = 0;
