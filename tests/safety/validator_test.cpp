@@ -189,6 +189,15 @@ TEST_F(ValidatorTest, CallsASensorStuckOnlyWhereItsPeersMove) {
   EXPECT_EQ(rows_until_stuck(resting, 0.1, 400), -1);
 }
 
+TEST_F(ValidatorTest, FindsAStuckSensorAlsoAfterTheClockWasSetBack) {
+  Validator<T> moving(table(), 1080), resting(table(), 1080);
+  for (Validator<T>* v : {&moving, &resting}) ASSERT_TRUE(v->check(reading(10000)));
+  const int found = rows_until_stuck(moving, 1.0, 200);
+  EXPECT_GT(found, 60);
+  EXPECT_LT(found, 90);
+  EXPECT_EQ(rows_until_stuck(resting, 0.1, 400), -1);
+}
+
 TEST_F(ValidatorTest, AStuckSensorIsLostUntilItMoves) {
   Validator<T> v(table(), 1080);
   const int found = rows_until_stuck(v, 1.0, 200);
