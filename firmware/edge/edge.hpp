@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -80,7 +81,9 @@ class Edge {
   /// Opens state and log and finds out where to go on: the newest good state, else the blob, else the schedule.
   /// Errors: hal::InputError for a bad blob or history, or a state folder that another daemon uses.
   void start() {
-    const std::uint32_t blob_crc = load_blob();  // first: a refused blob leaves no folder behind
+    const std::uint32_t blob_crc = load_blob();  // first: a refused blob or history leaves no folder behind
+    std::error_code ignored;
+    if (!std::filesystem::exists(site_.state_dir, ignored)) load_history();
     open_log();
     open_store();
     status_.emplace(site_.state_dir);
@@ -92,6 +95,14 @@ class Edge {
     }
     next_ = {resumed.seconds == 0 ? 0 : resumed.seconds + row_s};
     payload_.reset();
+    history_.reset();
+  }
+
+  /// Reads what start() would read and leaves everything as it is, beside a running daemon too.
+  /// Errors: hal::InputError as of start(), but for the state folder.
+  void check() {
+    (void)load_blob();
+    load_history();
   }
 
   /// Runs until told to stop, or until options.until; called again, it goes on. Returns the process's exit code.
@@ -217,13 +228,20 @@ class Edge {
     return crc32c(bytes);
   }
 
+  /// Reads the schedule's days, which only weights make useful. A resumed state has them already and needs no file.
+  void load_history() {
+    if (blob_bytes_ > 0 && !site_.history_log.empty()) {
+      history_ = hal::read_log(site_.history_log, hal::counts_of<T>());
+    }
+  }
+
   void begin_from_blob() {
     take_payload<T>(*controller_, *payload_);
     say("starting from {}", site_.weights_blob);
-    if (site_.history_log.empty()) return;
-    const hal::Log log = hal::read_log(site_.history_log, hal::counts_of<T>());
+    if (!history_) load_history();
+    if (!history_) return;
     HistoryReader<T> reader(*controller_, HistoryReader<T>::Head::leave);
-    for (const hal::LogRow& row : log.rows) {
+    for (const hal::LogRow& row : history_->rows) {
       reader.row(row.time, Eigen::Map<const typename Reading<T>::Vector>(row.value.data()), row.setpoint_degc);
     }
     say("remembered {} transitions of {}", reader.transitions(), site_.history_log);
@@ -310,6 +328,7 @@ class Edge {
   std::unique_ptr<Controller<T>> controller_;
   std::unique_ptr<Payload> payload_;
   std::size_t blob_bytes_ = 0;
+  std::optional<hal::Log> history_;  ///< until start() has ended
   std::optional<hal::DurableStore> store_;
   std::optional<hal::RowLog> log_;
   hal::LogRow log_row_;

@@ -32,7 +32,8 @@ int main(int argc, char** argv) {
   bool check_only = false, no_sync = false;
   app.add_option("--site", site_path, "site file, such as /etc/airside/site.toml")->required();
   app.add_option("--until", until, "stop at this local time, such as 2021-08-20T00:00:00");
-  app.add_flag("--check", check_only, "read everything, say whether it is in order, and stop");
+  app.add_flag("--check", check_only,
+               "read site, points, weights and history, say whether they are in order, and stop");
   app.add_flag("--no-sync", no_sync, "do not force state to the disk each row; for simulations");
   app.add_option("--backoff", options.backoff_first_s, "first wait after a lost link, s")
       ->check(CLI::Range(0.01, 60.0));
@@ -60,8 +61,14 @@ int main(int argc, char** argv) {
     int code = 1;
     with_topology(site.topology.c_str(), [&]<class T>(T) {
       auto daemon = std::make_unique<edge::Edge<T>>(site, points, options, hal::StopFlag(&stop_requested));
+      if (check_only) {
+        daemon->check();
+        std::printf("%s: site, points, weights and history are in order\n", site_path.c_str());
+        code = 0;
+        return;
+      }
       daemon->start();
-      code = check_only ? 0 : daemon->run();
+      code = daemon->run();
     });
     return code;
   } catch (const std::exception& e) {
