@@ -63,7 +63,7 @@ max_file_mb = 8.0
 log = ""                 # CSV log of days under the schedule, for first training
 
 [weights]
-blob = ""                # signed weight blob to start with
+blob = ""                # weight blob to start with
 
 # A model of the building, for training before anything is installed:
 # [twin]

@@ -24,6 +24,14 @@ Site make_site(const SiteOptions& options) {
   return site;
 }
 
+std::string command_text(const SiteOptions& options) {
+  std::string text;
+  if (!options.path.empty()) text += " --site " + options.path;
+  if (!options.preset.empty()) text += " --preset " + options.preset;
+  if (options.path.empty() && options.topology != SiteOptions{}.topology) text += " --topology " + options.topology;
+  return text;
+}
+
 OnProgress show_progress(Progress& bar) {
   return [&bar](double share) { bar.set(static_cast<std::uint64_t>(share * progress_steps)); };
 }

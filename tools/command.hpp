@@ -34,6 +34,9 @@ void add_site_options(CLI::App& command, SiteOptions& options);
 /// Errors: hal::InputError.
 Site make_site(const SiteOptions& options);
 
+/// The site options as they must be typed again, each after a space; "" for the built-in site as it is.
+std::string command_text(const SiteOptions& options);
+
 /// Progress to standard error as a share of the work; pass on to session functions.
 OnProgress show_progress(Progress& bar);
 constexpr std::uint64_t progress_steps = 1000;

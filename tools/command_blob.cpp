@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "airside/fault.hpp"
@@ -44,9 +45,15 @@ std::vector<std::pair<const char*, std::string>> header_fields(const BlobFacts& 
       {"payload bytes", std::to_string(h.payload_bytes)}};
 }
 
+/// The field's name as FORMATS.md writes it.
+std::string key_of(std::string name) {
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+}
+
 json json_of(const BlobFacts& f) {
   json header, scaler = json::array(), layers = json::array();
-  for (const auto& [name, text] : header_fields(f)) header[name] = text;
+  for (const auto& [name, text] : header_fields(f)) header[key_of(name)] = text;
   for (const BlobSignal& s : f.signals) {
     scaler.push_back({{"signal", s.name}, {"unit", s.unit}, {"mean", number(s.mean)}, {"scale", number(s.scale)}});
   }
@@ -181,7 +188,7 @@ struct DiffCommand {
     others.emplace_back("provenance", b.provenance);
     for (std::size_t i = 0; i < fields.size(); ++i) {
       if (fields[i].second == others[i].second) continue;
-      header.push_back({{"field", fields[i].first}, {"a", fields[i].second}, {"b", others[i].second}});
+      header.push_back({{"field", key_of(fields[i].first)}, {"a", fields[i].second}, {"b", others[i].second}});
     }
     for (std::size_t i = 0; same_shape && i < a.signals.size(); ++i) {
       const BlobSignal &x = a.signals[i], &y = b.signals[i];

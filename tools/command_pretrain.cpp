@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "hal/civil_text.hpp"
 #include "sim/plant_model.hpp"
 #include "tools/command.hpp"
@@ -28,7 +30,8 @@ struct PretrainCommand {
     options.seed = plant.seed;
     options.updates_per_cycle = updates;
     options.fixed_schedule = fixed_schedule;
-    options.provenance = fmt::format("airside pretrain {} --days {}{} ({})", command_text(plant), days,
+    options.provenance = fmt::format("airside pretrain {}{} --days {}{}{} ({})", command_text(plant, s),
+                                     command_text(site), days, updates > 0 ? fmt::format(" --updates {}", updates) : "",
                                      fixed_schedule ? " --static" : "", model->description());
     const Pretraining trained = pretrain(s, *model, until, options, show_progress(bar));
     bar.finish();
@@ -52,9 +55,9 @@ struct PretrainCommand {
       return;
     }
     fmt::print("daily DAE while it learned, degC:");
-    for (const int day : {1, 2, 3, 6, 7, 14, 31}) {
-      if (day <= std::ssize(m.days))
-        fmt::print("  day {} {:.3f}", day, m.days[static_cast<std::size_t>(day - 1)].dae_degc);
+    const int last = static_cast<int>(m.days.size());
+    for (const int day : std::set<int>{1, 2, 3, 6, 7, 14, 31, last}) {
+      if (day <= last) fmt::print("  day {} {:.3f}", day, m.days[static_cast<std::size_t>(day - 1)].dae_degc);
     }
     fmt::print("\n(day 1 is the schedule's; the agent acts from day 2)\nweights: {} ({} bytes, digest {})\n", out,
                trained.blob.size(), digest_text(trained.blob));
@@ -65,7 +68,7 @@ struct PretrainCommand {
 
 void add_pretrain(CLI::App& app) {
   auto self = std::make_shared<PretrainCommand>();
-  CLI::App* c = app.add_subcommand("pretrain", "train weights in the loop with a simulated room (spec 7.2)");
+  CLI::App* c = app.add_subcommand("pretrain", "train weights in the loop with a simulated room");
   add_site_options(*c, self->site);
   add_plant_options(*c, self->plant);
   c->add_option("--days", self->days, "length; day 1 runs the schedule and fits the scaler")
@@ -73,7 +76,7 @@ void add_pretrain(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--updates", self->updates, "optimiser steps a cycle (default: the preset's)")
       ->check(CLI::Range(1, 100));
-  c->add_flag("--static", self->fixed_schedule, "fixed schedules instead of the agent (spec 7.3)");
+  c->add_flag("--static", self->fixed_schedule, "fixed schedules instead of the agent, as a plain data set");
   c->add_option("-o,--out", self->out, "blob to write")->capture_default_str();
   c->add_option("--log", self->log, "CSV of all rows");
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");

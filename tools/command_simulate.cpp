@@ -28,11 +28,10 @@ struct SimulateCommand {
   std::vector<std::string> compare;
   bool transfer = false, json = false;
 
-  std::string again() const {
-    std::string text = fmt::format("airside simulate {} --expert-days {} --days {} --method {}", command_text(plant),
-                                   expert_days, days, method);
-    if (!site.path.empty()) text += " --site " + site.path;
-    if (!site.preset.empty()) text += " --preset " + site.preset;
+  std::string again(const Site& s) const {
+    std::string text = fmt::format("airside simulate {} --expert-days {} --days {} --method {}{}",
+                                   command_text(plant, s), expert_days, days, method, command_text(site));
+    if (!history.empty()) text += " --history " + history;
     if (!weights.empty()) text += " --weights " + weights;
     if (transfer) text += fmt::format(" --transfer --steps {}", steps);
     if (!compare.empty()) text += fmt::format(" --compare {}", fmt::join(compare, ","));
@@ -54,8 +53,16 @@ struct SimulateCommand {
   void run() const {
     Trial trial{make_site(site), plant, expert_days, days};
     trial.site.file.seed = plant.seed;
+    if (site.path.empty()) trial.site.file.name = "Room " + plant.room;  // "built-in" says nothing in a report
+    const bool engine = is_energyplus(plant, trial.site);
+    bool ours = method == "ours";
+    if (!ours) check_method("--method", method, engine);
+    for (const std::string& name : compare) {
+      if (name != "ours") check_method("--compare", name, engine);
+      ours = ours || name == "ours";
+    }
     BlobBytes blob;
-    if (method == "ours") {
+    if (ours) {
       if (weights.empty() && !transfer) {
         throw hal::InputError(
             "--weights", "no weights", "a blob for the controller",
@@ -68,8 +75,7 @@ struct SimulateCommand {
     write_rows(log, trial.site, run.rows);
     write_rows(history_log, trial.site, past);
     const Metrics metrics = metrics_of(trial.site, run);
-    std::vector<MethodResult> results{
-        {method, method == "ours" ? MethodResult::Kind::ours : MethodResult::Kind::peer, {metrics}}};
+    std::vector<MethodResult> results{{method, MethodResult::Kind::ours, {metrics}}};
     for (const std::string& name : compare) {
       const auto kind = name == "expert"             ? MethodResult::Kind::schedule
                         : name.starts_with("floor-") ? MethodResult::Kind::floor
@@ -81,7 +87,7 @@ struct SimulateCommand {
       record.plant = make_plant(plant, trial.site, 1)->description();
       record.seeds = fmt::format("{}", plant.seed);
       record.weights_digest = blob.empty() ? "none" : digest_text(blob);
-      record.command = again();
+      record.command = again(trial.site);
       record.methods = results;
       const auto files = write_report(std::filesystem::path(report) / "index.html", make_run_report(record));
       fmt::print(stderr, "report: {}\n", files.front().string());
@@ -120,7 +126,8 @@ void add_simulate(CLI::App& app) {
       ->check(CLI::Range(0, 60))
       ->capture_default_str();
   c->add_option("--days", self->days, "controlled days")->check(CLI::Range(1, 300))->capture_default_str();
-  c->add_option("--method", self->method, "ours, or a baseline: expert, pid-tuned, integral-5, arx-rls, ...")
+  c->add_option("--method", self->method,
+                "ours, expert, pid-tuned, integral-5, arx-rls, floor-full, ... (a wrong name lists all)")
       ->capture_default_str();
   c->add_option("--weights", self->weights, "blob to start from");
   c->add_flag("--transfer", self->transfer, "fine-tune on the schedule's days first, as airside transfer does");

@@ -132,8 +132,30 @@ struct StudyCommand {
     return outcomes;
   }
 
+  void check_before_the_long_part(bool energyplus) const {
+    for (const std::string& name : methods) check_method("--methods", name, energyplus);
+    for (const std::string& room : rooms) {
+      for (const std::string& name : {room, twin_of(room)}) {
+        try {
+          (void)make_plant(choice(name, 1, "2021-08-01"), site_of("product"), 1);
+        } catch (const hal::InputError& e) {
+          if (e.place() != "--room") throw;
+          throw hal::InputError(name == room ? "--rooms" : "--twin-room", e.found(), e.expected(), e.remedy());
+        }
+      }
+    }
+    if (!out.empty()) std::fclose(open_out("a"));
+  }
+
+  std::FILE* open_out(const char* mode) const {
+    std::FILE* f = std::fopen(out.c_str(), mode);
+    if (f == nullptr)
+      throw hal::InputError("--out " + out, "a file that cannot be written", "a writable path", "choose another");
+    return f;
+  }
+
   void run() {
-    const bool energyplus = is_energyplus(choice("301", 1, "2021-07-01"));
+    const bool energyplus = is_energyplus(choice("301", 1, "2021-07-01"), site_of("product"));
     kind = energyplus ? "energyplus" : "rc";
     if (rooms.empty()) {
       rooms = {"301-real", "401-real", "402-real", "701-real", "702-real"};
@@ -145,6 +167,7 @@ struct StudyCommand {
       methods = {"expert", "pid-tuned", "integral-5", "integral-7", "arx-2", "arx-rls", "g36-site-i2"};
       for (const std::string& floor : floor_names(energyplus)) methods.push_back(floor);
     }
+    check_before_the_long_part(energyplus);
     std::vector<Job> list;
     for (const std::string& room : rooms) {
       for (int s = 0; s < seeds; ++s) list.push_back({room, static_cast<std::uint64_t>(first_seed + s)});
@@ -203,9 +226,7 @@ struct StudyCommand {
     }
     for (std::size_t i = 0; i < outcomes.size(); ++i) j["runs"].push_back(outcomes[i]);
     if (!out.empty()) {
-      std::FILE* f = std::fopen(out.c_str(), "w");
-      if (f == nullptr)
-        throw hal::InputError("--out " + out, "a file that cannot be written", "a writable path", "choose another");
+      std::FILE* f = open_out("w");
       fmt::print(f, "{}\n", j.dump(1));
       std::fclose(f);
     }
@@ -231,13 +252,20 @@ void add_study(CLI::App& app) {
       ->delimiter(',');
   c->add_option("--count", self->room_count, "how many rc rooms")->check(CLI::Range(1, 200))->capture_default_str();
   c->add_option("--seeds", self->seeds, "seeds a room")->check(CLI::Range(1, 100))->capture_default_str();
-  c->add_option("--first-seed", self->first_seed, "")->capture_default_str();
+  c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
   c->add_option("--twin-room", self->twin_room, "room to pretrain on (default: the twin of each)");
-  c->add_option("--pretrain-days", self->pretrain_days, "")->check(CLI::Range(2, 364))->capture_default_str();
-  c->add_option("--updates", self->updates, "optimiser steps a cycle in pretraining (default: the preset's)");
-  c->add_option("--steps", self->steps, "optimiser steps of the transfer")->capture_default_str();
-  c->add_option("--expert-days", self->expert_days, "")->capture_default_str();
-  c->add_option("--days", self->days, "")->capture_default_str();
+  c->add_option("--pretrain-days", self->pretrain_days, "days of pretraining")
+      ->check(CLI::Range(2, 364))
+      ->capture_default_str();
+  c->add_option("--updates", self->updates, "optimiser steps a cycle in pretraining (default: the preset's)")
+      ->check(CLI::Range(1, 100));
+  c->add_option("--steps", self->steps, "optimiser steps of the transfer")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  c->add_option("--expert-days", self->expert_days, "days under the schedule before")
+      ->check(CLI::Range(1, 60))
+      ->capture_default_str();
+  c->add_option("--days", self->days, "controlled days")->check(CLI::Range(1, 300))->capture_default_str();
   c->add_option("--methods", self->methods, "peers and floors, comma-separated")->delimiter(',');
   c->add_option("--jobs", self->jobs, "child processes at a time")->check(CLI::Range(1, 256))->capture_default_str();
   c->add_option("-o,--out", self->out, "JSON file with every run");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "hal/civil_text.hpp"
+#include "hal/input_error.hpp"
 #include "tools/command.hpp"
 
 namespace airside::tools {
@@ -19,9 +20,17 @@ struct TransferCommand {
     const Site s = make_site(site);
     const BlobBytes source = from.empty() ? BlobBytes{} : read_blob(from, s);
     const hal::Log rows = hal::read_log(log, s.counts);
+    constexpr std::size_t day_rows = 86400 / row_s;
+    if (rows.rows.size() < day_rows) {
+      throw hal::InputError(log, fmt::format("{} rows, less than a day", rows.rows.size()),
+                            fmt::format("at least {} rows, one day; five days are better", day_rows),
+                            "let the schedule run longer and export that log");
+    }
     Progress bar(from.empty() ? "training from scratch" : "fine-tuning", progress_steps);
-    options.provenance = fmt::format("airside transfer --from {} --log {} --steps {} --seed {} (source digest {})",
-                                     from, log, options.steps, options.seed, digest_text(source));
+    options.provenance =
+        fmt::format("airside transfer{} --log {} --steps {} --seed {}{}{}", from.empty() ? "" : " --from " + from, log,
+                    options.steps, options.seed, command_text(site),
+                    from.empty() ? "" : fmt::format(" (source digest {})", digest_text(source)));
     const BlobBytes blob = fine_tune(s, source, rows.rows, options, show_progress(bar));
     bar.finish();
     write_blob(out, blob);
@@ -29,7 +38,7 @@ struct TransferCommand {
       const nlohmann::json j = {{"blob", out},
                                 {"blob_bytes", blob.size()},
                                 {"digest", digest_text(blob)},
-                                {"source_digest", digest_text(source)},
+                                {"source_digest", from.empty() ? "" : digest_text(source)},
                                 {"rows", rows.rows.size()},
                                 {"missing_rows", rows.summary.missing_rows},
                                 {"steps", options.steps},
@@ -51,7 +60,7 @@ struct TransferCommand {
 
 void add_transfer(CLI::App& app) {
   auto self = std::make_shared<TransferCommand>();
-  CLI::App* c = app.add_subcommand("transfer", "fit a source room's weights to another room's log (spec 8)");
+  CLI::App* c = app.add_subcommand("transfer", "fit a source room's weights to another room's log");
   add_site_options(*c, self->site);
   c->add_option("--from", self->from, "source blob (none: train from scratch)");
   c->add_option("--log", self->log, "CSV log of the target room under the schedule, 5 days or so")->required();

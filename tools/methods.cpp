@@ -1,5 +1,9 @@
 #include "tools/methods.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "hal/input_error.hpp"
 #include "sim/energyplus_plant.hpp"
 #include "sim/rc_floor.hpp"
@@ -10,6 +14,14 @@ namespace airside::tools {
 std::vector<std::string> floor_names(bool energyplus) {
   if (energyplus) return {"floor-full"};
   return {"floor-frozen", "floor-profile", "floor-full"};
+}
+
+void check_method(const std::string& option, const std::string& name, bool energyplus) {
+  std::vector<std::string> known = baseline_names();
+  for (const std::string& floor : floor_names(energyplus)) known.push_back(floor);
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  throw hal::InputError(option, '"' + name + '"', fmt::format("one of {}", fmt::join(known, ", ")),
+                        "choose a name from the list");
 }
 
 Prepared prepare(const Trial& trial, const OnProgress& progress) {
@@ -28,7 +40,7 @@ ControlRun run_ours(const Trial& trial, Prepared& prepared, const OurWeights& we
     FineTuneOptions options;
     options.steps = weights.steps;
     options.seed = trial.plant.seed;
-    options.provenance = "fine-tuned in a trial: " + command_text(trial.plant);
+    options.provenance = "fine-tuned in a trial: " + command_text(trial.plant, trial.site);
     blob = fine_tune(trial.site, weights.blob, prepared.history, options);
   }
   return run_controller(trial.site, *prepared.model, blob, prepared.history, prepared.until, trial.site.file.seed,

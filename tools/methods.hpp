@@ -24,6 +24,10 @@ struct Trial {
 /// "floor-frozen", "floor-profile" (rc only), "floor-full".
 std::vector<std::string> floor_names(bool energyplus);
 
+/// Refuses a name that run_method would not know, before anything is computed. `option` is what the user typed it
+/// after. Errors: hal::InputError.
+void check_method(const std::string& option, const std::string& name, bool energyplus);
+
 /// A made plant that has run the schedule's days.
 struct Prepared {
   std::unique_ptr<sim::PlantModel> model;

@@ -46,19 +46,26 @@ sim::RcRoom generated_room(const std::string& name) {
   return room;
 }
 
+bool is_standard(const Site& site) { return site.counts.vavs == 5 && site.counts.fcus == 5 && site.counts.powers == 2; }
+
+bool same_shape(const sim::RcRoom& room, const Site& site) {
+  return room.vavs == site.counts.vavs && room.fcus == site.counts.fcus && room.powers == site.counts.powers;
+}
+
 std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& site, CivilTime start) {
   sim::RcRoom room;
-  const bool standard = site.counts.vavs == 5 && site.counts.fcus == 5 && site.counts.powers == 2;
-  if (standard && (choice.room.starts_with("study-") || choice.room.starts_with("tuning-"))) {
+  if (is_standard(site) && (choice.room.starts_with("study-") || choice.room.starts_with("tuning-"))) {
     room = generated_room(choice.room);
-  } else if (standard) {
-    room = sim::load_room(choice.room);
   } else {
-    room = sim::make_room(site.counts.vavs, site.counts.fcus, site.counts.powers);
-    room.name = choice.room;
-    if (choice.room.ends_with("-real")) room = sim::perturbed_room(room, weather_seed(choice.room, 0));
+    room = sim::load_room(choice.room);
   }
-  if (room.vavs != site.counts.vavs || room.fcus != site.counts.fcus || room.powers != site.counts.powers) {
+  if (!is_standard(site) && !same_shape(room, site) && !choice.room.ends_with(".json")) {
+    // The known rooms have the method's shape: another site gets a room of its own shape under that name.
+    room = sim::make_room(site.counts.vavs, site.counts.fcus, site.counts.powers);
+    if (choice.room.ends_with("-real")) room = sim::perturbed_room(room, weather_seed(choice.room, 0));
+    room.name = choice.room;
+  }
+  if (!same_shape(room, site)) {
     throw hal::InputError(
         "--room " + choice.room, fmt::format("{} VAV, {} FCU, {} powers", room.vavs, room.fcus, room.powers),
         fmt::format("the site's {} VAV, {} FCU, {} powers", site.counts.vavs, site.counts.fcus, site.counts.powers),
@@ -73,7 +80,7 @@ std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& 
 
 std::unique_ptr<sim::PlantModel> make_energyplus(const PlantChoice& choice, const Site& site, CivilTime start,
                                                  int days) {
-  if (site.counts.vavs != 5 || site.counts.fcus != 5 || site.counts.powers != 2) {
+  if (!is_standard(site)) {
     throw hal::InputError("--plant energyplus", "topology " + site.counts.name, "5vav-5fcu-2power",
                           "use --plant rc for other shapes; the EnergyPlus twin is the method's room");
   }
@@ -101,7 +108,9 @@ void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string
   command.add_option("--plant", choice.kind, "rc, energyplus, or auto: EnergyPlus where it is installed")
       ->check(CLI::IsMember({"auto", "rc", "energyplus"}))
       ->capture_default_str();
-  command.add_option("--room", choice.room, "301, 401, 402, 701, 702, each also as NAME-real; rc: also a .json file")
+  command
+      .add_option("--room", choice.room,
+                  "301, 401, 402, 701, 702, each also as NAME-real; rc: also study-0 .. study-199 or a .json file")
       ->capture_default_str();
   command.add_option("--twin", choice.model, "an epJSON model of your own instead of the built-in twin");
   command.add_option("--patch", choice.patches, "merge patches on the model, in order");
@@ -117,20 +126,26 @@ CivilTime start_of(const PlantChoice& choice) {
   return *t;
 }
 
-bool is_energyplus(const PlantChoice& choice) {
-  return choice.kind == "energyplus" || (choice.kind == "auto" && sim::have_energyplus());
+bool is_energyplus(const PlantChoice& choice, const Site& site) {
+  return choice.kind == "energyplus" || (choice.kind == "auto" && is_standard(site) && sim::have_energyplus());
 }
 
 std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days) {
   const CivilTime start = start_of(choice);
-  const bool standard = site.counts.vavs == 5 && site.counts.fcus == 5 && site.counts.powers == 2;
-  if (choice.kind == "auto" && !standard) return make_rc(choice, site, start);
-  return is_energyplus(choice) ? make_energyplus(choice, site, start, days) : make_rc(choice, site, start);
+  try {
+    return is_energyplus(choice, site) ? make_energyplus(choice, site, start, days) : make_rc(choice, site, start);
+  } catch (const hal::InputError& e) {
+    if (e.place() != "room") throw;
+    std::string names = e.expected();  // the engine's rooms are files, named with underscores
+    std::replace(names.begin(), names.end(), '_', '-');
+    throw hal::InputError("--room", e.found(), names, e.remedy());
+  }
 }
 
-std::string command_text(const PlantChoice& choice) {
-  std::string text = fmt::format("--plant {} --room {} --start {} --seed {}",
-                                 is_energyplus(choice) ? "energyplus" : "rc", choice.room, choice.start, choice.seed);
+std::string command_text(const PlantChoice& choice, const Site& site) {
+  std::string text =
+      fmt::format("--plant {} --room {} --start {} --seed {}", is_energyplus(choice, site) ? "energyplus" : "rc",
+                  choice.room, choice.start, choice.seed);
   if (!choice.model.empty()) text += " --twin " + choice.model;
   for (const std::string& patch : choice.patches) text += " --patch " + patch;
   if (!choice.weather.empty()) text += " --weather " + choice.weather;

@@ -30,14 +30,14 @@ void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string
 /// Midnight of the start day.  Errors: hal::InputError for text that is no date.
 CivilTime start_of(const PlantChoice& choice);
 
-/// Whether the choice means EnergyPlus on this machine.
-bool is_energyplus(const PlantChoice& choice);
+/// Whether the choice means EnergyPlus on this machine and for this shape of room ("auto" is rc for other shapes).
+bool is_energyplus(const PlantChoice& choice, const Site& site);
 
 /// Makes the room; `days` is how long it will be needed.
 /// Errors: hal::InputError for unknown rooms, bad files, an absent engine.
 std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days);
 
 /// The options as they must be typed again, for reports.
-std::string command_text(const PlantChoice& choice);
+std::string command_text(const PlantChoice& choice, const Site& site);
 
 }  // namespace airside::tools
