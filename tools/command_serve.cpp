@@ -124,7 +124,7 @@ struct ServeCommand {
     ServedPlant served(s, *model, server, speed, CivilTime{open.seconds + days * std::int64_t{86400}});
     std::signal(SIGTERM, request_serve_stop);
     std::signal(SIGINT, request_serve_stop);
-    const std::string where = pty.empty() ? fmt::format("{}:{}", listen, server.port()) : server.device();
+    const std::string where = pty.empty() ? fmt::format("{}:{}", listen, server.port()) : pty;
     fmt::print("serving {} on {} from {}\n", model->description(), where, hal::civil_text(open));
     std::fflush(stdout);
     if (!ready_file.empty()) {

@@ -141,14 +141,14 @@ void read_history(Controller<T>& controller, const std::vector<hal::LogRow>& row
   for (const hal::LogRow& row : rows) reader.row(row.time, values_of<T>(row), row.setpoint_degc);
 }
 
+/// Without a site scope: pretrained weights are meant to travel; a scope belongs to a signed blob.
 template <Topology T>
-BlobBytes blob_of(const Site& site, const Controller<T>& controller, const std::string& provenance, CivilTime end) {
+BlobBytes blob_of(const Controller<T>& controller, const std::string& provenance, CivilTime end) {
   auto payload = std::make_unique<Payload<T>>();
   give_payload<T>(controller, *payload);
   provenance.copy(payload->provenance.data(), payload->provenance.size() - 1);
   BlobHeader header;
   header.created_s = end.seconds;
-  static_cast<void>(site);
   BlobBytes bytes(WeightBlob<T>::size(payload->head_states));
   WeightBlob<T>::encode(header, *payload, bytes);
   return bytes;
@@ -232,7 +232,7 @@ Pretraining pretrain_as(const Site& site, sim::PlantModel& model, CivilTime unti
     read_history<T>(*controller, out.run.rows, HistoryReader<T>::Head::learn);
     append(out.run, control<T>(site, model, *controller, until, progress));
   }
-  out.blob = blob_of<T>(site, *controller, options.provenance, until);
+  out.blob = blob_of<T>(*controller, options.provenance, until);
   return out;
 }
 
@@ -297,7 +297,7 @@ BlobBytes fine_tune(const Site& site, const BlobBytes& source, const std::vector
       (void)controller->train_step();
       if (progress && i % 50 == 49) progress((i + 1.0) / options.steps);
     }
-    out = blob_of<T>(site, *controller, options.provenance, rows.back().time);
+    out = blob_of<T>(*controller, options.provenance, rows.back().time);
   });
   return out;
 }
