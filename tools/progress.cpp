@@ -99,7 +99,7 @@ void Progress::show(bool force) {
   std::string bar;
   if (space >= narrowest_bar) {
     const int width = std::min(space, widest_bar);
-    const int full = static_cast<int>(share * width + 0.5);
+    const int full = static_cast<int>(std::lround(share * width));
     bar = " [" + std::string(static_cast<std::size_t>(full), '#') +
           std::string(static_cast<std::size_t>(width - full), '-') + "]";
   }

@@ -110,7 +110,8 @@ std::vector<double> round_ticks(double low, double high, int count) {
   const double step = power * (unit <= 1 ? 1 : unit <= 2 ? 2 : unit <= 5 ? 5 : 10);
   std::vector<double> ticks;
   const double first = std::ceil(low / step - 1e-9);
-  for (double i = first; i * step <= high + step * 1e-9; i += 1) ticks.push_back(i * step);
+  const int steps = static_cast<int>(std::floor(high / step + 1e-9) - first);
+  for (int i = 0; i <= steps; ++i) ticks.push_back((first + i) * step);
   return ticks;
 }
 

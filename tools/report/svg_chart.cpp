@@ -112,7 +112,11 @@ Axis y_axis_of(const LineChart& chart) {
 void y_grid(std::string& svg, const Axis& axis, const std::string& unit, double top, double bottom) {
   std::vector<double> ticks;
   if (axis.log) {
-    for (double v = axis.low; v <= axis.high * 1.0001; v *= 10) ticks.push_back(v);
+    double v = axis.low;
+    while (v <= axis.high * 1.0001) {
+      ticks.push_back(v);
+      v *= 10;
+    }
   } else {
     ticks = round_ticks(axis.low, axis.high, 6);
   }
