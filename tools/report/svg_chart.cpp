@@ -140,10 +140,12 @@ void time_ticks(std::string& svg, const Axis& x_axis, double top, double bottom)
     step_s = s;
     if (span_s / s <= 15) break;
   }
-  for (double t = std::ceil(x_axis.low / step_s) * step_s; t <= x_axis.high; t += step_s) {
-    const double x = left + x_axis.place(t) * plot_width;
-    const std::string text = hal::civil_text(CivilTime{static_cast<std::int64_t>(t)});
-    const bool midnight = CivilTime{static_cast<std::int64_t>(t)}.second_of_day() == 0;
+  const auto step = static_cast<std::int64_t>(step_s);
+  const auto last = static_cast<std::int64_t>(std::floor(x_axis.high));
+  for (std::int64_t t = static_cast<std::int64_t>(std::ceil(x_axis.low / step_s)) * step; t <= last; t += step) {
+    const double x = left + x_axis.place(static_cast<double>(t)) * plot_width;
+    const std::string text = hal::civil_text(CivilTime{t});
+    const bool midnight = CivilTime{t}.second_of_day() == 0;
     svg += fmt::format("<line class=\"grid\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\"/>", x, top, bottom);
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", x, bottom + 17,
                        midnight ? text.substr(5, 5) : text.substr(11, 5));
