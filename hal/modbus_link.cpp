@@ -25,13 +25,6 @@ LinkResult<void> failed(WireResult wire) {
   return failed(wire == WireResult::timed_out ? LinkError::timed_out : LinkError::closed_by_peer);
 }
 
-void put16(std::uint8_t* at, unsigned value) {
-  at[0] = static_cast<std::uint8_t>(value >> 8);
-  at[1] = static_cast<std::uint8_t>(value & 0xFFU);
-}
-
-unsigned get16(const std::uint8_t* at) { return unsigned{at[0]} << 8 | at[1]; }
-
 /// The numeric form of a host, so that connecting later never asks a name server.
 std::string numeric_host(const std::string& host, bool& is_ipv4) {
   addrinfo hints{};

@@ -26,8 +26,6 @@ constexpr int address_space = 65536;
 constexpr std::size_t max_clients = 32;
 constexpr int no_exception = 0;
 
-unsigned get16(const std::uint8_t* at) { return unsigned{at[0]} << 8 | at[1]; }
-
 [[noreturn]] void cannot(const std::string& place, const std::string& what) {
   throw InputError(place, what + " (" + std::strerror(errno) + ")", "an address or device that can be served",
                    "choose another, or end the program that holds it");

@@ -29,6 +29,13 @@ IdleState idle_state(int fd);
 /// Reads and drops bytes until the line has been silent for silence_ns. False: still busy at the deadline.
 bool drain_until_silent(int fd, std::int64_t silence_ns, std::int64_t deadline_ns);
 
+/// A 16-bit number as Modbus has it on the wire, high byte first.
+inline void put16(std::uint8_t* at, unsigned value) {
+  at[0] = static_cast<std::uint8_t>(value >> 8);
+  at[1] = static_cast<std::uint8_t>(value & 0xFFU);
+}
+inline unsigned get16(const std::uint8_t* at) { return unsigned{at[0]} << 8 | at[1]; }
+
 /// CRC-16 of serial Modbus, low byte first on the wire. Source: Modbus over Serial Line V1.02, 6.2.2.
 std::uint16_t crc16(std::span<const std::uint8_t> bytes);
 

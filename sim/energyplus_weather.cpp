@@ -13,8 +13,9 @@ namespace airside::sim {
 namespace {
 
 // Columns of an EPW record.
-constexpr std::size_t hour = 3, dry_bulb = 6, dew_point = 7, first_solar = 13, last_solar = 15, precipitation = 33;
-constexpr std::size_t least_columns = 32, header_lines = 8;
+constexpr std::size_t hour_column = 3, dry_bulb = 6, dew_point = 7, first_solar = 13, last_solar = 15,
+                      precipitation = 33;
+constexpr std::size_t needed_columns = 32, header_lines = 8;
 
 double number(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
 
@@ -28,7 +29,7 @@ void shift(std::string& field, double offset_k) {
   if (value < 99) field = fmt::format("{:.1f}", value + offset_k);
 }
 
-std::vector<std::string> split(const std::string& line) {
+std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields(1);
   for (const char c : line) {
     if (c == ',') {
@@ -58,8 +59,8 @@ EpwFile read_epw(const std::filesystem::path& file) {
     if (at <= header_lines) {
       weather.header.push_back(line.ends_with('\r') ? line.substr(0, line.size() - 1) : line);
     } else if (!line.empty() && line != "\r") {
-      weather.records.push_back(split(line));
-      if (weather.records.back().size() < least_columns)
+      weather.records.push_back(fields_of(line));
+      if (weather.records.back().size() < needed_columns)
         refuse(":" + std::to_string(at), std::to_string(weather.records.back().size()) + " columns");
     }
   }
@@ -84,7 +85,7 @@ EpwFile changed_epw(EpwFile weather, const WeatherChange& change, std::uint64_t 
       shift(record[dry_bulb], change.dry_bulb_offset_k);
       shift(record[dew_point], change.dry_bulb_offset_k);
     }
-    const double now = number(record[hour]);
+    const double now = number(record[hour_column]);
     const bool raining = storm && now >= from_hour && now < to_hour;
     const double sun = change.solar_factor * (raining ? 0.33 : 1.0);
     if (sun != 1.0)

@@ -170,7 +170,8 @@ class Edge {
             .row_bytes = sizeof(RowRecord<T>),
             .transition_bytes = sizeof(typename Ring::Row),
             .ring_capacity = Ring::capacity,
-            .meaning = topology_hash<T>(NetworkWeights<T, float>::count) ^ units_hash<T>()};
+            .meaning = topology_hash<T>(NetworkWeights<T, float>::count) ^ units_hash<T>() ^
+                       (std::uint64_t{state_version} << 32)};
   }
 
   hal::StoredState state(CivilTime t) {

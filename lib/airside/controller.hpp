@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <span>
 
+#include "airside/canary.hpp"
 #include "airside/confidence.hpp"
 #include "airside/decision.hpp"
 #include "airside/envelope.hpp"
@@ -26,6 +27,10 @@
 #include "airside/validation.hpp"
 
 namespace airside {
+
+/// Counts up whenever the meaning of a byte of LearningState or CycleState changes, sizes apart: saved state of another
+/// number is not read.
+constexpr std::uint32_t state_version = 2;
 
 /// What learning has produced: saved as one generation. Plain bytes, no pointers.
 template <Topology T, class Scalar>
@@ -182,6 +187,7 @@ class Controller {
 
   const Decision& decision() const { return decision_; }
   const ControllerSettings& settings() const { return settings_; }
+  const LimitsTable<T>& limits() const { return limits_; }
   LearningState<T, Scalar>& learning() { return learning_; }
   const LearningState<T, Scalar>& learning() const { return learning_; }
   CycleState<T>& cycle() { return cycle_; }
@@ -270,7 +276,7 @@ class Controller {
     if (settings_.head != 0 && cycle_.has_features != 0) {
       HeadFeatures f = cycle_.features;
       f.x(HeadFeatures::setpoint_change) = cycle_.last_setpoint_degc - cycle_.before_setpoint_degc;
-      learning_.head.grow(settings_, settings_.head_growth_per_day / cycles_per_day);
+      learning_.head.grow(settings_, 1.0 / cycles_per_day);
       learning_.head.update(settings_, cycle_.last_time, f, moved);
     }
     if (cycle_.has_weights == 0) return;
@@ -415,7 +421,7 @@ class Controller {
   /// Every tenth slot of the ring is never trained on when the gate is on: it judges.
   static constexpr bool held_back(std::uint32_t slot) { return slot % 10 == 9; }
 
-  /// Finite, not worse on the held-back slots than gate_loss_ratio allows, and sane on canary states.
+  /// Finite, not worse on the held-back slots than gate_loss_ratio allows, and no wilder on canary states.
   bool gate_passes() {
     if (!all_finite(shadow_)) return false;
     const std::uint32_t slots = static_cast<std::uint32_t>(replay_.size());
@@ -431,23 +437,14 @@ class Controller {
     return canary_passes();
   }
 
-  /// Rooms 1 K above and below target, setpoint at both ends of the range: forecasts stay within 15 K of the room and
-  /// the mean does not fall by more than 0.5 K from the coldest setpoint to the warmest.
+  /// Sane on canary states, or at least no wilder than the weights in use: else weights that were strange from the
+  /// start could never learn their way out.
   bool canary_passes() {
+    const double excess_in_use = canary_excess_k<T>(settings_, learning_.scaler, packed_, scratch_);
     pack(shadow_, scratch_.kernels, packed_);
-    bool sane = true;
-    for (const double offset : {-1.0, 1.0}) {
-      Vector state = learning_.scaler.mean.template head<L::signals>();
-      for (int r = 0; r < L::rooms; ++r) state(r) = settings_.target_degc + offset;
-      for (int v = 0; v < L::rooms; ++v) state(L::vav_on + v) = 1.0;
-      scaled_ = learning_.scaler.template signals<Scalar>(state);
-      const std::array<double, 2> ends{settings_.action_min_degc, settings_.action_max_degc};
-      forecast(ends);
-      const double low = short_mean(0), high = short_mean(1), room = settings_.target_degc + offset;
-      sane = sane && std::abs(low - room) < 15 && std::abs(high - room) < 15 && high - low > -0.5;
-    }
+    const double excess = canary_excess_k<T>(settings_, learning_.scaler, packed_, scratch_);
     pack(learning_.weights, scratch_.kernels, packed_);
-    return sane;
+    return std::isfinite(excess) && excess <= excess_in_use;
   }
 
   /// The regressors of now. A row that was missed 6 min ago is thought to lie on the line from the last decision.

@@ -3,6 +3,7 @@
 // memories. Daemon, simulation and training share this.
 
 #include <cmath>
+#include <limits>
 
 #include "airside/blob.hpp"
 #include "airside/controller.hpp"
@@ -10,17 +11,29 @@
 
 namespace airside {
 
-/// Feeds logged 6-min rows to a controller, in order of time.
+/// Feeds logged 6-min rows to a controller, in order of time, through a validator of its own: a log has the same
+/// spikes, stuck sensors and gaps as the bus it was taken from.
 template <Topology T, class Scalar = float>
 class HistoryReader {
  public:
   enum class Head { leave, learn };
 
-  explicit HistoryReader(Controller<T, Scalar>& controller, Head head) : controller_(controller), head_(head) {}
+  HistoryReader(Controller<T, Scalar>& controller, Head head)
+      : controller_(controller), head_(head), validator_(controller.limits(), controller.settings().hold_s) {}
 
-  /// One row: `setpoint_degc` was applied from `time` on. Rows that are not finite break the window and nothing else.
+  /// One row: `setpoint_degc` was applied from `time` on. A row that may not be learned from breaks the window and
+  /// nothing else.
   void row(CivilTime time, const typename Reading<T>::Vector& value, double setpoint_degc) {
-    window_.push(time, value, setpoint_degc);
+    Reading<T> reading;
+    reading.time = time;
+    reading.value = value;
+    const Expected<ValidReading<T>> valid = validator_.check(reading);
+    const bool learnable = valid && valid->learnable();
+    window_.push(time, value, learnable ? setpoint_degc : std::numeric_limits<double>::quiet_NaN());
+    if (!learnable) {
+      ++refused_;
+      return;
+    }
     if (!window_.has_transition()) return;
     const auto& before = window_.at(rows_per_cycle);
     controller_.remember(before.value, before.setpoint_degc, value);
@@ -41,12 +54,15 @@ class HistoryReader {
     controller_.remember_change(before.time, f, moved, std::sqrt(static_cast<double>(rows_per_cycle)));
   }
   int transitions() const { return transitions_; }
+  int refused() const { return refused_; }
 
  private:
   Controller<T, Scalar>& controller_;
   Head head_;
   RowWindow<T> window_;
+  Validator<T> validator_;
   int transitions_ = 0;
+  int refused_ = 0;
 };
 
 /// Puts a blob's scaler, weights and head into the controller.

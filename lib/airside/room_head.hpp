@@ -156,8 +156,20 @@ class RoomHead {
     }
   }
 
-  /// Lets the profile change: returns `share` of its prior variance.
-  void grow(const ControllerSettings& s, double share) { add_profile_covariance(s, share); }
+  /// Lets the room change over `days`: regressors walk at random, the profile forgets towards its prior, so that a slot
+  /// that is never seen is never less sure than the prior.
+  /// P_xx += w^2 days I; P_pp = r^2 P_pp + (1 - r^2) K, P_xp = r P_xp; r^2 = 1 - q days; the estimate itself stays.
+  void grow(const ControllerSettings& s, double days) {
+    Covariance p = covariance();
+    const double walk_variance = s.head_walk_per_day * s.head_walk_per_day * days;
+    p.diagonal().template head<regressors>().array() += walk_variance;
+    const double forgotten = std::min(1.0, s.head_growth_per_day * days);
+    const double kept = std::sqrt(1.0 - forgotten);
+    p.template topRightCorner<regressors, slots * day_types>() *= kept;
+    p.template bottomLeftCorner<slots * day_types, regressors>() *= kept;
+    p.template bottomRightCorner<slots * day_types, slots * day_types>() *= kept * kept;
+    add_profile_covariance(s, forgotten);
+  }
 
   const State& theta() const { return theta_; }
   State& theta() { return theta_; }

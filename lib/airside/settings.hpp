@@ -63,6 +63,7 @@ struct ControllerSettings {
   double head_profile_sd_k = 0.04;                  ///< prior sd of a profile slot
   double head_profile_length = 4;                   ///< slots over which the profile is smooth
   double head_growth_per_day = 0.03;                ///< share of the profile's prior variance that returns each day
+  double head_walk_per_day = 0.003;                 ///< sd by which each other coefficient drifts in a day
   double head_gain_min = 0.2, head_gain_max = 1.2;  ///< K/K, bounds of the setpoint gain
   double head_gain_prior = 0.6, head_gain_prior_sd = 0.3;
   double head_weight = 1.0;  ///< weight of the head when both forecasts err alike, 0..1
@@ -156,6 +157,7 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
     AIRSIDE_REAL(head_profile_sd_k, 0, 10),
     AIRSIDE_REAL(head_profile_length, 0.1, 80),
     AIRSIDE_REAL(head_growth_per_day, 0, 1),
+    AIRSIDE_REAL(head_walk_per_day, 0, 1),
     AIRSIDE_REAL(head_gain_min, 1e-3, 10),
     AIRSIDE_REAL(head_gain_max, 1e-3, 10),
     AIRSIDE_REAL(head_gain_prior, 0, 10),

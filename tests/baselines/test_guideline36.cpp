@@ -8,7 +8,7 @@
 namespace airside::tools {
 namespace {
 
-const ControllerSettings site = paper_settings();
+const ControllerSettings g36_site = paper_settings();
 
 CycleObservation at(double hour, double room_degc, double outdoor_degc = 10) {
   FirstOrderPlant plant(0.0);
@@ -21,7 +21,7 @@ CycleObservation at(double hour, double room_degc, double outdoor_degc = 10) {
 }
 
 TEST(Guideline36, HoldsSp0ThroughTheDelayThenRespondsAtMostByItsLimit) {
-  Guideline36Baseline g36(site, guideline36_as_written(), "g36");
+  Guideline36Baseline g36(g36_site, guideline36_as_written(), "g36");
   EXPECT_NEAR(g36.decide(at(7.0, 29.0)), 16.0, 1e-9);  // 5 zones x 3 requests
   EXPECT_EQ(g36.requests(), 15);
   EXPECT_NEAR(g36.decide(at(7.1, 29.0)), 16.0, 1e-9);  // 6 of the 10 minutes
@@ -31,7 +31,7 @@ TEST(Guideline36, HoldsSp0ThroughTheDelayThenRespondsAtMostByItsLimit) {
 }
 
 TEST(Guideline36, RespondsInProportionToRequestsAboveTheIgnoredOnes) {
-  Guideline36Baseline g36(site, guideline36_as_written(), "g36");
+  Guideline36Baseline g36(g36_site, guideline36_as_written(), "g36");
   CycleObservation now = at(7.0, 25.0);
   now.sensors.room_temp_degc = {27.3, 27.3, 25.0, 25.0, 25.0};  // 2 K above: 2 requests each, 2 above I
   for (int i = 0; i < 3; ++i) {
@@ -44,7 +44,7 @@ TEST(Guideline36, RespondsInProportionToRequestsAboveTheIgnoredOnes) {
 }
 
 TEST(Guideline36, TrimsBackTowardItsMaximumWhenNobodyAsks) {
-  Guideline36Baseline g36(site, guideline36_as_written(), "g36");
+  Guideline36Baseline g36(g36_site, guideline36_as_written(), "g36");
   for (int i = 0; i < 10; ++i) g36.decide(at(7.0 + 0.1 * i, 29.0));
   const double low = g36.decide(at(8.0, 23.0));
   EXPECT_NEAR(low, 12.3, 1e-9);  // either trim or respond: +0.1 a step, three steps a row
@@ -53,17 +53,17 @@ TEST(Guideline36, TrimsBackTowardItsMaximumWhenNobodyAsks) {
 }
 
 TEST(Guideline36, OutdoorAirResetPinsTheMinimumOnAWarmDay) {
-  Guideline36Baseline g36(site, guideline36_as_written(18), "g36");
+  Guideline36Baseline g36(g36_site, guideline36_as_written(18), "g36");
   EXPECT_NEAR(g36.decide(at(9.0, 25.0, 15.6)), 18.0, 1e-9);
   EXPECT_NEAR(g36.decide(at(9.1, 25.0, 30.0)), 12.0, 1e-9);
   EXPECT_NEAR(g36.decide(at(9.2, 25.0, 18.35)), 15.0, 1e-9);  // half way
 }
 
 TEST(Guideline36, ReleasesACoolingLoopOnlyBelowEightyFivePercent) {
-  Guideline36Settings settings = guideline36_on_site(site);
+  Guideline36Settings settings = guideline36_on_site(g36_site);
   settings.loop_integral_per_kh = 0;
   settings.loop_gain_per_k = 0.5;
-  Guideline36Baseline g36(site, settings, "g36");
+  Guideline36Baseline g36(g36_site, settings, "g36");
   g36.decide(at(9.0, 25.25 + 1.8));  // 90 %: not yet
   EXPECT_EQ(g36.requests(), 0);
   g36.decide(at(9.1, 25.25 + 1.92));  // 96 %
@@ -76,9 +76,9 @@ TEST(Guideline36, ReleasesACoolingLoopOnlyBelowEightyFivePercent) {
 
 TEST(Guideline36, AShutVavAsksForNothingWithEitherProxy) {
   for (const CoolingLoop loop : {CoolingLoop::zone_pi, CoolingLoop::airflow}) {
-    Guideline36Settings settings = guideline36_on_site(site);
+    Guideline36Settings settings = guideline36_on_site(g36_site);
     settings.loop = loop;
-    Guideline36Baseline g36(site, settings, "g36");
+    Guideline36Baseline g36(g36_site, settings, "g36");
     CycleObservation now = at(9.0, 29.0);
     now.sensors.vav_on = {1, 0, 0, 0, 0};
     g36.decide(now);
@@ -87,7 +87,7 @@ TEST(Guideline36, AShutVavAsksForNothingWithEitherProxy) {
 }
 
 TEST(Guideline36, GoesBackToTheNightSetpointAfterWorkAndCoolsDownBeforeIt) {
-  Guideline36Baseline g36(site, guideline36_on_site(site), "g36");
+  Guideline36Baseline g36(g36_site, guideline36_on_site(g36_site), "g36");
   EXPECT_NEAR(g36.decide(at(3.0, 27.0)), 25.0, 1e-9);
   EXPECT_NEAR(g36.decide(at(6.5, 27.0)), 20.0, 1e-9);  // cool-down
   EXPECT_NEAR(g36.decide(at(6.6, 25.0)), 25.0, 1e-9);  // reached
@@ -99,7 +99,7 @@ TEST(Guideline36, GoesBackToTheNightSetpointAfterWorkAndCoolsDownBeforeIt) {
 }
 
 TEST(Guideline36, OnTheSiteRangeHoldsAHotRoomNearItsCoolingSetpoint) {
-  Guideline36Baseline g36(site, guideline36_on_site(site), "g36");
+  Guideline36Baseline g36(g36_site, guideline36_on_site(g36_site), "g36");
   FirstOrderPlant plant(0.5);
   double warmest = 0;
   for (int i = 0; i < 3 * rows_per_day; ++i) {

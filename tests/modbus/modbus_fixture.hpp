@@ -52,6 +52,14 @@ class HostilePeer {
   std::thread thread_;
 };
 
+constexpr double slack_s = 0.2;  ///< that a busy machine may add to a deadline
+
+/// The bytes with one of them replaced.
+inline std::vector<std::uint8_t> with(std::vector<std::uint8_t> bytes, std::size_t at, std::uint8_t value) {
+  bytes[at] = value;
+  return bytes;
+}
+
 /// The right answer to a read of holding registers: each register holds its address.
 std::vector<std::uint8_t> honest_answer(const std::vector<std::uint8_t>& request);
 

@@ -18,7 +18,6 @@ using namespace testing_peers;
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr double deadline_s = 0.5;
-constexpr double slack_s = 0.2;
 
 struct Hostile {
   const char* name;
@@ -59,11 +58,6 @@ TEST_P(HostilePeers, CostNoMoreThanTheDeadlineAndGiveNoValue) {
   EXPECT_EQ(read.error().error, GetParam().expected) << text_of(read.error().error);
   EXPECT_FALSE(link.connected()) << "a doubtful connection must be closed";
   for (const std::uint16_t value : registers) EXPECT_EQ(value, 0xABCD) << "nothing may be handed out";
-}
-
-Bytes with(Bytes answer, std::size_t at, std::uint8_t value) {
-  answer[at] = value;
-  return answer;
 }
 
 INSTANTIATE_TEST_SUITE_P(

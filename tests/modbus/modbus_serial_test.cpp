@@ -18,13 +18,6 @@ namespace {
 using namespace testing_peers;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr double slack_s = 0.2;
-
-Bytes with(Bytes answer, std::size_t at, std::uint8_t value) {
-  answer[at] = value;
-  return answer;
-}
-
 /// A serial device on a pty whose answers a test may spoil.
 class SerialPeer {
  public:

@@ -86,6 +86,26 @@ TEST(Gate, AStepThatExplodesIsRefused) {
   EXPECT_TRUE(rig.same_weights(before));
 }
 
+TEST(Gate, StrangeWeightsMayStillLearnTheirWayOut) {
+  Rig rig;
+  // Forecasts 40 K too high: outside the canary's bounds from the start.
+  const auto offset = 40.0f / static_cast<float>(rig.controller->learning().scaler.room_scale());
+  auto& weights = rig.controller->learning().weights;
+  weights.bias<Layer::dec>().array() += offset;
+  rig.controller->start(Scaler<FiveZone>(rig.controller->learning().scaler));
+  const auto& controller = *rig.controller;
+  PackedWeights<FiveZone, float> packed;
+  pack(controller.learning().weights, rig.controller->scratch().kernels, packed);
+  ASSERT_GT(
+      canary_excess_k<FiveZone>(controller.settings(), controller.learning().scaler, packed, rig.controller->scratch()),
+      1.0);
+  remember_a_day(rig);
+  const auto before = rig.controller->learning().weights;
+  rig.cycles(40);
+  EXPECT_FALSE(rig.same_weights(before));
+  EXPECT_LT(rig.controller->learning().rejected, 40U);
+}
+
 TEST(Gate, WithoutItWeightsThatAreNoNumbersAreRefusedAllTheSame) {
   ControllerSettings s = product_settings();
   s.gate = 0;

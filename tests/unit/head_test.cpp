@@ -7,6 +7,7 @@
 
 #include "airside/room_head.hpp"
 #include "airside/splitmix64.hpp"
+#include "unit/monday.hpp"
 
 namespace airside {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 using T = FiveZone;
 using Head = RoomHead<T>;
 
-constexpr CivilTime monday{1'627'862'400};
 constexpr double true_gain = 0.8, true_memory = 0.3;
 
 double profile_k(CivilTime t) { return 0.06 * std::sin(6.2831853 * t.second_of_day() / 86400.0); }
@@ -26,7 +26,7 @@ ControllerSettings settings() {
 }
 
 /// A room that moves by memory * last move + gain * setpoint change + profile + noise, for so many days.
-void live(Head& head, const ControllerSettings& s, int days, double noise_k) {
+void live(Head& head, const ControllerSettings& s, int days, double noise_k, double gain = true_gain) {
   SplitMix64 draw(11);
   double moved = 0;
   for (int i = 0; i < days * cycles_per_day; ++i) {
@@ -34,9 +34,8 @@ void live(Head& head, const ControllerSettings& s, int days, double noise_k) {
     HeadFeatures f;
     f.x(0) = moved;
     f.x(HeadFeatures::setpoint_change) = 0.2 * draw.symmetric();
-    moved = true_memory * moved + true_gain * f.x(HeadFeatures::setpoint_change) + profile_k(t) +
-            noise_k * draw.symmetric();
-    head.grow(s, s.head_growth_per_day / cycles_per_day);
+    moved = true_memory * moved + gain * f.x(HeadFeatures::setpoint_change) + profile_k(t) + noise_k * draw.symmetric();
+    head.grow(s, 1.0 / cycles_per_day);
     head.update(s, t, f, moved);
   }
 }
@@ -128,6 +127,29 @@ TEST(RoomHead, StaysSoundForTwoMonthsWithoutNoise) {
   const auto p = head->covariance();
   EXPECT_TRUE((p.diagonal().array() >= 0).all());
   EXPECT_LT((p - p.transpose()).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(RoomHead, IsNeverLessSureOfAnHourItHasNotSeenThanAtTheStart) {
+  ControllerSettings s = settings();
+  s.head_day_types = 2;
+  auto head = std::make_unique<Head>();
+  head->reset(s, 0.6, 0.3);
+  for (int year = 0; year < 5; ++year) head->grow(s, 365.0);
+  for (int day = 0; day < 400; ++day) head->grow(s, 1.0);
+  const double prior = s.head_profile_sd_k * s.head_profile_sd_k;
+  EXPECT_LE(head->covariance().diagonal().tail<Head::slots * Head::day_types>().maxCoeff(), prior * (1 + 1e-9));
+  const Eigen::MatrixXd p = head->covariance();
+  EXPECT_GT(p.ldlt().vectorD().minCoeff(), 0) << "a covariance";
+}
+
+TEST(RoomHead, FindsTheNewGainOfAValveThatWasChangedAfterAYear) {
+  const ControllerSettings s = settings();
+  auto head = std::make_unique<Head>();
+  head->reset(s, 0.6, 0.3);
+  live(*head, s, 365, 0.02);
+  ASSERT_NEAR(head->gain(s), true_gain, 0.03);
+  live(*head, s, 28, 0.02, 0.5 * true_gain);
+  EXPECT_NEAR(head->gain(s), 0.5 * true_gain, 0.1);
 }
 
 TEST(RoomHead, KeepsDaysOffApartOnlyWhereAskedTo) {

@@ -7,14 +7,13 @@
 #include <functional>
 
 #include "airside/expert.hpp"
+#include "unit/monday.hpp"
 
 namespace airside {
 namespace {
 
 using T = FiveZone;
 using Vector = Reading<T>::Vector;
-
-constexpr CivilTime monday{1'627'862'400};
 
 struct Counts {
   int transitions = 0, with_change_before = 0;

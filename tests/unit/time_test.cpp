@@ -10,11 +10,10 @@
 #include "airside/envelope.hpp"
 #include "airside/expert.hpp"
 #include "airside/splitmix64.hpp"
+#include "unit/monday.hpp"
 
 namespace airside {
 namespace {
-
-constexpr CivilTime monday{1'627'862'400};  // 2021-08-02 00:00
 
 constexpr CivilTime at(int day, int hour, int minute, int second = 0) {
   return {monday.seconds + day * 86400LL + hour * 3600 + minute * 60 + second};

@@ -1,0 +1,50 @@
+#pragma once
+// States that no log needs to contain, on which every network fit to control must forecast sanely.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "airside/network_forward.hpp"
+#include "airside/scaler.hpp"
+#include "airside/settings.hpp"
+
+namespace airside {
+
+/// How far a network's forecasts on canary states lie outside what a room can do; 0 for a sane one.
+/// Rooms 1 K above and below target, every VAV on, setpoint at both ends of its range: excess = sum of
+/// (|S' - S| - 15)+ over the four forecasts and of (S'(coldest) - S'(warmest) - 0.5)+ over the two rooms.
+/// Units: K. Errors: infinite if a forecast is no number. Cost: four forecasts.  Source: RELIABILITY row 49,
+/// DESIGN.md 3.
+template <Topology T, class Scalar>
+double canary_excess_k(const ControllerSettings& settings, const Scaler<T>& scaler,
+                       const PackedWeights<T, Scalar>& weights, NetworkScratch<T, Scalar>& scratch) {
+  using L = Layout<T>;
+  constexpr double widest_move_k = 15, deepest_reversal_k = 0.5;
+  double excess = 0;
+  for (const double offset : {-1.0, 1.0}) {
+    const double room = settings.target_degc + offset;
+    Eigen::Matrix<double, L::signals, 1> state = scaler.mean.template head<L::signals>();
+    state.template head<L::rooms>().setConstant(room);
+    state.template segment<L::rooms>(L::vav_on).setOnes();
+    const Eigen::Matrix<Scalar, L::signals, 1> scaled = scaler.template signals<Scalar>(state);
+    const std::array<Scalar, 2> ends{scaler.template setpoint<Scalar>(settings.action_min_degc),
+                                     scaler.template setpoint<Scalar>(settings.action_max_degc)};
+    std::array<RoomForecast<T, Scalar>, 2> forecasts;
+    forecast_candidates<T, Scalar>(weights, std::span<const Scalar, L::signals>(scaled.data(), L::signals), ends,
+                                   scratch, forecasts);
+    std::array<double, 2> mean{};
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      double sum = 0;
+      for (const Scalar s : forecasts[i].short_term) sum += static_cast<double>(s);
+      mean[i] = scaler.room_mean() + scaler.room_scale() * sum / L::rooms;
+      if (!std::isfinite(mean[i])) return std::numeric_limits<double>::infinity();
+      excess += std::max(0.0, std::abs(mean[i] - room) - widest_move_k);
+    }
+    excess += std::max(0.0, mean[0] - mean[1] - deepest_reversal_k);
+  }
+  return excess;
+}
+
+}  // namespace airside
