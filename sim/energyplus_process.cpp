@@ -10,56 +10,13 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
-#include <vector>
 
 #include "hal/input_error.hpp"
 #include "sim/energyplus_install.hpp"
+#include "sim/energyplus_words.hpp"
 
 namespace airside::sim {
-namespace {
-
-constexpr std::size_t most_lines = 8;  // of the engine's words in one message
-
-/// Severe and Fatal lines with the lines that continue them.
-std::vector<std::string> grave_lines(const std::filesystem::path& file) {
-  std::vector<std::string> lines;
-  std::ifstream in(file);
-  bool grave = false;
-  for (std::string line; std::getline(in, line) && lines.size() < most_lines;) {
-    const auto has = [&line](const char* text) { return line.find(text) != std::string::npos; };
-    if (!has("**   ~~~   **")) grave = has("** Severe") || has("**  Fatal") || has("** Fatal");
-    if (!grave) continue;
-    const auto first = line.find_first_not_of(' ');
-    lines.push_back(first == std::string::npos ? line : line.substr(first));
-  }
-  return lines;
-}
-
-std::vector<std::string> all_lines(const std::filesystem::path& file) {
-  std::vector<std::string> lines;
-  std::ifstream in(file);
-  for (std::string line; std::getline(in, line) && lines.size() < most_lines;) lines.push_back(line);
-  return lines;
-}
-
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const auto& line : lines) text += "\n  " + line;
-  return text;
-}
-
-std::string ending(int status) {
-  if (WIFSIGNALED(status)) {
-    const int number = WTERMSIG(status);
-    return "was ended by signal " + std::to_string(number) + " (" + strsignal(number) + ")";
-  }
-  return "ended with code " + std::to_string(WEXITSTATUS(status));
-}
-
-}  // namespace
-
 RunFolder::RunFolder() {
   std::error_code failed;
   const std::filesystem::path base = std::filesystem::temp_directory_path(failed);
@@ -145,15 +102,12 @@ void EnergyPlusProcess::report_death() {
   std::string how = "is gone";
   int status = 0;
   if (pid_ > 0 && waitpid(pid_, &status, 0) == pid_) {
-    how = ending(status);
+    how = ending_text(status);
     pid_ = -1;
   }
   const std::filesystem::path folder = config_.run_folder;
-  auto lines = grave_lines(folder / "eplusout.err");
-  if (lines.empty()) lines = grave_lines(folder / "worker.log");
-  if (lines.empty()) lines = all_lines(folder / "worker.log");
   throw std::runtime_error("EnergyPlus run of " + name_ + ": the engine's process " + how +
-                           (lines.empty() ? "; the engine left no message" : "; the engine says:" + joined(lines)));
+                           engine_words(folder / "eplusout.err", folder / "worker.log"));
 }
 
 }  // namespace airside::sim

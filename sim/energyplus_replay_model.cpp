@@ -1,0 +1,153 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "hal/input_error.hpp"
+#include "sim/energyplus_replay_files.hpp"
+
+namespace airside::sim {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* ems = "EnergyManagementSystem:";
+
+/// The one object of a group that has at most one, made if absent.
+json& only_object(json& model, const char* group, const char* name) {
+  json& objects = model[group];
+  if (!objects.is_object() || objects.empty()) objects = {{name, json::object()}};
+  return objects.begin().value();
+}
+
+std::string fcu_schedule(const ModelNames& names, std::size_t place) {
+  std::string name = names.fcu_on_schedule;
+  if (const auto mark = name.find('#'); mark != std::string::npos) name.replace(mark, 1, std::to_string(place));
+  return name;
+}
+
+[[noreturn]] void refuse_schedule(const std::string& name) {
+  throw hal::InputError("EnergyPlus replay", "no Schedule:Constant named '" + name + "' in the model",
+                        "the schedules that a replay commands", "compare the model with ModelNames");
+}
+
+/// "Run period", time steps and what is simulated; what else the model says of them stays.
+void set_replay_dates(json& model, const ReplayDays& days) {
+  const std::int64_t year_s = civil_midnight(days.year, 1, 1).seconds;
+  const CivilTime first{year_s + static_cast<std::int64_t>(days.first_step) * replay_step_s};
+  const std::string begin = text_of(first), end = text_of({first.seconds + (days.days - 1) * 86400LL});
+  json& period = only_object(model, "RunPeriod", "Run Period");
+  period.erase("day_of_week_for_start_day");
+  for (const auto& [date, which] : {std::pair(begin, "begin"), std::pair(end, "end")}) {
+    period[std::string(which) + "_year"] = std::stoi(date.substr(0, 4));
+    period[std::string(which) + "_month"] = std::stoi(date.substr(5, 2));
+    period[std::string(which) + "_day_of_month"] = std::stoi(date.substr(8, 2));
+  }
+  period["use_weather_file_daylight_saving_period"] = "No";
+  period["use_weather_file_rain_indicators"] = "Yes";
+  model["RunPeriod"] = {{"Run Period", json(period)}};
+  model["Timestep"] = {{"Time Step", {{"number_of_timesteps_per_hour", 3600 / replay_step_s}}}};
+  model["ConvergenceLimits"] = {{"Convergence Limits", {{"minimum_system_timestep", replay_step_s / 60}}}};
+  json& control = only_object(model, "SimulationControl", "Simulation Control");
+  control["run_simulation_for_sizing_periods"] = "No";
+  control["run_simulation_for_weather_file_run_periods"] = "Yes";
+}
+
+/// The table's outputs, the weather as the engine saw it, and no others: they would only cost time.
+void set_replay_outputs(json& model, const ModelNames& names, bool thermostats) {
+  for (auto it = model.begin(); it != model.end();) it = it.key().starts_with("Output:") ? model.erase(it) : ++it;
+  json& variables = model["Output:Variable"] = json::object();
+  const auto add = [&variables](const std::string& key, const char* variable) {
+    variables[fmt::format("Replay {:02}", variables.size() + 1)] = {
+        {"key_value", key}, {"variable_name", variable}, {"reporting_frequency", "Timestep"}};
+  };
+  for (const auto& zone : names.interior_zones) add(zone, "Zone Mean Air Temperature");
+  for (const auto& zone : names.perimeter_zones) add(zone, "Zone Mean Air Temperature");
+  add(names.supply_air_node, "System Node Temperature");
+  add(names.mau_outlet_node, "System Node Temperature");
+  add("Environment", "Site Outdoor Air Drybulb Temperature");
+  add("Environment", "Site Rain Status");
+  add("Environment", "Site Direct Solar Radiation Rate per Area");
+  add("Environment", "Site Diffuse Solar Radiation Rate per Area");
+  for (std::size_t i = 1; thermostats && i <= names.perimeter_zones.size(); ++i)
+    add(fcu_schedule(names, i), "Schedule Value");
+  json& meters = model["Output:Meter"] = json::object();
+  for (const char* meter : {"Electricity:HVAC", "Electricity:Plant"})
+    meters[std::string("Replay ") + meter] = {{"key_name", meter}, {"reporting_frequency", "Timestep"}};
+
+  const bool named = model.contains("OutputControl:Files") && !model["OutputControl:Files"].empty();
+  json& files = only_object(model, "OutputControl:Files", "Output Files");
+  if (!named) {
+    for (const char* file : {"csv", "mtr", "eio", "tabular", "sqlite", "json", "audit", "bnd", "rdd", "mdd", "mtd",
+                             "shd", "dxf", "zone_sizing", "system_sizing"})
+      files[std::string("output_") + file] = "No";
+  }
+  files["output_eso"] = "Yes";
+}
+
+/// Every schedule that the commands name reads its column instead of standing still.
+void set_replay_schedules(json& model, const CommandText& commands) {
+  for (std::size_t i = 0; i < commands.schedules.size(); ++i) {
+    const std::string& name = commands.schedules[i];
+    json& constants = model["Schedule:Constant"];
+    if (!constants.is_object() || !constants.contains(name)) refuse_schedule(name);
+    json file = {{"file_name", "commands.csv"},
+                 {"column_number", commands.columns[i]},
+                 {"rows_to_skip_at_top", 1},
+                 {"number_of_hours_of_data", 8760},
+                 {"column_separator", "Comma"},
+                 {"interpolate_to_timestep", "No"},
+                 {"minutes_per_item", replay_step_s / 60},
+                 {"adjust_schedule_for_daylight_savings", "No"}};
+    if (const json& limits = constants[name]; limits.contains("schedule_type_limits_name"))
+      file["schedule_type_limits_name"] = limits["schedule_type_limits_name"];
+    constants.erase(name);
+    model["Schedule:File"][name] = std::move(file);
+  }
+}
+
+/// The fan coils' thermostats as a program of the engine: on above setpoint + band, off below setpoint - band, off
+/// outside hours.  It runs once a step, before the zones' heat balance, on the temperatures of the step before.
+void add_thermostats(json& model, const RoomLoopOptions& loops, const ModelNames& names) {
+  json lines = json::array();
+  const auto say = [&lines](const std::string& line) { lines.push_back({{"program_line", line}}); };
+  // CurrentTime is the step's end; its middle decides, so that rounding cannot.
+  say("SET Replay_Hour = CurrentTime - 0.5 * ZoneTimeStep");
+  for (std::size_t i = 1; i <= names.perimeter_zones.size(); ++i) {
+    const std::string schedule = fcu_schedule(names, i);
+    if (!model["Schedule:Constant"].is_object() || !model["Schedule:Constant"].contains(schedule))
+      refuse_schedule(schedule);
+    const std::string temp = fmt::format("Replay_Temp_{}", i), on = fmt::format("Replay_FCU_{}", i);
+    model[std::string(ems) + "Sensor"][temp] = {
+        {"output_variable_or_output_meter_index_key_name", names.perimeter_zones[i - 1]},
+        {"output_variable_or_output_meter_name", "Zone Mean Air Temperature"}};
+    model[std::string(ems) + "Actuator"][on] = {{"actuated_component_unique_name", schedule},
+                                                {"actuated_component_type", "Schedule:Constant"},
+                                                {"actuated_component_control_type", "Schedule Value"}};
+    say(fmt::format("IF (Replay_Hour < {}) || (Replay_Hour > {})", loops.fcu_from_hour, loops.fcu_to_hour));
+    say(fmt::format("SET {} = 0", on));
+    say(fmt::format("ELSEIF {} > 0.5", on));
+    say(fmt::format("IF {} < {}", temp, loops.fcu_setpoint_degc - loops.fcu_band_k));
+    say(fmt::format("SET {} = 0", on));
+    say("ENDIF");
+    say(fmt::format("ELSEIF {} > {}", temp, loops.fcu_setpoint_degc + loops.fcu_band_k));
+    say(fmt::format("SET {} = 1", on));
+    say("ENDIF");
+  }
+  model[std::string(ems) + "Program"]["Replay_Thermostats"] = {{"lines", std::move(lines)}};
+  model[std::string(ems) + "ProgramCallingManager"]["Replay Thermostats"] = {
+      {"energyplus_model_calling_point", "BeginZoneTimestepBeforeInitHeatBalance"},
+      {"programs", json::array({json{{"program_name", "Replay_Thermostats"}}})}};
+}
+
+}  // namespace
+
+json replay_model(const EnergyPlusTwin& twin, const ReplayDays& days, const CommandText& commands, bool thermostats) {
+  json model = twin.model;
+  set_replay_dates(model, days);
+  set_replay_outputs(model, twin.names, thermostats);
+  set_replay_schedules(model, commands);
+  if (thermostats) add_thermostats(model, twin.loops, twin.names);
+  return model;
+}
+
+}  // namespace airside::sim

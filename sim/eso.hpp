@@ -1,0 +1,31 @@
+#pragma once
+// The series that an EnergyPlus run reports (eplusout.eso): one value a time step, with all its digits.
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace airside::sim {
+
+class EsoFile {
+ public:
+  /// Reads the whole file.
+  /// Errors: hal::InputError for a file that is absent, cut short, or of more than one run period.
+  /// Cost: 25 ms for 200,000 values.
+  explicit EsoFile(const std::filesystem::path& file);
+
+  /// The values of "KEY,Variable" or of a meter, "Electricity:HVAC", in the order of the steps. Units: the engine's
+  /// (degC, J). Upper and lower case are the same.
+  /// Errors: hal::InputError naming what the file lacks.
+  const std::vector<double>& of(const std::string& name) const;
+
+  /// Every series, by its name in upper case.
+  const std::map<std::string, std::vector<double>>& series() const { return series_; }
+
+ private:
+  std::string file_;
+  std::map<std::string, std::vector<double>> series_;
+};
+
+}  // namespace airside::sim
