@@ -14,11 +14,11 @@
 namespace airside::tools {
 namespace {
 
-const ControllerSettings site = paper_settings();
+const ControllerSettings site_settings = paper_settings();
 
 std::vector<HistoryRow> expert_days(FirstOrderPlant& plant, int days) {
   std::vector<HistoryRow> rows;
-  ScheduleBaseline expert(site);
+  ScheduleBaseline expert(site_settings);
   for (int i = 0; i < days * rows_per_day; ++i) {
     if (starts_cycle(plant.time())) plant.set_setpoint(expert.decide(plant.observe()));
     rows.push_back({plant.time(), plant.sensors(), plant.setpoint_degc()});
@@ -45,7 +45,7 @@ Metrics run(BaselineController& controller, int days, double swing_k = 0.8) {
 }
 
 double first_decision(const std::string& name, double mean_degc) {
-  const auto controller = make_baseline(name, site);
+  const auto controller = make_baseline(name, site_settings);
   FirstOrderPlant plant(0.0);
   plant.set_mean_degc(mean_degc);
   plant.set_setpoint(22.5);
@@ -61,7 +61,7 @@ TEST_P(FeedbackBaseline, LowersTheSetpointWhenHotAndRaisesItWhenCold) {
 }
 
 TEST_P(FeedbackBaseline, SettlesAtTheTargetOnAQuietRoom) {
-  const auto controller = make_baseline(GetParam(), site);
+  const auto controller = make_baseline(GetParam(), site_settings);
   const Metrics m = run(*controller, 7, 0.0);
   EXPECT_LT(m.days.back().dae_degc, 0.05) << controller->name();
 }
@@ -72,7 +72,7 @@ INSTANTIATE_TEST_SUITE_P(All, FeedbackBaseline,
 TEST(Baselines, EveryOneKeepsToTheActionRangeAndResolutionUnlessWrittenOtherwise) {
   for (const std::string& name : baseline_names()) {
     if (name.starts_with("g36-written")) continue;
-    const auto controller = make_baseline(name, site);
+    const auto controller = make_baseline(name, site_settings);
     FirstOrderPlant plant(0.0);
     for (int i = 0; i < 60; ++i) {
       plant.set_mean_degc(i % 3 == 0 ? 45.0 : i % 3 == 1 ? 5.0 : 25.123);
@@ -88,7 +88,7 @@ TEST(Baselines, EveryOneKeepsToTheActionRangeAndResolutionUnlessWrittenOtherwise
 
 TEST(Baselines, HoldTheLastSetpointWhenNoRoomCanBeRead) {
   for (const char* name : {"pid-tuned", "integral-5", "arx-2", "arx-rls"}) {
-    const auto controller = make_baseline(name, site);
+    const auto controller = make_baseline(name, site_settings);
     FirstOrderPlant plant(0.0);
     CycleObservation now = plant.observe();
     now.previous_setpoint_degc = 23.4;
@@ -102,7 +102,7 @@ TEST(Baselines, HoldTheLastSetpointWhenNoRoomCanBeRead) {
 
 TEST(Baselines, AnUnknownNameIsToldWhichNamesThereAre) {
   try {
-    make_baseline("pid", site);
+    make_baseline("pid", site_settings);
     FAIL() << "accepted an unknown name";
   } catch (const hal::InputError& error) {
     EXPECT_NE(error.expected().find("pid-tuned"), std::string::npos);
@@ -110,7 +110,7 @@ TEST(Baselines, AnUnknownNameIsToldWhichNamesThereAre) {
 }
 
 TEST(ScheduleBaseline, CoolsFromSevenToNineteen) {
-  ScheduleBaseline expert(site);
+  ScheduleBaseline expert(site_settings);
   CycleObservation now;
   now.time.seconds = 7 * 3600 - 1;
   EXPECT_EQ(expert.decide(now), 25.0);
@@ -121,7 +121,7 @@ TEST(ScheduleBaseline, CoolsFromSevenToNineteen) {
 }
 
 TEST(PidBaseline, GivesTheTextbookOutput) {
-  PidBaseline pid(site, {1.0, 0.5, 0.1});
+  PidBaseline pid(site_settings, {1.0, 0.5, 0.1});
   FirstOrderPlant plant(0.0);
   plant.set_mean_degc(25.75);  // e = -0.5, dt = 0.3 h: 22.5 - 0.5 - 0.075
   EXPECT_NEAR(pid.decide(plant.observe()), 22.43 - 0.5, 0.011);
@@ -132,7 +132,7 @@ TEST(PidBaseline, GivesTheTextbookOutput) {
 }
 
 TEST(PidBaseline, DoesNotWindUpInALongSaturation) {
-  PidBaseline pid(site, {0.3, 5.0, 0.0});
+  PidBaseline pid(site_settings, {0.3, 5.0, 0.0});
   FirstOrderPlant plant(0.0);
   CycleObservation now = plant.observe();
   for (int i = 0; i < 200; ++i) {  // 60 h too hot for any setpoint
@@ -148,7 +148,7 @@ TEST(PidBaseline, DoesNotWindUpInALongSaturation) {
 TEST(ArxBaseline, FindsTheGainOfTheRoomFromTheScheduleDays) {
   ArxSettings settings;
   settings.exogenous = false;  // in this room the FCUs follow the rooms, so their parameter could share p
-  ArxBaseline arx(site, settings);
+  ArxBaseline arx(site_settings, settings);
   FirstOrderPlant plant(0.8);
   arx.observe_history(expert_days(plant, 5));
   EXPECT_NEAR(arx.gain(), 0.65, 0.08);
@@ -156,7 +156,7 @@ TEST(ArxBaseline, FindsTheGainOfTheRoomFromTheScheduleDays) {
 }
 
 TEST(ArxBaseline, KeepsItsPriorGainWhenTheScheduleNeverMoves) {
-  ArxBaseline arx(site, {});
+  ArxBaseline arx(site_settings, {});
   FirstOrderPlant plant(0.8);
   std::vector<HistoryRow> rows;
   for (int i = 0; i < 5 * rows_per_day; ++i) {
@@ -169,8 +169,8 @@ TEST(ArxBaseline, KeepsItsPriorGainWhenTheScheduleNeverMoves) {
 }
 
 TEST(ArxBaseline, BeatsThePidWithSpecGainsOnASwingingRoom) {
-  ArxBaseline arx(site, {});
-  PidBaseline pid(site, pid_spec_gains());
+  ArxBaseline arx(site_settings, {});
+  PidBaseline pid(site_settings, pid_spec_gains());
   EXPECT_LT(run(arx, 5).dae_degc, 0.5 * run(pid, 5).dae_degc);
 }
 
@@ -205,7 +205,7 @@ TEST(RecursiveLeastSquares, StaysBoundedThroughMonthsWithoutExcitation) {
 
 TEST(GainSearch, FindsTheBestCandidateOnTheRoomAndKeepsEveryTrial) {
   const auto cost = [](const PidGains& gains) {
-    PidBaseline pid(site, gains);
+    PidBaseline pid(site_settings, gains);
     return run(pid, 2).dae_degc;
   };
   const TunedGains best = tune_gains(cost, pid_grid());
@@ -214,7 +214,7 @@ TEST(GainSearch, FindsTheBestCandidateOnTheRoomAndKeepsEveryTrial) {
   for (const auto& trial : best.trials) EXPECT_GE(trial.cost, best.cost);
   EXPECT_THROW(tune_gains(cost, {}), hal::InputError);
   const auto integral_cost = [](const PidGains& gains) {
-    IntegralBaseline integral(site, gains.ki_per_h);
+    IntegralBaseline integral(site_settings, gains.ki_per_h);
     return run(integral, 2).dae_degc;
   };
   EXPECT_GE(tune_gains(integral_cost, integral_grid()).gains.ki_per_h, 3.0);
