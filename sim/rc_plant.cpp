@@ -172,8 +172,14 @@ void RcPlant::update_disturbance() {
   if (wanted_kw > 0) mau_degc_ = outdoor - (outdoor - mau_degc_) * mau_load_kw_ / wanted_kw;
 }
 
+void RcPlant::obey_recording() {
+  const RecordedRow& row = recording_->at(now_);
+  disturbance_.vav_on = row.vav_on;
+  if (!own_thermostats_) fcu_on_ = row.fcu_on;
+}
+
 void RcPlant::update_thermostats() {
-  if (future_ == Future::frozen) return;
+  if (future_ == Future::frozen || !own_thermostats_) return;
   const RcRoom& room = *room_;
   const double hour = now_.second_of_day() / 3600.0;
   const bool hours = hour >= room.fcu_start_h && hour < room.fcu_stop_h;
@@ -354,6 +360,7 @@ void RcPlant::step() {
   }
   now_.seconds += step_s;
   update_disturbance();
+  if (recording_) obey_recording();
   update_thermostats();
   update_airflow();
   update_power();

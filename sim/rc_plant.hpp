@@ -11,6 +11,7 @@
 #include "sim/disturbance.hpp"
 #include "sim/plant_model.hpp"
 #include "sim/rc_room.hpp"
+#include "sim/recording.hpp"
 #include "sim/weather.hpp"
 
 namespace airside::sim {
@@ -71,6 +72,13 @@ class RcPlant final : public PlantModel {
     held_ = disturbance_;
   }
 
+  /// From now on boxes and, unless `thermostats`, fan coils do what was recorded.
+  void follow(std::shared_ptr<const Recording> recording, bool thermostats) {
+    recording_ = std::move(recording);
+    own_thermostats_ = thermostats;
+    obey_recording();
+  }
+
  private:
   enum class Future { actual, frozen, expected };
   struct Network;  // what is constant over a run, shared by copies
@@ -78,6 +86,7 @@ class RcPlant final : public PlantModel {
   void step();
   void inner_step(double dt_s);
   void update_disturbance();
+  void obey_recording();
   void update_thermostats();
   void update_airflow();
   void update_power();
@@ -89,6 +98,8 @@ class RcPlant final : public PlantModel {
   std::shared_ptr<const RcRoom> room_;
   std::shared_ptr<const Weather> weather_;
   std::shared_ptr<const Network> network_;
+  std::shared_ptr<const Recording> recording_;
+  bool own_thermostats_ = true;
   std::uint64_t seed_;
   CivilTime start_, now_, frozen_at_;
   Future future_ = Future::actual;
