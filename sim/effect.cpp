@@ -86,7 +86,8 @@ void change_sensor(ChannelTable& table, const ChannelTable& truth, const Channel
     auto column = table.col(columns.first + i);
     switch (op.by) {
       case By::drift:
-        column += m / rows_per_day * Eigen::VectorXd::LinSpaced(column.size(), 0, static_cast<double>(column.size() - 1));
+        column +=
+            m / rows_per_day * Eigen::VectorXd::LinSpaced(column.size(), 0, static_cast<double>(column.size() - 1));
         break;
       case By::lag: column = lagged(column, m); break;
       case By::jet: column = (1 - m) * column + m * truth.col(channels.supply_temp()); break;
@@ -224,7 +225,8 @@ nlohmann::json model_patch(const nlohmann::json& model, const ModelNames& names,
       }
       if (!touched) {
         throw hal::InputError(change.at.effect->file, "no " + op.type + " named " + op.name + " in the model",
-                              "an object that the effect can change", "name it as the twin does, or leave the effect out");
+                              "an object that the effect can change",
+                              "name it as the twin does, or leave the effect out");
       }
     }
   }

@@ -1,7 +1,7 @@
 #pragma once
 // Effects that a model may lack, and parameters that it may have wrong: each is one file of sim/effects, with what it
-// changes in the RC room, in the EnergyPlus model, in the recorded commands, the clock and the sensors. The gap workflow
-// never edits a model by any other way.
+// changes in the RC room, in the EnergyPlus model, in the recorded commands, the clock and the sensors. The gap
+// workflow never edits a model by any other way.
 
 #include <array>
 #include <filesystem>
@@ -37,10 +37,10 @@ enum class By {
 struct EffectOp {
   enum class On { room, model, loop, command, clock, weather, sensor };
   On on = On::room;
-  std::string type;       ///< model: object type
-  std::string name;       ///< model: object name, `*` matches anything
-  std::string field;      ///< room, model, loop: field; command, weather, sensor: which
-  nlohmann::json object;  ///< model: a new object instead of a field; the text "{m}" stands for m'
+  std::string type;                   ///< model: object type
+  std::string name;                   ///< model: object name, `*` matches anything
+  std::string field;                  ///< room, model, loop: field; command, weather, sensor: which
+  nlohmann::json object;              ///< model: a new object instead of a field; the text "{m}" stands for m'
   PlaceKind each = PlaceKind::floor;  ///< other than the effect's place: at every place of this kind
   By by = By::add;
   double factor = 1, offset = 0;
@@ -50,12 +50,12 @@ struct EffectOp {
 struct Effect {
   std::string name, title, unit;
   PlaceKind place = PlaceKind::floor;
-  double null_value = 0;                        ///< magnitude at which nothing is changed
-  double low = 0, high = 0;                     ///< physical bounds
-  std::array<double, 2> probe{};                ///< magnitudes at which its response is simulated
-  double prior_sd = 0;                          ///< > 0: also a parameter that no twin knows exactly
-  bool candidate = true;                        ///< false: a parameter only, never named
-  std::string looks_like, confirm;              ///< in words, for people
+  double null_value = 0;                         ///< magnitude at which nothing is changed
+  double low = 0, high = 0;                      ///< physical bounds
+  std::array<double, 2> probe{};                 ///< magnitudes at which its response is simulated
+  double prior_sd = 0;                           ///< > 0: also a parameter that no twin knows exactly
+  bool candidate = true;                         ///< false: a parameter only, never named
+  std::string looks_like, confirm;               ///< in words, for people
   std::vector<EffectOp> rc, energyplus, common;  ///< common: commands, clock, weather, sensors
   bool on_rc = true, on_energyplus = true;
   std::string file;

@@ -15,12 +15,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::map<std::string, PlaceKind> place_names{
-    {"floor", PlaceKind::floor}, {"facade", PlaceKind::facade}, {"zone", PlaceKind::zone},
-    {"vav", PlaceKind::vav},     {"fcu", PlaceKind::fcu},       {"vav_pair", PlaceKind::vav_pair}};
-const std::map<std::string, By> by_names{
-    {"multiply", By::multiply}, {"add", By::add},     {"set", By::set}, {"raise", By::raise},       {"lower", By::lower},
-    {"drift", By::drift},       {"lag", By::lag},     {"jet", By::jet}, {"exchange", By::exchange}};
+const std::map<std::string, PlaceKind> place_names{{"floor", PlaceKind::floor}, {"facade", PlaceKind::facade},
+                                                   {"zone", PlaceKind::zone},   {"vav", PlaceKind::vav},
+                                                   {"fcu", PlaceKind::fcu},     {"vav_pair", PlaceKind::vav_pair}};
+const std::map<std::string, By> by_names{{"multiply", By::multiply}, {"add", By::add},     {"set", By::set},
+                                         {"raise", By::raise},       {"lower", By::lower}, {"drift", By::drift},
+                                         {"lag", By::lag},           {"jet", By::jet},     {"exchange", By::exchange}};
 
 template <class Map>
 std::string keys_of(const Map& map) {
@@ -149,7 +149,8 @@ void check_target(Section& s, const EffectOp& op, const Effect& effect) {
     case On::sensor: known("sensor", {"room_temp", "fcu_temp", "mau_temp", "supply_temp", "power"}); break;
     case On::model: break;
   }
-  if (op.by == By::exchange && effect.place != PlaceKind::vav_pair) s.refuse("by", "exchange", "place vav_pair with it");
+  if (op.by == By::exchange && effect.place != PlaceKind::vav_pair)
+    s.refuse("by", "exchange", "place vav_pair with it");
 }
 
 std::vector<EffectOp> read_ops(Section& file, const char* list, const Effect& effect) {

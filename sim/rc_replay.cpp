@@ -49,8 +49,8 @@ ChannelTable replay_rc(const RcRoom& room, const Recording& recording, bool duti
   const RcRoom quiet = expected_room(room);
   const auto shared = std::make_shared<const Recording>(recording);
   const auto weather = measured_weather(recording);
-  ChannelTable table = ChannelTable::Constant(std::ssize(recording.rows), channels.count(),
-                                              std::numeric_limits<double>::quiet_NaN());
+  ChannelTable table =
+      ChannelTable::Constant(std::ssize(recording.rows), channels.count(), std::numeric_limits<double>::quiet_NaN());
   live_through(quiet, shared, weather, false, [&](std::size_t at, const RcPlant& plant) {
     auto row = table.row(static_cast<Eigen::Index>(at));
     const Sensors& s = plant.sensors();

@@ -23,6 +23,7 @@ void add_blob(CLI::App& app);
 void add_report(CLI::App& app);
 void add_footprint(CLI::App& app);
 void add_status(CLI::App& app);
+void add_gap(CLI::App& app);
 
 /// --site, --preset and --topology, shared by all commands on a room.
 struct SiteOptions {

@@ -4,6 +4,7 @@ find_package(nlohmann_json REQUIRED)
 file(GLOB AIRSIDE_TOOLS_SOURCES CONFIGURE_DEPENDS
   ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp
   ${CMAKE_CURRENT_SOURCE_DIR}/baselines/*.cpp
+  ${CMAKE_CURRENT_SOURCE_DIR}/gap/*.cpp
   ${CMAKE_CURRENT_SOURCE_DIR}/report/*.cpp)
 list(FILTER AIRSIDE_TOOLS_SOURCES EXCLUDE REGEX "/tools/(main|command_[^/]*)\\.cpp$")
 

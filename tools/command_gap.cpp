@@ -1,0 +1,227 @@
+// airside gap: where simulation and measurement disagree, which effect is missing, and how sure that is.
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <thread>
+
+#include "hal/input_error.hpp"
+#include "sim/merge_patch.hpp"
+#include "tools/command.hpp"
+#include "tools/gap/blind_cases.hpp"
+#include "tools/gap/case_file.hpp"
+#include "tools/gap/confusion_svg.hpp"
+#include "tools/gap/score.hpp"
+#include "tools/gap/verdict_json.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+int default_jobs() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+void write_text(const std::string& option, const std::string& path, const std::string& text) {
+  std::ofstream out(path);
+  out << text;
+  out.flush();
+  if (!out)
+    throw hal::InputError(option + " " + path, "a file that cannot be written", "a writable path", "choose another");
+}
+
+/// What every part of the command needs.
+struct GapCommand {
+  std::string effects_dir, cache;
+  int jobs = default_jobs();
+  bool json = false;
+
+  std::vector<sim::Effect> effects() const {
+    return sim::load_effects(effects_dir.empty() ? sim::find_effects() : fs::path(effects_dir));
+  }
+  void add_common(CLI::App& c) {
+    c.add_option("--effects", effects_dir, "folder of effect files (default: sim/effects)");
+    c.add_option("--jobs", jobs, "simulations at a time")->check(CLI::Range(1, 256))->capture_default_str();
+    c.add_flag("--json", json, "print one JSON object and nothing else on standard output");
+  }
+};
+
+struct EffectsCommand : GapCommand {
+  void run() const {
+    const auto list = effects();
+    nlohmann::json j = nlohmann::json::array();
+    constexpr const char* places[] = {"floor", "facade", "zone", "vav", "fcu", "vav_pair"};
+    for (const sim::Effect& e : list) {
+      const char* engines = e.on_rc && e.on_energyplus ? "both" : e.on_rc ? "rc" : "energyplus";
+      j.push_back({{"name", e.name},
+                   {"title", e.title},
+                   {"place", places[static_cast<int>(e.place)]},
+                   {"unit", e.unit},
+                   {"null", e.null_value},
+                   {"low", e.low},
+                   {"high", e.high},
+                   {"prior_sd", e.prior_sd},
+                   {"engines", engines},
+                   {"looks_like", e.looks_like},
+                   {"confirm", e.confirm}});
+      if (json) continue;
+      fmt::print("{} ({}, {}; {} to {} {}, nothing at {})\n  {}\n  looks like: {}\n  on site: {}\n", e.name,
+                 places[static_cast<int>(e.place)], engines, e.low, e.high, e.unit, e.null_value, e.title, e.looks_like,
+                 e.confirm);
+    }
+    if (json) fmt::print("{}\n", nlohmann::json{{"effects", j}}.dump());
+  }
+};
+
+/// Cases of one window share what effects would do in it.
+class ResponseStore {
+ public:
+  ResponseStore(const std::vector<sim::Effect>& effects, int jobs) : effects_(effects), jobs_(jobs) {}
+
+  const gap::WindowResponses& of(const gap::LoadedCase& c) {
+    const std::string key = c.window.empty() ? "case " + c.name : c.window;
+    const auto found = store_.find(key);
+    if (found != store_.end()) return found->second;
+    if (c.window.empty()) store_.clear();  // nobody else will ask for it
+    const gap::Library library = gap::library_of(*c.engine, effects_);
+    Progress bar("responses of " + c.engine->description(), 2 * gap::runs_of(library, true));
+    const auto responses = [&](const gap::Window& window) {
+      return gap::simulate_responses(*c.engine, library, window.recording, true, jobs_, [&bar] { bar.advance(); });
+    };
+    auto& made = store_[key];
+    made = {responses(c.data.reference), responses(c.data.test)};
+    bar.finish();
+    return made;
+  }
+
+ private:
+  const std::vector<sim::Effect>& effects_;
+  int jobs_;
+  std::map<std::string, gap::WindowResponses> store_;
+};
+
+struct RunCasesCommand : GapCommand {
+  std::string folder, out = "verdicts.json";
+
+  void run() const {
+    const auto list = effects();
+    const auto folders = gap::case_folders(folder);
+    ResponseStore store(list, jobs);
+    nlohmann::json verdicts = nlohmann::json::array();
+    std::map<std::string, int> count;
+    Progress bar(fmt::format("{} cases", folders.size()), folders.size());
+    for (const fs::path& path : folders) {
+      const std::string name = path.filename().string();
+      const gap::LoadedCase c = gap::load_case(gap::read_case(path), name, cache);
+      const gap::WindowResponses& responses = store.of(c);
+      const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses);
+      verdicts.push_back(gap::json_of(verdict, name, responses.test, c.engine->channels()));
+      ++count[gap::text_of(verdict.kind)];
+      bar.advance();
+    }
+    bar.finish();
+    write_text("--out", out, nlohmann::json{{"format", 1}, {"verdicts", verdicts}}.dump(1) + "\n");
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"cases", folders.size()}, {"verdicts", out}, {"count", count}}.dump());
+      return;
+    }
+    for (const auto& [kind, n] : count) fmt::print("{:>5} {}\n", n, kind);
+    fmt::print("verdicts: {}\n", out);
+  }
+};
+
+struct BlindCommand : GapCommand {
+  int cases = 20;
+  std::uint64_t seed = 1;
+  std::string folder = "blind", key = "blind-key.json", room = "301";
+  int days = 14;
+
+  void run() const {
+    const auto list = effects();
+    gap::BlindPlan plan = gap::plan_of(cases, seed);
+    plan.twin = room;
+    plan.days = days;
+    plan.jobs = jobs;
+    Progress bar(fmt::format("hiding effects in {} cases", plan.total()), static_cast<std::uint64_t>(plan.total()));
+    gap::make_blind_cases(plan, list, folder, key, [&bar] { bar.advance(); });
+    bar.finish();
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"cases", plan.total()},
+                                        {"folder", folder},
+                                        {"key", key},
+                                        {"seeds", {seed}},
+                                        {"single", plan.single},
+                                        {"null", plan.null},
+                                        {"outside", plan.outside},
+                                        {"pairs", plan.pairs}}
+                             .dump());
+      return;
+    }
+    fmt::print(
+        "{} cases in {}, the key in {}\nnext: airside gap run-cases {} -o verdicts.json; airside gap score "
+        "verdicts.json {}\n",
+        plan.total(), folder, key, folder, key);
+  }
+};
+
+struct ScoreCommand : GapCommand {
+  std::string verdicts, key, picture;
+
+  void run() const {
+    std::map<std::string, double> null_of;
+    for (const sim::Effect& e : effects()) null_of[e.name] = e.null_value;
+    const gap::ScoreTable table = gap::score(sim::read_json(verdicts), sim::read_json(key), null_of);
+    if (!picture.empty()) write_text("--picture", picture, gap::confusion_svg(table.confusion, "hidden and said"));
+    if (json) {
+      fmt::print("{}\n", gap::json_of(table).dump());
+    } else {
+      fmt::print("{}", gap::text_of(table));
+    }
+  }
+};
+
+}  // namespace
+
+void add_gap(CLI::App& app) {
+  CLI::App* gap = app.add_subcommand(
+      "gap", "find where simulation and measurement disagree, name the missing effect, show the gap shrink");
+  gap->require_subcommand(1);
+
+  auto list = std::make_shared<EffectsCommand>();
+  CLI::App* c = gap->add_subcommand("effects", "every effect that can be found, with how to confirm it on site");
+  list->add_common(*c);
+  c->callback([list] { list->run(); });
+
+  auto blind = std::make_shared<BlindCommand>();
+  c = gap->add_subcommand("blind", "make sealed cases in which something is hidden, and their key apart");
+  c->add_option("--cases", blind->cases, "how many in all")->check(CLI::Range(1, 10000))->capture_default_str();
+  c->add_option("--seed", blind->seed, "of rooms, effects and noise")->capture_default_str();
+  c->add_option("--room", blind->room, "the workflow's room")->capture_default_str();
+  c->add_option("--days", blind->days, "of the reference, and again of the measured period")
+      ->check(CLI::Range(4, 60))
+      ->capture_default_str();
+  c->add_option("-o,--out", blind->folder, "folder for the cases; new or empty")->capture_default_str();
+  c->add_option("--key", blind->key, "file for the answers, outside that folder")->capture_default_str();
+  blind->add_common(*c);
+  c->callback([blind] { blind->run(); });
+
+  auto cases = std::make_shared<RunCasesCommand>();
+  c = gap->add_subcommand("run-cases", "a verdict for every case of a folder");
+  c->add_option("folder", cases->folder, "folder of cases")->required();
+  c->add_option("-o,--out", cases->out, "file for the verdicts")->capture_default_str();
+  c->add_option("--cache", cases->cache, "folder of finished EnergyPlus runs, used again");
+  cases->add_common(*c);
+  c->callback([cases] { cases->run(); });
+
+  auto score = std::make_shared<ScoreCommand>();
+  c = gap->add_subcommand("score", "compare verdicts with the key");
+  c->add_option("verdicts", score->verdicts, "from run-cases")->required();
+  c->add_option("key", score->key, "from blind")->required();
+  c->add_option("--picture", score->picture, "SVG file with the confusion matrix");
+  score->add_common(*c);
+  c->callback([score] { score->run(); });
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,141 @@
+#include "tools/gap/case_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "hal/input_error.hpp"
+#include "sim/energyplus_install.hpp"
+#include "sim/epw.hpp"
+#include "sim/merge_patch.hpp"
+#include "sim/rc_room_file.hpp"
+#include "tools/gap/energyplus_engine.hpp"
+#include "tools/gap/log_window.hpp"
+#include "tools/site.hpp"
+
+namespace airside::tools::gap {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int case_format = 1;
+
+/// A built-in name stays as it is; a path is seen from the case's folder.
+std::string resolved(const fs::path& folder, const std::string& text) {
+  const bool is_path = text.find('/') != std::string::npos || fs::path(text).has_extension();
+  return text.empty() || !is_path || fs::path(text).is_absolute() ? text : (folder / text).lexically_normal().string();
+}
+
+sim::EnergyPlusTwin make_twin(const CaseDescription& c) {
+  const bool file = c.model.ends_with(".epJSON");
+  sim::EnergyPlusOptions options = file ? sim::EnergyPlusOptions{} : sim::energyplus_room(c.model);
+  if (file) options.model = c.model;
+  for (const std::string& patch : c.patches) options.patches.push_back({patch, sim::read_json(patch)});
+  return sim::twin_of(options);
+}
+
+}  // namespace
+
+CaseDescription read_case(const fs::path& folder) {
+  const fs::path file = folder / "case.json";
+  const nlohmann::json j = sim::read_json(file);
+  const auto refuse = [&file](const std::string& key, const std::string& found, const std::string& expected) {
+    throw hal::InputError(file.string() + ": " + key, found, expected, "see FORMATS.md, \"Cases of the gap workflow\"");
+  };
+  if (!j.is_object()) refuse("", j.dump().substr(0, 40), "an object");
+  static const std::vector<std::string> known{"format",    "engine",   "model",    "patches", "weather",
+                                              "reference", "measured", "topology", "window",  "duties"};
+  for (const auto& [key, value] : j.items()) {
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      refuse(key, "an unknown key", fmt::format("one of {}", fmt::join(known, ", ")));
+    }
+  }
+  const auto text = [&](const char* key, const char* otherwise) {
+    if (!j.contains(key) && otherwise != nullptr) return std::string(otherwise);
+    if (!j.contains(key) || !j[key].is_string()) refuse(key, j.value(key, nlohmann::json()).dump(), "a text");
+    return j[key].get<std::string>();
+  };
+  if (j.value("format", nlohmann::json()) != case_format) {
+    refuse("format", j.value("format", nlohmann::json()).dump(), std::to_string(case_format));
+  }
+  CaseDescription c;
+  c.engine = text("engine", nullptr);
+  if (c.engine != "rc" && c.engine != "energyplus") refuse("engine", c.engine, "rc or energyplus");
+  c.model = resolved(folder, text("model", nullptr));
+  c.weather = resolved(folder, text("weather", nullptr));
+  c.reference_log = resolved(folder, text("reference", nullptr));
+  c.measured_log = resolved(folder, text("measured", nullptr));
+  c.topology = text("topology", "5vav-5fcu-2power");
+  c.window = text("window", "");
+  if (j.contains("duties")) {
+    if (!j["duties"].is_boolean()) refuse("duties", j["duties"].dump(), "true or false");
+    c.duties = j["duties"].get<bool>();
+  }
+  if (j.contains("patches")) {
+    if (!j["patches"].is_array()) refuse("patches", j["patches"].dump(), "a list of file names");
+    for (const auto& patch : j["patches"]) {
+      if (!patch.is_string()) refuse("patches", patch.dump(), "a file name");
+      c.patches.push_back(resolved(folder, patch.get<std::string>()));
+    }
+  }
+  return c;
+}
+
+void write_case(const fs::path& folder, const CaseDescription& c) {
+  nlohmann::json j = {{"format", case_format},  {"engine", c.engine},           {"model", c.model},
+                      {"weather", c.weather},   {"reference", c.reference_log}, {"measured", c.measured_log},
+                      {"topology", c.topology}, {"window", c.window},           {"duties", c.duties}};
+  if (!c.patches.empty()) j["patches"] = c.patches;
+  std::ofstream out(folder / "case.json");
+  out << j.dump(1) << '\n';
+  if (!out) {
+    throw hal::InputError((folder / "case.json").string(), "a file that cannot be written", "a writable folder",
+                          "choose another");
+  }
+}
+
+LoadedCase load_case(const CaseDescription& c, const std::string& name, const fs::path& cache) {
+  LoadedCase loaded;
+  loaded.name = name;
+  loaded.window =
+      c.window.empty() ? "" : fmt::format("{}|{}|{}|{}|{}", c.engine, c.model, c.weather, c.window, c.duties);
+  const Site site = built_in_site(c.topology);
+  if (c.engine == "rc") {
+    loaded.engine = std::make_unique<RcEngine>(sim::load_room(c.model));
+  } else {
+    loaded.engine = std::make_unique<EnergyPlusEngine>(make_twin(c), c.model, cache, c.duties);
+  }
+  const auto weather = sim::read_epw(c.weather, {.whole_year = false, .from = {}, .to = {}});
+  const sim::Channels channels = loaded.engine->channels();
+  if (channels.rooms != site.counts.vavs || channels.fcus != site.counts.fcus ||
+      channels.powers != site.counts.powers) {
+    throw hal::InputError(name + ": model " + c.model,
+                          fmt::format("{} VAVs, {} FCUs, {} powers", channels.rooms, channels.fcus, channels.powers),
+                          "the counts of topology " + c.topology, "name the topology of the log and its model");
+  }
+  const auto window = [&](const std::string& log) {
+    const hal::Log rows = hal::read_log(log, site.counts, {.keep_missing = true});
+    return window_of(rows.rows, channels, weather, log);
+  };
+  loaded.data.reference = window(c.reference_log);
+  loaded.data.test = window(c.measured_log);
+  return loaded;
+}
+
+std::vector<fs::path> case_folders(const fs::path& folder) {
+  std::vector<fs::path> folders;
+  std::error_code failed;
+  for (const auto& entry : fs::directory_iterator(folder, failed)) {
+    if (fs::exists(entry.path() / "case.json")) folders.push_back(entry.path());
+  }
+  if (failed || folders.empty()) {
+    throw hal::InputError(folder.string(), failed ? failed.message() : "no folder with a case.json",
+                          "a folder of cases", "airside gap blind --cases 10 -o DIR makes one");
+  }
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,51 @@
+#include "tools/gap/engine.hpp"
+
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <numeric>
+#include <thread>
+
+#include "sim/rc_replay.hpp"
+
+namespace airside::tools::gap {
+
+sim::ChannelTable RcEngine::simulate(const Changes& changes, const sim::Recording& recording) const {
+  const sim::ChannelTable table =
+      sim::replay_rc(sim::changed_room(room_, changes), sim::changed_recording(recording, changes));
+  return sim::changed_sensors(table, channels(), changes);
+}
+
+std::array<bool, sim::facades> RcEngine::has_facade() const {
+  const auto any = [](const std::vector<double>& m2) { return std::accumulate(m2.begin(), m2.end(), 0.0) > 0; };
+  return {any(room_.window_north_m2), any(room_.window_east_m2), any(room_.window_south_m2), any(room_.window_west_m2)};
+}
+
+std::vector<sim::ChannelTable> simulate_all(const Engine& engine, const std::vector<Task>& tasks, int jobs,
+                                            const std::function<void()>& done) {
+  std::vector<sim::ChannelTable> tables(tasks.size());
+  std::atomic<std::size_t> next{0};
+  std::mutex mutex;
+  std::exception_ptr failure;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < tasks.size(); i = next++) {
+      try {
+        tables[i] = engine.simulate(tasks[i].changes, *tasks[i].recording);
+        const std::lock_guard lock(mutex);
+        if (done) done();
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!failure) failure = std::current_exception();
+        next = tasks.size();
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
+  work();
+  for (auto& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+  return tables;
+}
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,55 @@
+#pragma once
+// The model side of the gap workflow: what would the sensors have shown under these commands, if these changes to the
+// model were true? One interface for the RC room and the EnergyPlus twin.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/effect.hpp"
+#include "sim/rc_room.hpp"
+#include "sim/recording.hpp"
+
+namespace airside::tools::gap {
+
+using Changes = std::vector<sim::EffectChange>;
+
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  /// Thread-safe.  Shape: as sim::ChannelTable.  Errors: hal::InputError, std::runtime_error of a run that died.
+  virtual sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const = 0;
+  virtual sim::Channels channels() const = 0;
+  virtual std::array<bool, sim::facades> has_facade() const = 0;
+  virtual bool can(const sim::Effect& effect) const = 0;
+  /// "rc room 301", for reports.
+  virtual std::string description() const = 0;
+};
+
+class RcEngine final : public Engine {
+ public:
+  explicit RcEngine(sim::RcRoom room) : room_(std::move(room)) {}
+  sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override;
+  sim::Channels channels() const override { return {room_.vavs, room_.fcus, room_.powers}; }
+  std::array<bool, sim::facades> has_facade() const override;
+  bool can(const sim::Effect& effect) const override { return effect.on_rc; }
+  std::string description() const override { return "rc room " + room_.name; }
+  const sim::RcRoom& room() const { return room_; }
+
+ private:
+  sim::RcRoom room_;
+};
+
+/// One run.
+struct Task {
+  Changes changes;
+  const sim::Recording* recording = nullptr;
+};
+
+/// All tasks, on `jobs` threads; done() is called from this thread's side after each.
+/// Errors: the first task's that failed, after the others have ended.
+std::vector<sim::ChannelTable> simulate_all(const Engine& engine, const std::vector<Task>& tasks, int jobs,
+                                            const std::function<void()>& done = {});
+
+}  // namespace airside::tools::gap

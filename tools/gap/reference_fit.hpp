@@ -1,0 +1,36 @@
+#pragma once
+// The model's uncertain parameters, fitted to a period in which nothing was missing; and how noise behaves there.
+
+#include "tools/gap/responses.hpp"
+
+namespace airside::tools::gap {
+
+/// Directions of a window: first the parameters, then one a candidate's place, for what no parameter explains. No model
+/// has the structure of its building; what looks a little like an effect in the reference period is not that effect,
+/// and only a change since then is news.
+std::vector<Eigen::MatrixXd> directions_of(const Responses& responses, const Eigen::VectorXd& structural_scale);
+
+struct ReferenceFit {
+  Eigen::VectorXd estimate;          ///< in prior standard deviations, one a direction
+  Eigen::MatrixXd covariance;        ///< in prior units; the prior's is one
+  Eigen::VectorXd structural_scale;  ///< prior sd of each structural direction, in steps to the first probe
+  NoiseModel noise;
+  Eigen::MatrixXd residual;  ///< bins x channels; of the fitted model
+  double leftover = 1;       ///< mean square of the whitened residual; about 1
+
+  /// The fitted parameters as changes to the model.
+  Changes changes(const std::vector<Parameter>& parameters) const;
+  /// What the structural directions add, linearly.  Shape: bins x channels of that window.
+  Eigen::MatrixXd structural(const Responses& responses) const;
+};
+
+/// Gauss-Newton with the prior, three times, each followed by a real simulation; the noise model is fitted to what
+/// remains.
+///   d = (J'J + I)^-1 J' r, J and r whitened.
+/// Errors: as simulate.  Cost: three simulations beside the responses.  Source: GAP.md, step 2.
+ReferenceFit fit_reference(const Engine& engine, const Responses& responses, const Window& window);
+
+/// Bins that count: not the first day, which remembers an unknown start.
+std::vector<bool> counted_bins(Eigen::Index bins);
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,45 @@
+#pragma once
+// Residuals as a stack of channels: half-hour means, a noise model that whitens them, and vectors in which a distance
+// is a likelihood.
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "sim/recording.hpp"
+
+namespace airside::tools::gap {
+
+constexpr int rows_per_bin = 5;  ///< 30 min
+constexpr int bins_per_day = rows_per_day / rows_per_bin;
+
+/// Means of successive bins.  Shape: bins x channels.  NaN where fewer than three rows of a bin are numbers.
+Eigen::MatrixXd binned(const sim::ChannelTable& table);
+
+/// How the residual of a right model behaves, channel by channel: x_t = sum_i phi_i x_{t-i} + e_t, with innovations e
+/// that are correlated across channels and larger at the hours at which people come, go and move.
+/// Source: GAP.md, step 4.
+class NoiseModel {
+ public:
+  static constexpr int order = 2;
+
+  /// Fitted to the residual of a right model.  Shape: bins x channels; NaN: missing.
+  /// A channel that never varies gets the sensor's own resolution.
+  static NoiseModel fit(const Eigen::MatrixXd& residual, const sim::Channels& channels);
+
+  /// Whitened rows, stacked: the innovations of t = order .., each time step rotated to unit covariance; 0 where a
+  /// value is missing. `kept[t]` false leaves a bin out. Row 0 is a midnight. Shape: (bins - order) * channels.
+  Eigen::VectorXd whiten(const Eigen::MatrixXd& x, const std::vector<bool>& kept, const Eigen::MatrixXd& missing) const;
+
+  /// Standard deviation of a residual in each channel (not of its innovations).  K, kW, -.
+  const Eigen::VectorXd& spread() const { return spread_; }
+
+ private:
+  static constexpr int blocks = 12;  ///< of the day
+
+  Eigen::MatrixXd phi_;    // channels x order
+  Eigen::MatrixXd scale_;  // channels x blocks, sd of the innovations
+  Eigen::MatrixXd unit_;   // inverse Cholesky factor of the scaled innovations' correlation
+  Eigen::VectorXd spread_;
+};
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,52 @@
+#pragma once
+// What each effect and each uncertain parameter would do to the sensors in one window: differences of simulations.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/gap/engine.hpp"
+#include "tools/gap/residual.hpp"
+
+namespace airside::tools::gap {
+
+/// A stretch of a log, ready for the model.
+struct Window {
+  sim::Recording recording;
+  Eigen::MatrixXd measured;  ///< bins x channels; NaN: missing
+};
+
+/// One direction in which a candidate may move, seen from its null: a candidate has two.
+struct Candidate {
+  sim::EffectAt at;
+  double probe = 0;          ///< magnitude at which it was simulated
+  Eigen::MatrixXd response;  ///< bins x channels; of the step from null to probe
+};
+
+struct Parameter {
+  sim::EffectAt at;
+  double prior_sd = 0;
+  Eigen::MatrixXd response;  ///< bins x channels; of one prior standard deviation
+};
+
+/// The lists are the same in every window of one engine.
+struct Responses {
+  Eigen::MatrixXd base;  ///< bins x channels; the model as it is
+  std::vector<Parameter> parameters;
+  std::vector<Candidate> candidates;  ///< empty where only parameters were asked for
+};
+
+/// Everything that an engine can be asked about.
+struct Library {
+  std::vector<sim::EffectAt> parameters, candidates;
+};
+Library library_of(const Engine& engine, const std::vector<sim::Effect>& effects);
+
+/// How many runs simulate_responses() makes.
+std::size_t runs_of(const Library& library, bool with_candidates);
+
+/// Cost: runs_of() simulations on `jobs` threads.
+Responses simulate_responses(const Engine& engine, const Library& library, const sim::Recording& recording,
+                             bool with_candidates, int jobs, const std::function<void()>& done = {});
+
+}  // namespace airside::tools::gap
