@@ -93,7 +93,7 @@ class Analysis {
   }
 
   /// Gauss-Newton on the magnitudes with real simulations; responses are those of the probes, scaled.
-  Refit refit(std::vector<Chosen> chosen) const {
+  Refit refit(const std::vector<Chosen>& chosen) const {
     Refit best{chosen, residual_of(chosen), 0};
     best.distance = distance(best.residual);
     Refit now = best;
