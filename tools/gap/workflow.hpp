@@ -9,9 +9,9 @@
 
 namespace airside::tools::gap {
 
-/// Decision rules.  Source: GAP.md, steps 6 to 8; DESIGN.md, "Gap workflow", for where the figures come from.
+/// Decision rules.  Source: the algorithm of DESIGN.md, "Gap workflow". The figures are not calibrated yet.
 struct Rules {
-  double gain_limit = 25;        ///< a gain below is noise: 95 % of simulated nulls lie below
+  double gain_limit = 25;        ///< a gain below is noise. A first guess: nulls measured so far reach 110
   double margin_ratio = 1.25;    ///< gain over the best effect of another class, at least
   double margin_gain = 12;       ///< and so much more in 2 ln likelihood
   double class_cosine = 0.97;    ///< responses more alike than this cannot be told apart
