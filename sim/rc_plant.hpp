@@ -79,6 +79,9 @@ class RcPlant final : public PlantModel {
     obey_recording();
   }
 
+  /// From now on sensors show numbers that are not rounded: differences of two runs would drown in rounding.
+  void show_exact_values() { exact_ = true; }
+
  private:
   enum class Future { actual, frozen, expected };
   struct Network;  // what is constant over a run, shared by copies
@@ -99,7 +102,7 @@ class RcPlant final : public PlantModel {
   std::shared_ptr<const Weather> weather_;
   std::shared_ptr<const Network> network_;
   std::shared_ptr<const Recording> recording_;
-  bool own_thermostats_ = true;
+  bool own_thermostats_ = true, exact_ = false;
   std::uint64_t seed_;
   CivilTime start_, now_, frozen_at_;
   Future future_ = Future::actual;

@@ -23,9 +23,10 @@ RcRoom expected_room(RcRoom room) {
 /// Calls row(index, plant) at every recorded instant.
 template <class Row>
 void live_through(const RcRoom& room, const std::shared_ptr<const Recording>& recording,
-                  const std::shared_ptr<const Weather>& weather, bool thermostats, Row&& row) {
+                  const std::shared_ptr<const Weather>& weather, bool thermostats, bool rounded, Row&& row) {
   const CivilTime begin{recording->from.seconds - lead_days * std::int64_t{86400}};
   RcPlant plant(room, weather, begin, 0, recording->at(begin).setpoint_degc);
+  if (!rounded) plant.show_exact_values();
   plant.follow(recording, thermostats);
   while (plant.time() < recording->to()) {
     const CivilTime t = plant.time();
@@ -37,7 +38,7 @@ void live_through(const RcRoom& room, const std::shared_ptr<const Recording>& re
 
 }  // namespace
 
-ChannelTable replay_rc(const RcRoom& room, const Recording& recording, bool duties) {
+ChannelTable replay_rc(const RcRoom& room, const Recording& recording, bool duties, bool rounded) {
   const Channels channels{room.vavs, room.fcus, room.powers};
   for (const RecordedRow& row : recording.rows) {
     if (std::ssize(row.vav_on) != room.vavs || std::ssize(row.fcu_on) != room.fcus) {
@@ -51,7 +52,7 @@ ChannelTable replay_rc(const RcRoom& room, const Recording& recording, bool duti
   const auto weather = measured_weather(recording);
   ChannelTable table =
       ChannelTable::Constant(std::ssize(recording.rows), channels.count(), std::numeric_limits<double>::quiet_NaN());
-  live_through(quiet, shared, weather, false, [&](std::size_t at, const RcPlant& plant) {
+  live_through(quiet, shared, weather, false, rounded, [&](std::size_t at, const RcPlant& plant) {
     auto row = table.row(static_cast<Eigen::Index>(at));
     const Sensors& s = plant.sensors();
     for (int i = 0; i < channels.rooms; ++i) row(i) = s.room_temp_degc[static_cast<std::size_t>(i)];
@@ -61,7 +62,7 @@ ChannelTable replay_rc(const RcRoom& room, const Recording& recording, bool duti
     for (int i = 0; i < channels.powers; ++i) row(channels.power() + i) = s.power_kw[static_cast<std::size_t>(i)];
   });
   if (!duties) return table;
-  live_through(quiet, shared, weather, true, [&](std::size_t at, const RcPlant& plant) {
+  live_through(quiet, shared, weather, true, rounded, [&](std::size_t at, const RcPlant& plant) {
     for (int i = 0; i < channels.fcus; ++i) {
       table(static_cast<Eigen::Index>(at), channels.fcu_duty() + i) =
           plant.sensors().fcu_on[static_cast<std::size_t>(i)];

@@ -10,6 +10,7 @@ namespace airside::sim {
 /// profile, without noise. Duties come from a second run in which the fan coils follow their own thermostats.
 /// Shape: as ChannelTable. Cost: about 25 ms for two weeks, twice that with duties.
 /// Errors: hal::InputError if the room is not valid or the recording is of other counts.
-ChannelTable replay_rc(const RcRoom& room, const Recording& recording, bool duties = true);
+/// `rounded` false: exact numbers, for differences of two replays that are smaller than a sensor's resolution.
+ChannelTable replay_rc(const RcRoom& room, const Recording& recording, bool duties = true, bool rounded = true);
 
 }  // namespace airside::sim
