@@ -3,16 +3,17 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <fstream>
 #include <map>
-#include <thread>
 
 #include "hal/input_error.hpp"
 #include "sim/merge_patch.hpp"
 #include "tools/command.hpp"
+#include "tools/command_gap.hpp"
 #include "tools/gap/blind_cases.hpp"
 #include "tools/gap/case_file.hpp"
 #include "tools/gap/confusion_svg.hpp"
+#include "tools/gap/fit_command.hpp"
+#include "tools/gap/patched_model.hpp"
 #include "tools/gap/score.hpp"
 #include "tools/gap/verdict_json.hpp"
 
@@ -22,33 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-int default_jobs() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
-
-void write_text(const std::string& option, const std::string& path, const std::string& text) {
-  std::ofstream out(path);
-  out << text;
-  out.flush();
-  if (!out)
-    throw hal::InputError(option + " " + path, "a file that cannot be written", "a writable path", "choose another");
-}
-
-/// What every part of the command needs.
-struct GapCommand {
-  std::string effects_dir, cache;
-  int jobs = default_jobs();
-  bool json = false;
-
-  std::vector<sim::Effect> effects() const {
-    return sim::load_effects(effects_dir.empty() ? sim::find_effects() : fs::path(effects_dir));
-  }
-  void add_common(CLI::App& c) {
-    c.add_option("--effects", effects_dir, "folder of effect files (default: sim/effects)");
-    c.add_option("--jobs", jobs, "simulations at a time")->check(CLI::Range(1, 256))->capture_default_str();
-    c.add_flag("--json", json, "print one JSON object and nothing else on standard output");
-  }
-};
-
-struct EffectsCommand : GapCommand {
+struct EffectsCommand : GapOptions {
   void run() const {
     const auto list = effects();
     nlohmann::json j = nlohmann::json::array();
@@ -102,10 +77,24 @@ class ResponseStore {
   std::map<std::string, gap::WindowResponses> store_;
 };
 
-struct RunCasesCommand : GapCommand {
-  std::string folder, out = "verdicts.json";
+struct RunCasesCommand : GapOptions {
+  std::string folder, out = "verdicts.json", cache;
+
+  /// One bad log among hundreds of cases is a verdict too.
+  nlohmann::json verdict_on(const fs::path& path, const std::string& name, ResponseStore& store) const {
+    try {
+      const gap::LoadedCase c = gap::load_case(gap::read_case(path), name, cache);
+      const gap::WindowResponses& responses = store.of(c);
+      const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses);
+      return gap::json_of(verdict, name, responses.test, c.engine->channels());
+    } catch (const gap::RefusedLog& e) {
+      fmt::print(stderr, "{}: refused: {}\n", name, e.what());
+      return gap::refused_json(name, e.what());
+    }
+  }
 
   void run() const {
+    require_writable("--out", out, false);
     const auto list = effects();
     const auto folders = gap::case_folders(folder);
     ResponseStore store(list, jobs);
@@ -114,15 +103,12 @@ struct RunCasesCommand : GapCommand {
     Progress bar(fmt::format("{} cases", folders.size()), folders.size());
     for (const fs::path& path : folders) {
       const std::string name = path.filename().string();
-      const gap::LoadedCase c = gap::load_case(gap::read_case(path), name, cache);
-      const gap::WindowResponses& responses = store.of(c);
-      const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses);
-      verdicts.push_back(gap::json_of(verdict, name, responses.test, c.engine->channels()));
-      ++count[gap::text_of(verdict.kind)];
+      verdicts.push_back(verdict_on(path, name, store));
+      ++count[verdicts.back()["verdict"].get<std::string>()];
       bar.advance();
     }
     bar.finish();
-    write_text("--out", out, nlohmann::json{{"format", 1}, {"verdicts", verdicts}}.dump(1) + "\n");
+    gap::write_whole_file(out, nlohmann::json{{"format", 1}, {"verdicts", verdicts}}.dump(1) + "\n");
     if (json) {
       fmt::print("{}\n", nlohmann::json{{"cases", folders.size()}, {"verdicts", out}, {"count", count}}.dump());
       return;
@@ -132,11 +118,12 @@ struct RunCasesCommand : GapCommand {
   }
 };
 
-struct BlindCommand : GapCommand {
+struct BlindCommand : GapOptions {
   int cases = 20;
   std::uint64_t seed = 1;
-  std::string folder = "blind", key = "blind-key.json", room = "301";
+  std::string folder = "blind", key = "blind-key.json", room = "301", engine = "rc", cache;
   int days = 14;
+  bool rough = false;
 
   void run() const {
     const auto list = effects();
@@ -144,13 +131,20 @@ struct BlindCommand : GapCommand {
     plan.twin = room;
     plan.days = days;
     plan.jobs = jobs;
-    Progress bar(fmt::format("hiding effects in {} cases", plan.total()), static_cast<std::uint64_t>(plan.total()));
+    plan.engine = engine == "rc"           ? gap::BlindEngine::rc
+                  : engine == "energyplus" ? gap::BlindEngine::energyplus
+                                           : gap::BlindEngine::mixed;
+    plan.rough = rough;
+    plan.cache = cache;
+    Progress bar(fmt::format("hiding effects in {} cases", plan.total()),
+                 static_cast<std::uint64_t>(gap::blind_steps(plan)));
     gap::make_blind_cases(plan, list, folder, key, [&bar] { bar.advance(); });
     bar.finish();
     if (json) {
       fmt::print("{}\n", nlohmann::json{{"cases", plan.total()},
                                         {"folder", folder},
                                         {"key", key},
+                                        {"engine", engine},
                                         {"seeds", {seed}},
                                         {"single", plan.single},
                                         {"null", plan.null},
@@ -166,14 +160,14 @@ struct BlindCommand : GapCommand {
   }
 };
 
-struct ScoreCommand : GapCommand {
+struct ScoreCommand : GapOptions {
   std::string verdicts, key, picture;
 
   void run() const {
     std::map<std::string, double> null_of;
     for (const sim::Effect& e : effects()) null_of[e.name] = e.null_value;
     const gap::ScoreTable table = gap::score(sim::read_json(verdicts), sim::read_json(key), null_of);
-    if (!picture.empty()) write_text("--picture", picture, gap::confusion_svg(table.confusion, "hidden and said"));
+    if (!picture.empty()) gap::write_whole_file(picture, gap::confusion_svg(table.confusion, "hidden and said"));
     if (json) {
       fmt::print("{}\n", gap::json_of(table).dump());
     } else {
@@ -182,16 +176,27 @@ struct ScoreCommand : GapCommand {
   }
 };
 
+struct RevertCommand {
+  std::string ledger, model, out;
+
+  void run() const {
+    const nlohmann::json back = gap::reverted_model(sim::read_json(model), sim::read_json(ledger), model, ledger);
+    gap::write_whole_file(out, back.dump(1) + "\n");
+    fmt::print("{}: the model as it was before\n", out);
+  }
+};
+
 }  // namespace
 
 void add_gap(CLI::App& app) {
   CLI::App* gap = app.add_subcommand(
       "gap", "find where simulation and measurement disagree, name the missing effect, show the gap shrink");
-  gap->require_subcommand(1);
+  gap->require_subcommand(0, 1);
 
   auto list = std::make_shared<EffectsCommand>();
   CLI::App* c = gap->add_subcommand("effects", "every effect that can be found, with how to confirm it on site");
-  list->add_common(*c);
+  list->add_effects(*c);
+  list->add_json(*c);
   c->callback([list] { list->run(); });
 
   auto blind = std::make_shared<BlindCommand>();
@@ -203,8 +208,16 @@ void add_gap(CLI::App& app) {
       ->check(CLI::Range(4, 60))
       ->capture_default_str();
   c->add_option("-o,--out", blind->folder, "folder for the cases; new or empty")->capture_default_str();
+  c->add_option("--engine", blind->engine,
+                "what measures: rc, energyplus, or mixed: every fourth case of each set by EnergyPlus")
+      ->check(CLI::IsMember({"rc", "energyplus", "mixed"}))
+      ->capture_default_str();
+  c->add_flag("--rough", blind->rough, "sizes by a table of noise instead of fits: quick, not exact");
+  c->add_option("--cache", blind->cache, "folder of finished EnergyPlus runs, used again");
   c->add_option("--key", blind->key, "file for the answers, outside that folder")->capture_default_str();
-  blind->add_common(*c);
+  blind->add_effects(*c);
+  blind->add_jobs(*c);
+  blind->add_json(*c);
   c->callback([blind] { blind->run(); });
 
   auto cases = std::make_shared<RunCasesCommand>();
@@ -212,7 +225,9 @@ void add_gap(CLI::App& app) {
   c->add_option("folder", cases->folder, "folder of cases")->required();
   c->add_option("-o,--out", cases->out, "file for the verdicts")->capture_default_str();
   c->add_option("--cache", cases->cache, "folder of finished EnergyPlus runs, used again");
-  cases->add_common(*c);
+  cases->add_effects(*c);
+  cases->add_jobs(*c);
+  cases->add_json(*c);
   c->callback([cases] { cases->run(); });
 
   auto score = std::make_shared<ScoreCommand>();
@@ -220,8 +235,19 @@ void add_gap(CLI::App& app) {
   c->add_option("verdicts", score->verdicts, "from run-cases")->required();
   c->add_option("key", score->key, "from blind")->required();
   c->add_option("--picture", score->picture, "SVG file with the confusion matrix");
-  score->add_common(*c);
+  score->add_effects(*c);
+  score->add_json(*c);
   c->callback([score] { score->run(); });
+
+  auto revert = std::make_shared<RevertCommand>();
+  c = gap->add_subcommand("revert", "the model as it was before a patch");
+  c->add_option("ledger", revert->ledger, "ledger.json of the patch")->required();
+  c->add_option("model", revert->model, "the patched model")->required();
+  c->add_option("-o,--out", revert->out, "file for the model before")->required();
+  c->callback([revert] { revert->run(); });
+  add_gap_fit(*gap);
+  add_gap_retrain(*gap);
+  add_gap_run(*gap);
 }
 
 }  // namespace airside::tools

@@ -286,6 +286,24 @@ TEST(Score, CountsACaseWithoutVerdictAsAbstainedAndSaysSo) {
   EXPECT_NE(text_of(table).find(table.warnings[0]), std::string::npos);
 }
 
+TEST(Score, CountsRefusedLogsOnTheirOwn) {
+  Blind b = every_answer();
+  b.single(1, "refused");
+  b.add("null", Json::array(), {}, "refused");
+  b.add("outside", list({{{"id", "fcu_dial@2"}}}), {}, "refused");
+  const ScoreTable table = b.table();
+  EXPECT_EQ(count(table, "single", "abstained"), "6/11");
+  EXPECT_EQ(count(table, "null", "named"), "0/1");
+  EXPECT_EQ(count(table, "outside", "unknown"), "0/1");
+  EXPECT_EQ(table.sets.at(0).refused, 1);
+  EXPECT_EQ(table.sets.at(0).unanswered, 0);
+  EXPECT_EQ(table.sets.at(1).refused, 1);
+  EXPECT_EQ(table.confusion.said.back(), "refused");
+  EXPECT_NE(text_of(table).find("3 cases refused"), std::string::npos);
+  EXPECT_EQ(json_of(table)["sets"][0]["refused"], 1);
+  EXPECT_NE(confusion_svg(table.confusion, "t").find("refused"), std::string::npos);
+}
+
 TEST(Score, ConfusesHiddenWithSaidByNameWithoutPlace) {
   Blind b = every_answer();
   b.single(0.5, "named", list({effect("clock_shift")}));
@@ -376,7 +394,7 @@ TEST(ScoreInput, NamesTheFieldThatIsWrong) {
                   .starts_with("verdicts[0].effects: found []; expected at least one effect; "));
   EXPECT_TRUE(
       spoilt_verdicts("/verdicts/0/verdict", "sure")
-          .starts_with("verdicts[0].verdict: found \"sure\"; expected one of named, ambiguous, unknown, none; "));
+          .starts_with("verdicts[0].verdict: found \"sure\"; expected one of named, ambiguous, unknown, none, refused; "));
   EXPECT_TRUE(spoilt_verdicts("/verdicts/2", 1).starts_with("verdicts[2]: found 1; expected an object; "));
   EXPECT_TRUE(spoilt_verdicts("/verdicts", 1).starts_with("verdicts: found 1; expected a list; "));
   EXPECT_TRUE(spoilt_verdicts("/format", 2).starts_with("verdicts: format: found 2; expected 1; "));

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <fstream>
 
+#include "hal/civil_text.hpp"
 #include "hal/input_error.hpp"
 #include "sim/energyplus_install.hpp"
+#include "sim/energyplus_rooms.hpp"
 #include "sim/epw.hpp"
 #include "sim/merge_patch.hpp"
 #include "sim/rc_room_file.hpp"
@@ -28,12 +30,26 @@ std::string resolved(const fs::path& folder, const std::string& text) {
   return text.empty() || !is_path || fs::path(text).is_absolute() ? text : (folder / text).lexically_normal().string();
 }
 
-sim::EnergyPlusTwin make_twin(const CaseDescription& c) {
-  const bool file = c.model.ends_with(".epJSON");
-  sim::EnergyPlusOptions options = file ? sim::EnergyPlusOptions{} : sim::energyplus_room(c.model);
-  if (file) options.model = c.model;
-  for (const std::string& patch : c.patches) options.patches.push_back({patch, sim::read_json(patch)});
-  return sim::twin_of(options);
+/// Midnight at or after t.
+CivilTime next_midnight(CivilTime t) { return {(t.seconds + 86399) / 86400 * 86400}; }
+
+bool is_five_zone(const hal::TopologyCounts& counts) {
+  return counts.vavs == 5 && counts.fcus == 5 && counts.powers == 2;
+}
+
+/// "rc" has the shape of the logs; every other room has its own.
+sim::RcRoom room_of(const CaseDescription& c, const hal::TopologyCounts& counts) {
+  return c.model == "rc" ? sim::make_room(counts.vavs, counts.fcus, counts.powers) : sim::load_room(c.model);
+}
+
+CaseLogs divided_log(const CaseDescription& c, CleanLog all) {
+  CaseLogs logs{all, std::move(all)};
+  const auto from = logs.measured.rows.empty() ? CivilTime{} : next_midnight(logs.measured.rows.front().time);
+  const CivilTime divide{from.seconds + c.reference_days * std::int64_t{86400}};
+  std::erase_if(logs.reference.rows, [divide](const hal::LogRow& row) { return !(row.time < divide); });
+  std::erase_if(logs.measured.rows, [divide](const hal::LogRow& row) { return row.time < divide; });
+  logs.reference.remarks.clear();  // one log, one table
+  return logs;
 }
 
 }  // namespace
@@ -96,31 +112,95 @@ void write_case(const fs::path& folder, const CaseDescription& c) {
   }
 }
 
+nlohmann::json model_of(const CaseDescription& c) {
+  if (c.engine == "energyplus") {
+    const sim::EnergyPlusOptions options = energyplus_options_of(c);
+    const fs::path file = options.model.empty() ? sim::find_models() / "twin.epJSON" : options.model;
+    nlohmann::json model = sim::read_json(file);
+    for (const sim::ModelPatch& patch : options.patches) {
+      model = sim::merge_patched(std::move(model), patch.content, patch.name);
+    }
+    return model;
+  }
+  if (c.model.ends_with(".json")) return sim::read_json(c.model);
+  const hal::TopologyCounts counts = built_in_site(c.topology).counts;
+  if (c.model != "rc" || is_five_zone(counts)) return {{"base", c.model}};
+  return {{"base", "rc"}, {"vavs", counts.vavs}, {"fcus", counts.fcus}, {"powers", counts.powers}};
+}
+
+sim::EnergyPlusOptions energyplus_options_of(const CaseDescription& c) {
+  const bool file = c.model.ends_with(".epJSON");
+  sim::EnergyPlusOptions options = file ? sim::EnergyPlusOptions{} : sim::energyplus_room(c.model);
+  if (file) options.model = c.model;
+  for (const std::string& patch : c.patches) options.patches.push_back({patch, sim::read_json(patch)});
+  return options;
+}
+
+CaseLogs read_case_logs(const CaseDescription& c, const CleanUpContext& context) {
+  CaseLogs logs;
+  const auto read = [&context](const std::string& path) {
+    CleanUpContext named = context;
+    named.place = path;
+    CleanLog log = read_dirty_log(path, named);
+    log.place = path;
+    return log;
+  };
+  try {
+    logs.measured = read(c.measured_log);
+    if (c.reference_log.empty()) {
+      logs.measured.require_usable();
+      return divided_log(c, std::move(logs.measured));
+    }
+    logs.reference = read(c.reference_log);
+    same_room(logs.reference, logs.measured, context);
+    logs.reference.require_usable();
+    logs.measured.require_usable();
+  } catch (const hal::InputError& reason) {
+    throw RefusedLog(reason, std::move(logs));
+  }
+  return logs;
+}
+
+void require_apart(const CaseLogs& logs) {
+  const auto& a = logs.reference.rows;
+  const auto& b = logs.measured.rows;
+  if (a.empty() || b.empty() || a.back().time < b.front().time || b.back().time < a.front().time) return;
+  throw hal::InputError(logs.measured.place,
+                        fmt::format("rows from {} on, within the reference period, which lasts to {}",
+                                    hal::civil_text(b.front().time), hal::civil_text(a.back().time)),
+                        "a measured period before or after the reference period",
+                        "give a log of other days, or one log and --reference-days");
+}
+
 LoadedCase load_case(const CaseDescription& c, const std::string& name, const fs::path& cache) {
   LoadedCase loaded;
   loaded.name = name;
   loaded.window =
       c.window.empty() ? "" : fmt::format("{}|{}|{}|{}|{}", c.engine, c.model, c.weather, c.window, c.duties);
-  const Site site = built_in_site(c.topology);
+  const hal::TopologyCounts counts = built_in_site(c.topology).counts;
   if (c.engine == "rc") {
-    loaded.engine = std::make_unique<RcEngine>(sim::load_room(c.model));
+    loaded.engine = std::make_unique<RcEngine>(room_of(c, counts));
   } else {
-    loaded.engine = std::make_unique<EnergyPlusEngine>(make_twin(c), c.model, cache, c.duties);
+    loaded.engine =
+        std::make_unique<EnergyPlusEngine>(sim::twin_of(energyplus_options_of(c)), c.model, cache, c.duties);
   }
   const auto weather = sim::read_epw(c.weather, {.whole_year = false, .from = {}, .to = {}});
   const sim::Channels channels = loaded.engine->channels();
-  if (channels.rooms != site.counts.vavs || channels.fcus != site.counts.fcus ||
-      channels.powers != site.counts.powers) {
+  if (channels.rooms != counts.vavs || channels.fcus != counts.fcus || channels.powers != counts.powers) {
     throw hal::InputError(name + ": model " + c.model,
                           fmt::format("{} VAVs, {} FCUs, {} powers", channels.rooms, channels.fcus, channels.powers),
                           "the counts of topology " + c.topology, "name the topology of the log and its model");
   }
-  const auto window = [&](const std::string& log) {
-    const hal::Log rows = hal::read_log(log, site.counts, {.keep_missing = true});
-    return window_of(rows.rows, channels, weather, log);
-  };
-  loaded.data.reference = window(c.reference_log);
-  loaded.data.test = window(c.measured_log);
+  CleanUpContext context;
+  context.counts = counts;
+  context.station = weather;
+  loaded.logs = read_case_logs(c, context);
+  try {
+    loaded.data.reference = window_of(loaded.logs.reference.rows, channels, weather, loaded.logs.reference.place);
+    loaded.data.test = window_of(loaded.logs.measured.rows, channels, weather, loaded.logs.measured.place);
+  } catch (const hal::InputError& reason) {
+    throw RefusedLog(reason, loaded.logs);
+  }
   return loaded;
 }
 

@@ -4,17 +4,39 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "hal/input_error.hpp"
+#include "sim/energyplus_options.hpp"
+#include "tools/gap/clean_up.hpp"
 #include "tools/gap/workflow.hpp"
 
 namespace airside::tools::gap {
+
+/// Both logs of a case, cleaned up.
+struct CaseLogs {
+  CleanLog reference, measured;
+};
 
 struct LoadedCase {
   std::string name;    ///< the folder's
   std::string window;  ///< cases of one window and one model share responses; empty: shares with none
   std::unique_ptr<Engine> engine;
+  CaseLogs logs;
   CaseData data;
+};
+
+/// A log that nothing can be concluded from; what() is the first reason.
+class RefusedLog : public hal::InputError {
+ public:
+  RefusedLog(const hal::InputError& reason, CaseLogs logs) : hal::InputError(reason), logs_(std::move(logs)) {}
+  /// All that was found, in both logs as far as they were read.
+  const CaseLogs& logs() const { return logs_; }
+
+ private:
+  CaseLogs logs_;
 };
 
 /// Where a case's model and logs come from; paths are resolved.
@@ -24,6 +46,7 @@ struct CaseDescription {
   std::vector<std::string> patches;
   std::string weather;  ///< EPW
   std::string reference_log, measured_log;
+  int reference_days = 0;  ///< > 0, without a reference log: so many days of the measured log are the reference
   std::string topology = "5vav-5fcu-2power";
   std::string window;
   bool duties = true;
@@ -34,8 +57,21 @@ CaseDescription read_case(const std::filesystem::path& folder);
 /// Writes case.json; paths are written as they stand.
 void write_case(const std::filesystem::path& folder, const CaseDescription& description);
 
+/// The model as the user has it, before any effect: the epJSON with its patches, or the room file.
+/// Errors: hal::InputError of unreadable files and unknown names.
+nlohmann::json model_of(const CaseDescription& description);
+/// The names of a model's zones and schedules, and the loops beside it; EnergyPlus only.
+sim::EnergyPlusOptions energyplus_options_of(const CaseDescription& description);
+
+/// Reads and cleans both logs, or divides the measured one at midnight after reference_days.
+/// Errors: RefusedLog, also for files that are no logs.
+CaseLogs read_case_logs(const CaseDescription& description, const CleanUpContext& context);
+
+/// Errors: hal::InputError if the two periods overlap.
+void require_apart(const CaseLogs& logs);
+
 /// Reads model, weather and logs.
-/// Errors: hal::InputError of whatever is wrong with them.
+/// Errors: RefusedLog if it is the logs that cannot be used; hal::InputError of whatever else is wrong.
 LoadedCase load_case(const CaseDescription& description, const std::string& name, const std::filesystem::path& cache);
 
 /// Folders below `folder` that hold a case.json, in order of name.

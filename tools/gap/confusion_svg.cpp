@@ -28,7 +28,7 @@ using Rgb = std::array<double, 3>;
 constexpr Rgb right_colour{11, 98, 180}, wrong_colour{209, 87, 15}, abstained_colour{86, 97, 110};
 
 bool is_abstention(const std::string& said) {
-  return said == "ambiguous" || said == "unknown" || said == "none" || said == "no verdict";
+  return said == "ambiguous" || said == "unknown" || said == "none" || said == "refused" || said == "no verdict";
 }
 
 /// White at 0; a single case of many must still show.

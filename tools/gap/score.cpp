@@ -20,8 +20,8 @@ using hal::InputError;
 constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-enum class Kind { named, ambiguous, unknown, none };
-constexpr std::array<const char*, 4> kind_names{"named", "ambiguous", "unknown", "none"};
+enum class Kind { named, ambiguous, unknown, none, refused };
+constexpr std::array<const char*, 5> kind_names{"named", "ambiguous", "unknown", "none", "refused"};
 constexpr std::array<const char*, 6> set_names{"single", "null", "real_null", "outside", "pair", "real"};
 
 struct HiddenEffect {
@@ -541,15 +541,14 @@ ConfusedCase confused(const Case& c) {
 }
 
 Confusion confusion_of(const std::vector<Case>& cases, const std::function<bool(const Case&)>& takes) {
-  static const std::vector<std::string> abstentions{"ambiguous", "unknown", "none", "no verdict"};
+  static const std::vector<std::string> abstentions{"ambiguous", "unknown", "none", "refused", "no verdict"};
   const auto is_effect = [](const std::string& word) {
     return std::ranges::find(abstentions, word) == abstentions.end();
   };
   std::vector<ConfusedCase> list;
   std::set<std::pair<int, std::string>> rows;
   std::map<std::string, std::string> right_of;
-  std::set<std::string> effects;
-  bool silent = false;
+  std::set<std::string> effects, said;
   for (const Case& c : cases) {
     if (c.set == "pair" || !takes(c)) continue;
     const ConfusedCase one = confused(c);
@@ -558,13 +557,16 @@ Confusion confusion_of(const std::vector<Case>& cases, const std::function<bool(
     for (const std::string& word : {one.right, one.said}) {
       if (is_effect(word)) effects.insert(word);
     }
-    silent = silent || !c.answered;
+    said.insert(one.said);
     list.push_back(one);
   }
   Confusion result;
   if (list.empty()) return result;
   result.said.assign(effects.begin(), effects.end());
-  result.said.insert(result.said.end(), abstentions.begin(), abstentions.end() - (silent ? 0 : 1));
+  for (const std::string& word : abstentions) {
+    const bool rare = word == "refused" || word == "no verdict";
+    if (!rare || said.contains(word)) result.said.push_back(word);
+  }
   for (const auto& [order, name] : rows) {
     result.hidden.push_back(name);
     result.right.push_back(right_of[name]);
@@ -580,7 +582,7 @@ Confusion confusion_of(const std::vector<Case>& cases, const std::function<bool(
 void describe_sets(ScoreTable& table, const std::vector<Case>& cases) {
   static const std::map<std::string, int> planned{{"single", 300}, {"null", 300}, {"real_null", 30},
                                                   {"outside", 60}, {"pair", 100}, {"real", 1}};
-  std::vector<std::string> silent;
+  std::vector<std::string> silent, refused;
   for (const char* set : set_names) {
     SetFacts facts;
     facts.set = set;
@@ -591,6 +593,10 @@ void describe_sets(ScoreTable& table, const std::vector<Case>& cases) {
         ++facts.unanswered;
         silent.push_back(c->id);
       }
+      if (c->answered && c->kind == Kind::refused) {
+        ++facts.refused;
+        refused.push_back(c->id);
+      }
       if (c->engine != "energyplus") continue;
       ++facts.energyplus;
       if (c->feedback && *c->feedback) ++facts.energyplus_feedback;
@@ -598,6 +604,7 @@ void describe_sets(ScoreTable& table, const std::vector<Case>& cases) {
     table.sets.push_back(facts);
   }
   warn(table, silent, "without verdict, counted as abstained");
+  warn(table, refused, "refused for what is wrong with the logs, counted as abstained");
 }
 
 Json number_json(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
@@ -742,7 +749,8 @@ Json json_of(const ScoreTable& table) {
                             {"planned", s.planned},
                             {"energyplus", s.energyplus},
                             {"energyplus_feedback", s.energyplus_feedback},
-                            {"unanswered", s.unanswered}});
+                            {"unanswered", s.unanswered},
+                            {"refused", s.refused}});
   }
   for (const CountRow& row : table.counts) {
     const auto [low, high] = row.interval();
@@ -766,11 +774,11 @@ Json json_of(const ScoreTable& table) {
 
 std::string text_of(const ScoreTable& table) {
   std::string text = "What was tested (planned: a quarter from EnergyPlus, half of that with feedback)\n";
-  text += fmt::format("  {:<12}{:>8}{:>9}{:>12}{:>15}{:>16}\n", "set", "cases", "planned", "EnergyPlus",
-                      "with feedback", "without verdict");
+  text += fmt::format("  {:<12}{:>8}{:>9}{:>12}{:>15}{:>17}{:>14}\n", "set", "cases", "planned", "EnergyPlus",
+                      "with feedback", "without verdict", "logs refused");
   for (const SetFacts& s : table.sets) {
-    text += fmt::format("  {:<12}{:>8}{:>9}{:>12}{:>15}{:>16}\n", s.set, s.cases, s.planned, s.energyplus,
-                        s.energyplus_feedback, s.unanswered);
+    text += fmt::format("  {:<12}{:>8}{:>9}{:>12}{:>15}{:>17}{:>14}\n", s.set, s.cases, s.planned, s.energyplus,
+                        s.energyplus_feedback, s.unanswered, s.refused);
   }
   write_targets(text, table);
   text += "\nIn parts: % [Wilson 95 % interval] cases\n";

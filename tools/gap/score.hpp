@@ -43,7 +43,8 @@ struct SpreadRow {
 struct Confusion {
   std::vector<std::string> hidden;  ///< "vav_flow", "fcu_dial (outside)", "nothing", ..
   std::vector<std::string> right;   ///< the column that is right for the row: its effect, "unknown" or "none"
-  std::vector<std::string> said;  ///< effects, then "ambiguous", "unknown", "none" and, where it happened, "no verdict"
+  /// Effects, then "ambiguous", "unknown", "none" and, where they happened, "refused" and "no verdict".
+  std::vector<std::string> said;
   std::vector<std::vector<int>> counts;
 };
 
@@ -54,6 +55,7 @@ struct SetFacts {
   int energyplus = 0;           ///< measured by EnergyPlus
   int energyplus_feedback = 0;  ///< of these with feedback on
   int unanswered = 0;
+  int refused = 0;  ///< their logs could not be used
 };
 
 struct ScoreTable {
@@ -78,7 +80,7 @@ struct ScoreTable {
 /// named: "gap closed" = 1 - (after - floor)/(before - floor) within -1 .. 1, left out where before <= floor;
 ///   "harm": after > before. An after that is not finite harms and closes -1.
 /// right names: "magnitude error" = |m - m_true| / |m_true - null|; "interval covers".
-/// A case without verdict is abstained, with a warning.
+/// A case without verdict, or whose logs were refused, is abstained, with a warning.
 /// `null_of`: the magnitude at which nothing is changed, one an effect of the library.
 /// Errors: hal::InputError that names the field ("verdicts[3].effects[0].id", "cases.case-0001.set"): missing, of the
 ///   wrong type, an effect that null_of does not have, two verdicts for one case, a case that the key does not have, a

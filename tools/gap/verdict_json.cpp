@@ -2,24 +2,45 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "hal/civil_text.hpp"
+
 namespace airside::tools::gap {
 
 namespace {
 
-constexpr double z95 = 1.96;
+using nlohmann::json;
 
-nlohmann::json json_of(const Finding& f) {
-  nlohmann::json alike = nlohmann::json::array();
+constexpr double z95 = 1.96;
+constexpr const char* place_kinds[] = {"floor", "facade", "zone", "vav", "fcu", "vav_pair"};
+
+json place_json(const sim::EffectAt& at) {
+  const std::string id = at.id();
+  const auto mark = id.find('@');
+  return mark == std::string::npos ? json(nullptr) : json(id.substr(mark + 1));
+}
+
+json finding_json(const Finding& f, const Rules& rules, double gain_limit) {
+  json alike = json::array();
   for (const sim::EffectAt& at : f.cannot_tell_from) alike.push_back(at.id());
   const sim::Effect& effect = *f.at.effect;
+  const MagnitudeInterval interval = interval_of(f);
   return {{"id", f.at.id()},
+          {"effect", effect.name},
+          {"place_kind", place_kinds[static_cast<int>(effect.place)]},
+          {"place", place_json(f.at)},
           {"text", f.at.text()},
           {"magnitude", f.magnitude},
+          {"sd", finite_json(f.sd)},
           {"unit", effect.unit},
           {"null", effect.null_value},
-          {"interval", {f.magnitude - z95 * f.sd, f.magnitude + z95 * f.sd}},
+          {"interval", {interval.low, interval.high}},
           {"gain", f.gain},
+          {"gain_over_limit", gain_limit > 0 ? finite_json(f.gain / gain_limit) : json()},
           {"margin", f.margin},
+          {"margin_over_limit", f.margin / rules.margin_ratio},
           {"same_sign_share", f.same_sign},
           {"class", alike},
           {"why_not", f.why_not},
@@ -27,43 +48,115 @@ nlohmann::json json_of(const Finding& f) {
           {"confirm", effect.confirm}};
 }
 
+json locked_json(const LockedDays& locked, const sim::Channels& channels) {
+  if (locked.rmse_before.size() != channels.count()) return nullptr;
+  json by_channel;
+  for (int c = 0; c < channels.count(); ++c) {
+    by_channel[channels.name(c)] = {{"unit", channels.unit(c)},
+                                    {"rmse_before", finite_json(locked.rmse_before(c))},
+                                    {"rmse_after", finite_json(locked.rmse_after(c))},
+                                    {"mean_before", finite_json(locked.mean_before(c))},
+                                    {"mean_after", finite_json(locked.mean_after(c))}};
+  }
+  return {{"score_before", locked.score_before},
+          {"score_after", locked.score_after},
+          {"score_floor", locked.score_floor},
+          {"temp_rmse_before_k", locked.temp_rmse_before_k},
+          {"temp_rmse_after_k", locked.temp_rmse_after_k},
+          {"power_rmse_before_kw", locked.power_rmse_before_kw},
+          {"power_rmse_after_kw", locked.power_rmse_after_kw},
+          {"channels", by_channel}};
+}
+
 }  // namespace
 
-nlohmann::json json_of(const Verdict& v, const std::string& name, const Responses& responses,
-                       const sim::Channels& channels) {
-  nlohmann::json effects = nlohmann::json::array(), ranking = nlohmann::json::array(), by_channel;
-  for (const Finding& f : v.findings) effects.push_back(json_of(f));
+json finite_json(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+MagnitudeInterval interval_of(const Finding& f) {
+  const sim::Effect& effect = *f.at.effect;
+  return {std::max(effect.low, f.magnitude - z95 * f.sd), std::min(effect.high, f.magnitude + z95 * f.sd)};
+}
+
+json json_of(const Verdict& v, const std::string& name, const Responses& responses, const sim::Channels& channels,
+             const Rules& rules) {
+  json effects = json::array(), ranking = json::array(), gains = json::array();
+  for (const Finding& f : v.findings) effects.push_back(finding_json(f, rules, v.gain_limit));
   for (std::size_t i = 0; i < v.ranking.size() && i < 10; ++i) {
     ranking.push_back(responses.candidates[v.ranking[i].candidate].at.id());
-  }
-  for (int c = 0; c < channels.count() && v.locked.rmse_before.size() == channels.count(); ++c) {
-    by_channel[channels.name(c)] = {{"rmse_before", v.locked.rmse_before(c)}, {"rmse_after", v.locked.rmse_after(c)}};
+    gains.push_back(v.ranking[i].gain);
   }
   return {{"case", name},
           {"verdict", text_of(v.kind)},
           {"reason", v.reason},
           {"effects", effects},
           {"ranking", ranking},
+          {"ranking_gains", gains},
           {"best_gain", v.best_gain},
           {"gain_limit", v.gain_limit},
-          {"leftover", v.leftover},
-          {"locked",
-           {{"score_before", v.locked.score_before},
-            {"score_after", v.locked.score_after},
-            {"score_floor", v.locked.score_floor},
-            {"temp_rmse_before_k", v.locked.temp_rmse_before_k},
-            {"temp_rmse_after_k", v.locked.temp_rmse_after_k},
-            {"power_rmse_before_kw", v.locked.power_rmse_before_kw},
-            {"power_rmse_after_kw", v.locked.power_rmse_after_kw},
-            {"channels", by_channel}}}};
+          {"leftover", finite_json(v.leftover)},
+          {"thresholds",
+           {{"gain", v.gain_limit},
+            {"margin_ratio", rules.margin_ratio},
+            {"margin_gain", rules.margin_gain},
+            {"class_cosine", rules.class_cosine},
+            {"same_sign_share", rules.same_sign_share},
+            {"leftover", rules.leftover_limit},
+            {"locked_gain_share", rules.locked_gain}}},
+          {"locked", locked_json(v.locked, channels)}};
+}
+
+json refused_json(const std::string& name, const std::string& reason) {
+  return {{"case", name}, {"verdict", "refused"}, {"reason", reason}, {"effects", json::array()}};
+}
+
+json json_of(const CleanLog& log) {
+  json rows = json::array();
+  for (const Remark& r : log.remarks) {
+    rows.push_back({{"defect", text_of(r.defect)},
+                    {"action", text_of(r.action)},
+                    {"column", r.column},
+                    {"from", hal::civil_text(r.from)},
+                    {"to", hal::civil_text(r.to)},
+                    {"count", r.count},
+                    {"text", r.text}});
+  }
+  json j = {{"log", log.place}, {"rows", log.rows.size()}, {"remarks", rows}};
+  if (!log.rows.empty()) {
+    j["from"] = hal::civil_text(log.rows.front().time);
+    j["to"] = hal::civil_text(log.rows.back().time);
+  }
+  return j;
 }
 
 std::string sentence_of(const Finding& f) {
-  std::string text = fmt::format("{}: {:.3g} {} +- {:.2g}", f.at.text(), f.magnitude, f.at.effect->unit, z95 * f.sd);
+  std::string text = fmt::format("{}: {:.3g} {} ± {:.2g}", f.at.text(), f.magnitude, f.at.effect->unit, z95 * f.sd);
+  if (f.at.effect->unit == "1") text = fmt::format("{}: factor {:.3g} ± {:.2g}", f.at.text(), f.magnitude, z95 * f.sd);
   if (!f.cannot_tell_from.empty()) {
     std::string alike;
     for (const sim::EffectAt& at : f.cannot_tell_from) alike += (alike.empty() ? "" : "; or ") + at.text();
     text += "; the data cannot tell it from: " + alike;
+  }
+  return text;
+}
+
+std::string sentence_of(const Verdict& v) {
+  std::string found;
+  for (const Finding& f : v.findings) found += (found.empty() ? "" : "; and ") + sentence_of(f);
+  switch (v.kind) {
+    case VerdictKind::named: return "named: " + found;
+    case VerdictKind::ambiguous: return fmt::format("ambiguous: perhaps {} ({})", found, v.reason);
+    case VerdictKind::unknown: return "unknown: " + v.reason;
+    case VerdictKind::none: return v.reason;
+  }
+  return v.reason;
+}
+
+std::string text_of(const CleanLog& log) {
+  if (log.remarks.empty()) return "";
+  std::string text = fmt::format("clean-up of {}\n", log.place);
+  for (const Remark& r : log.remarks) {
+    text += fmt::format("  {:<9} {:<16} {:<20} {}: {}\n", text_of(r.action), text_of(r.defect),
+                        r.column.empty() ? "all" : r.column, hal::civil_text(r.from).substr(0, 16), r.text);
   }
   return text;
 }

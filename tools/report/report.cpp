@@ -58,6 +58,7 @@ void check(const ReportTable& table) {
 }
 
 void check(const ReportNote&) {}
+void check(const PictureRow&) {}
 
 /// Five significant digits are more than a screen can show; null is a gap.
 json numbers(const std::vector<double>& values, bool positive_only) {
@@ -136,8 +137,9 @@ struct BlockWriter {
 
   void operator()(const ReportTable& table) const {
     page += "<section>" + heading(table.title, table.note) +
-            "<div class=\"scroll\"><table class=\"figures-table\"><thead><tr><th scope=\"col\">" +
-            escape_markup(table.row_header) + "</th>";
+            (table.prose ? "<div class=\"scroll\"><table class=\"figures-table prose\">"
+                         : "<div class=\"scroll\"><table class=\"figures-table\">") +
+            "<thead><tr><th scope=\"col\">" + escape_markup(table.row_header) + "</th>";
     for (const TableColumn& c : table.columns) {
       page += "<th scope=\"col\">" + escape_markup(c.name);
       if (!c.unit.empty()) page += "<span class=\"unit\">" + escape_markup(c.unit) + "</span>";
@@ -172,6 +174,12 @@ struct BlockWriter {
     page += "<section>" + heading(note.title, "");
     for (const std::string& p : note.paragraphs) page += "<p>" + escape_markup(p) + "</p>\n";
     page += "</section>\n";
+  }
+
+  void operator()(const PictureRow& pictures) const {
+    page += "<section>" + heading(pictures.title, pictures.note) + "<div class=\"pictures\">";
+    for (const std::string& svg : pictures.svg) page += "<figure>" + svg + "</figure>";
+    page += "</div></section>\n";
   }
 
   /// The printed form of each column's least value, so that ties in print are marked alike.

@@ -91,6 +91,7 @@ struct ReportTable {
   std::string title;
   std::string note;
   std::string row_header = "method";
+  bool prose = false;  ///< cells are sentences: they stand left and wrap
   std::vector<TableColumn> columns;
   std::vector<TableRow> rows;
 };
@@ -100,7 +101,14 @@ struct ReportNote {
   std::vector<std::string> paragraphs;
 };
 
-using ReportBlock = std::variant<LineChart, BarChart, ReportTable, ReportNote>;
+/// Pictures that are drawn already, side by side where there is room. They take their colours from the page.
+struct PictureRow {
+  std::string title;
+  std::string note;
+  std::vector<std::string> svg;
+};
+
+using ReportBlock = std::variant<LineChart, BarChart, ReportTable, ReportNote, PictureRow>;
 
 /// A figure that deserves large type.
 struct KeyFigure {

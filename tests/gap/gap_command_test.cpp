@@ -1,0 +1,312 @@
+// airside gap as a person runs it: logs and a site file in, verdict, report, patch and ledger out; and what it says
+// when it cannot.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "hal/input_error.hpp"
+#include "input/program.hpp"
+#include "sim/energyplus_install.hpp"
+#include "sim/epw.hpp"
+#include "sim/merge_patch.hpp"
+#include "sim/rc_room_file.hpp"
+#include "sim/synthetic_weather.hpp"
+#include "tools/gap/blind.hpp"
+#include "tools/gap/patched_model.hpp"
+
+namespace airside::tools::gap {
+namespace {
+
+using nlohmann::json;
+
+/// A small room, so that hundreds of simulations take seconds.
+const sim::RcRoom& small_room() {
+  static const sim::RcRoom room = sim::make_room(3, 0, 1);
+  return room;
+}
+
+/// A folder with a site, weather, effects and logs of the small room, in which a box has half its flow.
+class GapDesk {
+ public:
+  explicit GapDesk(int days = 8) : effects_(sim::load_effects(sim::find_effects())) {
+    sim::write_epw(path("w.epw").string(), *weather_, 2021);
+    write("site.toml",
+          "[site]\nname = \"Small\"\ntopology = \"3vav-0fcu-1power\"\n[twin]\nmodel = \"rc\"\nweather = \"w.epw\"\n");
+    fs::create_directory(path("effects"));
+    for (const char* name : {"vav_flow", "solar_gain", "infiltration", "gain_occupied", "room_sensor_bias"}) {
+      fs::copy_file(sim::find_effects() / (std::string(name) + ".json"),
+                    path("effects") / (std::string(name) + ".json"));
+    }
+    const MeasuredRun before{sim::civil_midnight(2021, 7, 1), days, 5, false, 0.001};
+    MeasuredRun after = before;
+    after.start.seconds += days * std::int64_t{86400};
+    after.seed = 6;
+    log("reference.csv", measure(small_room(), weather_, before));
+    const std::vector<Hidden> hidden{{"vav_flow", 1, 0.5}};
+    log("measured.csv", measure(hide(small_room(), hidden, effects_), weather_, after, hidden));
+  }
+
+  fs::path path(const std::string& name) const { return folder_.path() / name; }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(path(name), std::ios::binary) << text;
+  }
+  json read(const std::string& name) const { return sim::read_json(path(name)); }
+  std::set<std::string> names() const { return names_in(folder_.path()); }
+  Outcome run(const std::string& words) const {
+    std::istringstream in("gap " + words);
+    return run_program("airside", {std::istream_iterator<std::string>(in), {}}, folder_.path(), scratch_.path());
+  }
+
+  /// Two columns under each other's names.
+  void exchange(const std::string& file, const std::string& a, const std::string& b) const {
+    std::string text = text_of_file(path(file));
+    const auto header_end = text.find('\n');
+    std::string header = text.substr(0, header_end);
+    header = std::regex_replace(header, std::regex("\\b" + a + "\\b"), "@@");
+    header = std::regex_replace(header, std::regex("\\b" + b + "\\b"), a);
+    header = std::regex_replace(header, std::regex("@@"), b);
+    write(file, header + text.substr(header_end));
+  }
+
+ private:
+  void log(const std::string& name, const std::vector<hal::LogRow>& rows) const {
+    hal::LogWriter writer(path(name).string(), {"", 3, 0, 1}, false);
+    for (const hal::LogRow& row : rows) writer.append(row);
+    writer.close();
+  }
+
+  std::vector<sim::Effect> effects_;
+  std::shared_ptr<const sim::Weather> weather_ = sim::synthetic_weather(3);
+  TemporaryFolder folder_, scratch_;
+};
+
+constexpr const char* usual = "--site site.toml --measured measured.csv --reference reference.csv --effects effects";
+
+TEST(GapCommand, NamesWhatIsHiddenReportsPatchesTheRoomAndTakesThePatchBack) {
+  const GapDesk desk;
+  const Outcome o = desk.run(std::string(usual) + " --out out --apply patched.json --json");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json j = json::parse(o.out);  // one object and nothing else
+  ASSERT_EQ(j["verdict"], "named") << j.dump(1);
+  ASSERT_EQ(j["effects"].size(), 1U);
+  const json& effect = j["effects"][0];
+  EXPECT_EQ(effect["id"], "vav_flow@2");
+  EXPECT_EQ(effect["place"], "2");
+  EXPECT_NEAR(effect["magnitude"].get<double>(), 0.5, 0.1);
+  EXPECT_LT(effect["interval"][0].get<double>(), effect["magnitude"].get<double>());
+  EXPECT_GT(effect["interval"][1].get<double>(), effect["magnitude"].get<double>());
+  EXPECT_GT(effect["gain_over_limit"].get<double>(), 1);
+  EXPECT_GT(effect["margin_over_limit"].get<double>(), 1);
+  EXPECT_EQ(j["locked_days"]["days"], 2);
+  EXPECT_LT(j["locked_days"]["after"]["temp_rmse_k"].get<double>(),
+            0.5 * j["locked_days"]["before"]["temp_rmse_k"].get<double>());
+  EXPECT_EQ(j, desk.read("out/gap.json"));
+  for (const auto& file : j["files"]) EXPECT_TRUE(fs::exists(desk.path(file.get<std::string>()))) << file;
+
+  // The page: whole, on its own, with everything that was promised.
+  const std::string page = text_of_file(desk.path("out/index.html"));
+  for (const char* promised :
+       {"named: flow of box 2", "Guideline 14", "a wrong model can pass", "locked away", "The ledger",
+        "hood at the "
+        "diffuser",
+        "with what was found", "In which weather", "What else could explain it", "</html>"}) {
+    EXPECT_NE(page.find(promised), std::string::npos) << promised;
+  }
+  EXPECT_EQ(page.find("src=\"http"), std::string::npos);
+
+  // The patched room is a room, and differs in the flow of one box by about what was found.
+  const sim::RcRoom patched = sim::load_room(desk.path("patched.json").string());
+  const json ledger = desk.read("out/ledger.json");
+  EXPECT_EQ(desk.read("patched.json.ledger.json"), ledger);
+  const json& entry = ledger["entries"].back();
+  EXPECT_EQ(entry["role"], "finding");
+  EXPECT_EQ(entry["id"], "vav_flow@2");
+  EXPECT_EQ(entry["edits"][0]["where"], "vav_flow_calibration");
+  EXPECT_EQ(entry["edits"][0]["after"][1], patched.vav_flow_calibration[1]);
+  EXPECT_NEAR(patched.vav_flow_calibration[1], 0.5, 0.1);
+  EXPECT_EQ(ledger["digest_after"], model_digest(desk.read("patched.json")));
+  json again = json{{"base", "rc"}, {"vavs", 3}, {"fcus", 0}, {"powers", 1}};
+  EXPECT_EQ(ledger["digest_before"], model_digest(again));
+  again.merge_patch(desk.read("out/twin-patch.json"));
+  EXPECT_EQ(again, desk.read("patched.json"));
+
+  ASSERT_EQ(desk.run("revert out/ledger.json patched.json -o before.json").code, 0);
+  EXPECT_EQ(desk.read("before.json").dump(), (json{{"base", "rc"}, {"vavs", 3}, {"fcus", 0}, {"powers", 1}}.dump()));
+  // Back twice, and back from a model that somebody changed, is refused.
+  EXPECT_EQ(complaint_in(desk.run("revert out/ledger.json before.json -o x.json").err).remedy,
+            "nothing has to be taken back");
+  json edited = desk.read("patched.json");
+  edited["chiller_cop"] = 3.0;
+  desk.write("edited.json", edited.dump());
+  EXPECT_NE(complaint_in(desk.run("revert out/ledger.json edited.json -o x.json").err).expected.find("patched model"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(desk.path("x.json")));
+}
+
+TEST(GapCommand, LeavesTheTwinAloneWhereNothingIsMissing) {
+  const GapDesk desk(6);
+  // The first days of the reference log are the reference: nothing is hidden in the days after them.
+  const Outcome o = desk.run(
+      "run --site site.toml --measured reference.csv --reference-days 3 --effects effects --out out --apply p.json");
+  EXPECT_EQ(o.code, 1) << o.out;
+  EXPECT_NE(o.out.find("locked days (1)"), std::string::npos) << o.out;
+  EXPECT_EQ(complaint_in(o.err).place, "airside: --apply p.json") << o.err;
+  EXPECT_NE(complaint_in(o.err).remedy.find("left as it is"), std::string::npos);
+  EXPECT_FALSE(fs::exists(desk.path("p.json")));
+  EXPECT_FALSE(fs::exists(desk.path("out/twin-patch.json")));
+  EXPECT_NE(desk.read("out/gap.json")["verdict"], "named");
+}
+
+TEST(GapCommand, RefusesALogWithItsTableAndLeavesNothingBehind) {
+  const GapDesk desk(4);
+  desk.exchange("measured.csv", "room_temp_2_degc", "vav_on_1");
+  const auto before = desk.names();
+  for (const char* form : {"", "run "}) {
+    const Outcome o = desk.run(form + std::string(usual) + " --out out --apply p.json --json");
+    EXPECT_EQ(o.code, 1);
+    EXPECT_EQ(o.out, "");
+    EXPECT_NE(o.err.find("clean-up of measured.csv"), std::string::npos) << o.err;
+    EXPECT_NE(o.err.find("refused   swapped"), std::string::npos) << o.err;
+    EXPECT_EQ(complaint_in(o.err).expected, "each column under its own name") << o.err;
+    EXPECT_EQ(desk.names(), before);
+  }
+}
+
+struct BadRequest {
+  const char *words, *place, *part;  ///< part of the complaint
+  int code = 1;
+};
+
+TEST(GapCommand, SaysWhatIsMissingAndWhatToDo) {
+  const GapDesk desk(4);
+  desk.write("bare.toml", "[site]\nname = \"Bare\"\ntopology = \"3vav-0fcu-1power\"\n");
+  desk.write("file", "x");
+  const auto before = desk.names();
+  const std::vector<BadRequest> requests{
+      {"", "", "--measured", 2},
+      {"--site site.toml --reference reference.csv", "", "--measured", 2},
+      {"--site site.toml --measured measured.csv", "--reference", "as the twin describes"},
+      {"--site site.toml --measured measured.csv --reference reference.csv --reference-days 3", "--reference", "one "},
+      {"--site site.toml --measured measured.csv --reference-days 1", "", "1 not in range", 2},
+      {"--site bare.toml --measured measured.csv --reference reference.csv", "--twin", "--plant rc"},
+      {"--site bare.toml --measured measured.csv --reference reference.csv --plant rc", "--weather", "sun, humidity"},
+      {"--site site.toml --measured measured.csv --reference reference.csv --twin x.idf", "--twin x.idf", "epJSON"},
+      {"--site site.toml --measured measured.csv --reference reference.csv --twin x.epJSON --room 301",
+       "--twin x.epJSON", "one model"},
+      {"--site site.toml --measured measured.csv --reference reference.csv --plant rc --room 302", "room", "302"},
+      {"--site site.toml --measured measured.csv --reference no.csv", "no.csv", "no file"},
+      {"--site site.toml --measured measured.csv --reference measured.csv", "measured.csv", "reference period"},
+      {"--site site.toml --measured measured.csv --reference reference.csv --out file", "--out file", "a file"},
+      {"--site site.toml --measured measured.csv --reference reference.csv --apply effects", "--apply effects",
+       "a folder"},
+      {"--site site.toml --measured measured.csv --reference reference.csv --keep-run k", "--keep-run k", "RC room"},
+      {"--site site.toml effects", "", "excludes", 2},
+      {"--jobs 2 score a b", "", "excludes", 2},
+      {"revert no.json no.json -o x.json", "no.json", "JSON"},
+  };
+  for (const BadRequest& r : requests) {
+    const Outcome o = desk.run(r.words);
+    EXPECT_EQ(o.code, r.code) << r.words << "\n" << o.err;
+    EXPECT_EQ(o.out, "") << r.words;
+    EXPECT_NE(o.err.find(r.place), std::string::npos) << r.words << "\n" << o.err;
+    EXPECT_NE(o.err.find(r.part), std::string::npos) << r.words << "\n" << o.err;
+    EXPECT_EQ(desk.names(), before) << r.words;
+  }
+}
+
+TEST(GapCommand, GivesACaseWithABadLogAVerdictOfItsOwn) {
+  const GapDesk desk(4);
+  desk.exchange("measured.csv", "room_temp_2_degc", "vav_on_1");
+  fs::create_directories(desk.path("cases/case-1"));
+  desk.write("cases/case-1/case.json", R"({"format": 1, "engine": "rc", "model": "rc", "weather": "../../w.epw",
+    "reference": "../../reference.csv", "measured": "../../measured.csv", "topology": "3vav-0fcu-1power"})");
+  desk.write("key.json", R"({"format": 1, "seed": 1, "cases": {"case-1": {"set": "null", "engine": "rc"}}})");
+  const Outcome o = desk.run("run-cases cases -o verdicts.json --effects effects --json");
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_EQ(json::parse(o.out)["count"], (json{{"refused", 1}}));
+  const json verdict = desk.read("verdicts.json")["verdicts"][0];
+  EXPECT_EQ(verdict["verdict"], "refused");
+  EXPECT_NE(verdict["reason"].get<std::string>().find("swapped"), std::string::npos);
+  const Outcome score = desk.run("score verdicts.json key.json --json");
+  ASSERT_EQ(score.code, 0) << score.err;
+  for (const json& set : json::parse(score.out)["sets"]) EXPECT_EQ(set["refused"], set["set"] == "null" ? 1 : 0);
+}
+
+TEST(PatchedModel, ReversePatchGivesBackEveryValue) {
+  const json model = json::parse(R"({"A": {"a": {"x": 1.10, "y": [1, 2], "keep": "k"}, "b": {"z": true}}, "B": {}})");
+  const json patch = json::parse(
+      R"({"A": {"a": {"x": 2.5, "y": [9], "new": 3}, "c": {"deep": {"er": 1}}, "b": null}, "C": {"n": {"m": 1}}})");
+  json now = model;
+  now.merge_patch(patch);
+  ASSERT_NE(now, model);
+  now.merge_patch(reverse_patch(model, patch));
+  EXPECT_EQ(now.dump(), model.dump());
+}
+
+TEST(PatchedModel, WritesARoomFileThatReadsBackToTheChangedRoom) {
+  const auto effects = sim::load_effects(sim::find_effects());
+  const auto at = [&](const char* name, int place, double m) {
+    const auto found = std::ranges::find(effects, name, &sim::Effect::name);
+    return sim::EffectChange{{&*found, place}, m};
+  };
+  const sim::RcRoom room = sim::load_room("301");
+  const Changes changes{at("vav_flow", 2, 1.0 / 3), at("solar_gain", 2, 0.7), at("vav_flow", 2, 0.9),
+                        at("room_sensor_bias", 0, 0.5)};
+  const PatchedModel patched = patched_room({{"base", "301"}}, room, changes);
+  const sim::RcRoom read = sim::parse_room(patched.after.dump(), "patched", "301");
+  const sim::RcRoom wanted = sim::changed_room(room, changes);
+  for (const sim::RoomField& field : sim::room_fields()) {
+    const auto value = [&field](const sim::RcRoom& r) {
+      const auto* one = std::get_if<sim::ScalarField>(&field.member);
+      return one ? std::vector<double>{r.*(*one)} : r.*std::get<sim::ListField>(field.member);
+    };
+    EXPECT_EQ(value(read), value(wanted)) << field.name;
+  }
+  EXPECT_EQ(patched.changes[2].edits.at(0).before[2].get<double>(), 1.0 / 3 * room.vav_flow_calibration[2]);
+  // A sensor is no part of a room's file: the ledger must say so.
+  EXPECT_TRUE(patched.changes[3].edits.empty());
+  ASSERT_EQ(patched.changes[3].beside.size(), 1U);
+  EXPECT_EQ(patched.changes[3].beside[0], "sensor room_temp 1: +0.5");
+}
+
+TEST(PatchedModel, PatchesTheTwinWithinTheSchemaAndBack) {
+  if (!sim::have_energyplus()) {
+    GTEST_SKIP()
+        << "\n*** EnergyPlus is not installed: run tools/setup, or set AIRSIDE_VENV. This test checked nothing. "
+           "***";
+  }
+  const auto effects = sim::load_effects(sim::find_effects());
+  Changes changes;
+  for (const sim::Effect& effect : effects) {
+    if (effect.on_energyplus)
+      changes.push_back({{&effect, effect.place == sim::PlaceKind::facade ? 2 : 0}, effect.probe[1]});
+  }
+  const json twin = sim::read_json(sim::find_models() / "twin.epJSON");
+  const PatchedModel patched = patched_energyplus(twin, {}, changes);
+  EXPECT_NO_THROW(check_patched_energyplus(patched, "twin"));
+  EXPECT_NE(patched.after, twin);
+  json back = patched.after;
+  back.merge_patch(patched.reverse);
+  EXPECT_EQ(back.dump(), twin.dump());
+  // Every change is either in the model or said to be beside it, and each edit starts where the one before left off.
+  std::map<std::string, json> last;
+  for (const PatchedChange& c : patched.changes) {
+    EXPECT_FALSE(c.edits.empty() && c.beside.empty()) << c.change.at.id();
+    for (const ModelEdit& e : c.edits) {
+      EXPECT_TRUE(!last.contains(e.where) || last[e.where] == e.before) << e.where;
+      last[e.where] = e.after;
+    }
+  }
+  EXPECT_GT(last.size(), 20U);
+  // The engine would swallow a misspelt field; the check does not.
+  PatchedModel wrong = patched;
+  wrong.patch["Material"]["x"]["conductivty"] = 1;
+  EXPECT_THROW(check_patched_energyplus(wrong, "twin"), hal::InputError);
+}
+
+}  // namespace
+}  // namespace airside::tools::gap

@@ -1,0 +1,38 @@
+#pragma once
+// What the subcommands of `airside gap` share.
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/effect.hpp"
+
+namespace airside::tools {
+
+/// Adds `airside gap retrain`: what a patched twin is worth to the controller.
+void add_gap_retrain(CLI::App& gap);
+
+/// Adds `airside gap run`, and the same without a subcommand. Call it last: options of the whole workflow before
+/// another subcommand are refused, since they would be lost without a word.
+void add_gap_run(CLI::App& gap);
+
+/// --effects, --jobs, --json.
+struct GapOptions {
+  std::string effects_dir;
+  int jobs = 1;
+  bool json = false;
+
+  GapOptions();
+  void add_effects(CLI::App& command);
+  void add_jobs(CLI::App& command);
+  void add_json(CLI::App& command);
+  /// Errors: hal::InputError of a file that is wrong.
+  std::vector<sim::Effect> effects() const;
+};
+
+/// A place to write to, before an hour of simulations ends there.
+/// Errors: hal::InputError.
+void require_writable(const std::string& option, const std::filesystem::path& path, bool folder);
+
+}  // namespace airside::tools

@@ -1,0 +1,264 @@
+#include "tools/gap/gap_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/civil_text.hpp"
+#include "hal/input_error.hpp"
+#include "sim/merge_patch.hpp"
+#include "tools/gap/energyplus_engine.hpp"
+#include "tools/gap/verdict_json.hpp"
+#include "tools/progress.hpp"
+
+namespace airside::tools::gap {
+
+namespace {
+
+using nlohmann::json;
+
+/// Standard deviations of fitted parameters are of the posterior, inflated as the workflow inflates it.
+std::vector<ReferenceParameter> reference_parameters(const ReferenceFit& fit, const Responses& responses) {
+  const Changes changes = fit.changes(responses.parameters);
+  std::vector<ReferenceParameter> fitted;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const double variance = Nuisance{}.inflation * fit.covariance(k, k);
+    fitted.push_back({changes[i], responses.parameters[i].prior_sd * std::sqrt(std::max(0.0, variance))});
+  }
+  return fitted;
+}
+
+/// The first finding and what the log cannot tell it from, each at the magnitude that it would have.
+Changes rivals(const GapRun& run) {
+  const Finding& first = run.verdict.findings.front();
+  Changes members{{first.at, first.magnitude}};
+  for (const sim::EffectAt& at : first.cannot_tell_from) {
+    for (const Score& score : run.verdict.ranking) {
+      const Candidate& c = run.responses.test.candidates[score.candidate];
+      if (c.at.id() != at.id() || members.size() >= 5) continue;
+      const sim::Effect& e = *at.effect;
+      members.push_back({at, std::clamp(e.null_value + score.steps * (c.probe - e.null_value), e.low, e.high)});
+    }
+  }
+  return members;
+}
+
+PatchedModel patch_model(const GapRun& run) {
+  const CaseDescription& source = run.request.source;
+  if (source.engine == "energyplus") {
+    PatchedModel patched = patched_energyplus(model_of(source), energyplus_options_of(source).names, run.after);
+    check_patched_energyplus(patched, run.request.source.model);
+    return patched;
+  }
+  const auto& engine = dynamic_cast<const RcEngine&>(*run.loaded.engine);
+  return patched_room(model_of(source), engine.room(), run.after);
+}
+
+json change_json(const PatchedChange& patched) {
+  const sim::Effect& effect = *patched.change.at.effect;
+  json edits = json::array();
+  for (const ModelEdit& e : patched.edits)
+    edits.push_back({{"where", e.where}, {"before", e.before}, {"after", e.after}});
+  return {{"id", patched.change.at.id()},
+          {"text", patched.change.at.text()},
+          {"magnitude", patched.change.magnitude},
+          {"unit", effect.unit},
+          {"null", effect.null_value},
+          {"edits", edits},
+          {"beside_the_model", patched.beside}};
+}
+
+json figures_json(const Guideline14& g) {
+  return {{"cv_rmse_percent", g.cv_rmse_percent},
+          {"nmbe_percent", g.nmbe_percent},
+          {"hours", g.hours},
+          {"passes", g.passes()}};
+}
+
+/// The model alone on the locked days.
+json model_json(const GapRun& run, const Eigen::MatrixXd& residual) {
+  const sim::Channels at = run.channels();
+  const Eigen::MatrixXd& measured = run.loaded.data.test.measured;
+  const ChannelErrors errors = errors_of(residual, run.locked_from(), residual.rows());
+  json by_channel;
+  for (int c = 0; c < at.count(); ++c) {
+    by_channel[at.name(c)] = {
+        {"unit", at.unit(c)}, {"rmse", finite_json(errors.rmse(c))}, {"mean", finite_json(errors.mean(c))}};
+  }
+  return {{"temp_rmse_k", joint_rmse(errors, 0, at.mau_temp() + 1)},
+          {"power_rmse_kw", joint_rmse(errors, at.power(), at.fcu_duty())},
+          {"guideline_14_room_temp",
+           figures_json(guideline_14_room_temp(measured, residual, at, run.locked_from(), residual.rows()))},
+          {"guideline_14_power",
+           figures_json(guideline_14_power(measured, residual, at, run.locked_from(), residual.rows()))},
+          {"channels", by_channel}};
+}
+
+json period_json(const Window& window) {
+  return {{"from", hal::civil_text(window.recording.from)},
+          {"to", hal::civil_text(window.recording.to())},
+          {"days", window.measured.rows() / bins_per_day}};
+}
+
+}  // namespace
+
+Eigen::Index GapRun::locked_from() const {
+  const Eigen::Index days = residual_given.rows() / bins_per_day;
+  return (days - static_cast<Eigen::Index>(std::lround(rules.locked_share * static_cast<double>(days)))) * bins_per_day;
+}
+
+GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effects) {
+  GapRun run;
+  run.request = request;
+  run.loaded = load_case(request.source, request.site, request.cache);
+  require_apart(run.loaded.logs);
+  run.request.source.model = request.source.model;
+  const Engine& engine = *run.loaded.engine;
+  const CaseData& data = run.loaded.data;
+  const Library library = library_of(engine, effects);
+  Progress bar("simulating every effect on " + engine.description(), 2 * runs_of(library, true));
+  const auto responses = [&](const Window& window) {
+    return simulate_responses(engine, library, window.recording, true, request.jobs, [&bar] { bar.advance(); });
+  };
+  run.responses = {responses(data.reference), responses(data.test)};
+  bar.finish();
+
+  Progress judging("fitting, comparing, checking on locked days", 3);
+  run.verdict = analyse(engine, data, run.responses, run.rules);
+  judging.advance();
+  run.fit = fit_reference(engine, run.responses.reference, data.reference);
+  run.parameters = reference_parameters(run.fit, run.responses.test);
+  judging.advance();
+  if (!request.findings_only) {
+    for (const ReferenceParameter& p : run.parameters) run.before.push_back(p.change);
+  }
+  run.after = run.before;
+  for (const Finding& f : run.verdict.findings) run.after.push_back({f.at, f.magnitude});
+  const auto residual_of = [&](const Changes& changes) -> Eigen::MatrixXd {
+    return data.test.measured - binned(engine.simulate(changes, data.test.recording));
+  };
+  run.residual_given = data.test.measured - run.responses.test.base;
+  run.residual_before = run.before.empty() ? run.residual_given : residual_of(run.before);
+  run.residual_after = run.verdict.findings.empty() ? run.residual_before : residual_of(run.after);
+  if (run.verdict.kind == VerdictKind::ambiguous) {
+    run.experiments = propose_experiments(engine, data.test, run.fit, run.responses.test, rivals(run),
+                                          run.fit.changes(run.responses.test.parameters), request.jobs);
+  } else if (run.verdict.kind == VerdictKind::unknown) {
+    run.heat = reconstruct_heat(engine, data.test, run.fit, run.responses.test,
+                                run.fit.changes(run.responses.test.parameters), request.jobs);
+  }
+  judging.finish();
+
+  const bool found = !run.verdict.findings.empty();
+  if (found && (run.verdict.kind == VerdictKind::named || request.best_guess)) run.patched = patch_model(run);
+  return run;
+}
+
+std::string sentence_of(const GapRun& run) {
+  std::string text = sentence_of(run.verdict);
+  if (!run.experiments.empty()) text += ". " + sentence_of(run.experiments);
+  if (run.heat) text += ". " + run.heat->text;
+  return text;
+}
+
+json ledger_of(const GapRun& run) {
+  const PatchedModel& patched = run.patched.value();
+  json entries = json::array();
+  for (std::size_t i = 0; i < patched.changes.size(); ++i) {
+    json entry = change_json(patched.changes[i]);
+    if (i < run.before.size()) {
+      entry["role"] = "parameter";
+      entry["sd"] = finite_json(run.parameters[i].sd);
+      entry["why"] = "fitted to the reference period";
+    } else {
+      const Finding& f = run.verdict.findings[i - run.before.size()];
+      const MagnitudeInterval interval = interval_of(f);
+      entry["role"] = "finding";
+      entry["sd"] = finite_json(f.sd);
+      entry["interval"] = {interval.low, interval.high};
+      entry["gain"] = f.gain;
+      entry["margin"] = f.margin;
+      entry["same_sign_share"] = f.same_sign;
+      entry["why"] = f.why_not.empty() ? "named" : f.why_not;
+      entry["class"] = json::array();
+      for (const sim::EffectAt& at : f.cannot_tell_from) entry["class"].push_back(at.id());
+      entry["confirm"] = f.at.effect->confirm;
+    }
+    entries.push_back(std::move(entry));
+  }
+  const json before = model_json(run, run.residual_before), after = model_json(run, run.residual_after);
+  const auto locked = [](const json& j) {
+    return json{{"temp_rmse_k", j["temp_rmse_k"]}, {"power_rmse_kw", j["power_rmse_kw"]}};
+  };
+  return {{"format", 1},
+          {"site", run.request.site},
+          {"engine", run.request.source.engine},
+          {"model", run.request.source.model},
+          {"patches", run.request.source.patches},
+          {"verdict", text_of(run.verdict.kind)},
+          {"reason", run.verdict.reason},
+          {"gain_limit", run.verdict.gain_limit},
+          {"reference", period_json(run.loaded.data.reference)},
+          {"measured", period_json(run.loaded.data.test)},
+          {"locked_days", {{"before", locked(before)}, {"after", locked(after)}}},
+          {"digest_before", model_digest(patched.before)},
+          {"digest_after", model_digest(patched.after)},
+          {"entries", entries},
+          {"patch", patched.patch},
+          {"reverse", patched.reverse},
+          {"revert", "airside gap revert LEDGER MODEL -o OUT"},
+          {"command", run.request.command}};
+}
+
+json json_of(const GapRun& run) {
+  const sim::Channels at = run.channels();
+  json j = json_of(run.verdict, run.request.site, run.responses.test, at, run.rules);
+  j["format"] = 1;
+  j["sentence"] = sentence_of(run);
+  j["experiments"] = json::array();
+  for (const ExperimentProposal& e : run.experiments) j["experiments"].push_back(json_of(e));
+  j["missing_heat"] = run.heat ? json_of(*run.heat, false) : json();
+  j["model"] = {{"engine", run.request.source.engine}, {"file", run.request.source.model}};
+  j["reference"] = period_json(run.loaded.data.reference);
+  j["measured"] = period_json(run.loaded.data.test);
+  j["locked_days"] = {{"days", (run.residual_given.rows() - run.locked_from()) / bins_per_day},
+                      {"from", hal::civil_text({run.loaded.data.test.recording.from.seconds +
+                                                run.locked_from() / bins_per_day * std::int64_t{86400}})},
+                      {"given", model_json(run, run.residual_given)},
+                      {"before", model_json(run, run.residual_before)},
+                      {"after", model_json(run, run.residual_after)}};
+  j["clean_up"] = json::array();
+  if (!run.request.source.reference_log.empty()) j["clean_up"].push_back(json_of(run.loaded.logs.reference));
+  j["clean_up"].push_back(json_of(run.loaded.logs.measured));
+  j["parameters"] = json::array();
+  for (const ReferenceParameter& p : run.parameters) {
+    j["parameters"].push_back({{"id", p.change.at.id()},
+                               {"magnitude", p.change.magnitude},
+                               {"sd", finite_json(p.sd)},
+                               {"unit", p.change.at.effect->unit}});
+  }
+  j["patched"] = run.patched.has_value();
+  if (run.patched) {
+    j["digest_before"] = model_digest(run.patched->before);
+    j["digest_after"] = model_digest(run.patched->after);
+  }
+  j["command"] = run.request.command;
+  return j;
+}
+
+void keep_patched_run(const GapRun& run, const std::filesystem::path& folder) {
+  const auto* engine = dynamic_cast<const EnergyPlusEngine*>(run.loaded.engine.get());
+  if (engine == nullptr) {
+    throw hal::InputError("--keep-run", "an RC room", "an EnergyPlus twin", "leave --keep-run out");
+  }
+  sim::EnergyPlusTwin twin = engine->twin();
+  twin.model = sim::merge_patched(std::move(twin.model), sim::model_patch(engine->twin().model, twin.names, run.after),
+                                  "effects");
+  twin.loops = sim::changed_loops(engine->twin().loops, run.after);
+  const sim::Recording lived = sim::changed_recording(run.loaded.data.test.recording, run.after);
+  sim::replay_energyplus(twin, lived, {.thermostats = false, .cache = {}, .keep = folder, .engine_runs = nullptr});
+}
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,75 @@
+#pragma once
+// The whole workflow on one site: logs in, verdict, patched model and everything that a report shows out.
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/gap/case_file.hpp"
+#include "tools/gap/experiment.hpp"
+#include "tools/gap/flux.hpp"
+#include "tools/gap/model_error.hpp"
+#include "tools/gap/patched_model.hpp"
+
+namespace airside::tools::gap {
+
+struct GapRequest {
+  CaseDescription source;
+  std::string site;     ///< name, for reports
+  std::string command;  ///< that repeats the run
+  std::filesystem::path cache;
+  int jobs = 1;
+  bool findings_only = false;  ///< the twin keeps its own parameters; only what was found is added
+  bool best_guess = false;     ///< patch the model with an ambiguous verdict too
+};
+
+/// A parameter of the twin, as the reference period wants it.
+struct ReferenceParameter {
+  sim::EffectChange change;
+  double sd = 0;  ///< of the magnitude, inflated for residuals that are not independent
+};
+
+/// Residuals are measured minus simulated, bins x channels, of the model alone: what anyone gets who runs it.
+struct GapRun {
+  GapRequest request;
+  Rules rules;
+  LoadedCase loaded;
+  WindowResponses responses;
+  Verdict verdict;
+  ReferenceFit fit;
+  std::vector<ReferenceParameter> parameters;
+  Changes before, after;                        ///< to the model as given: parameters; and what was found
+  Eigen::MatrixXd residual_given;               ///< of the model as given
+  Eigen::MatrixXd residual_before;              ///< with fitted parameters
+  Eigen::MatrixXd residual_after;               ///< and with what was found
+  std::vector<ExperimentProposal> experiments;  ///< ambiguous: tests that tell the candidates apart, best first
+  std::optional<UnknownHeat> heat;              ///< unknown: what is missing in each zone
+  std::optional<PatchedModel> patched;          ///< named, or asked for
+
+  sim::Channels channels() const { return loaded.engine->channels(); }
+  /// First bin of the days that were locked away.
+  Eigen::Index locked_from() const;
+};
+
+/// The verdict in one sentence, with the test to do or the heat that is missing.
+std::string sentence_of(const GapRun& run);
+
+/// Runs it.  `effects` must outlive the result. Progress goes to standard error.
+/// Errors: RefusedLog, before any simulation; hal::InputError; std::runtime_error of a simulation that died.
+/// Cost: as simulate_responses() of both windows, then as analyse().
+GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effects);
+
+/// What was added to the model, why, how sure that is, and the way back.  Format: FORMATS.md.
+/// Errors: std::bad_optional_access without a patched model.
+nlohmann::json ledger_of(const GapRun& run);
+
+/// What --json prints.
+nlohmann::json json_of(const GapRun& run);
+
+/// The patched model's run over the measured period, in a folder in which plain `energyplus` repeats it.
+/// Errors: hal::InputError for an engine that is not EnergyPlus.
+void keep_patched_run(const GapRun& run, const std::filesystem::path& folder);
+
+}  // namespace airside::tools::gap
