@@ -28,21 +28,40 @@ double changed(double x, By by, double m) {
 
 double amount(const EffectOp& op, double magnitude) { return op.offset + op.factor * magnitude; }
 
+/// Not even by rounding, or by an object of no power, does an effect change a model at its null.
+bool acts(const EffectChange& change) { return change.magnitude != change.at.effect->null_value; }
+
+double kept(const EffectOp& op, double x) { return std::clamp(x, op.lowest, op.highest); }
+
 /// Calls f(op, place, m') for each operation of the change on one kind of thing; place -1: everywhere.
 template <class F>
 void each_op(std::span<const EffectChange> changes, const std::vector<EffectOp> Effect::*ops, EffectOp::On on, F&& f) {
   for (const EffectChange& change : changes) {
     const Effect& effect = *change.at.effect;
+    if (!acts(change)) continue;
     for (const EffectOp& op : effect.*ops) {
       if (op.on == on) f(op, effect.place == PlaceKind::floor ? -1 : change.at.place, amount(op, change.magnitude));
     }
   }
 }
 
-void change_list(std::vector<double>& list, int place, By by, double m) {
-  for (int i = 0; i < std::ssize(list); ++i) {
-    double& x = list[static_cast<std::size_t>(i)];
-    if (place < 0 || place == i) x = changed(x, by, m);
+/// Changes on/off commands; what lies between becomes rows of on and off in that proportion.
+void change_commands(std::vector<RecordedRow>& rows, std::vector<double> RecordedRow::*list, int place, By by,
+                     double m) {
+  std::vector<double> owed((rows.front().*list).size(), 0.0);
+  for (RecordedRow& row : rows) {
+    for (std::size_t i = 0; i < owed.size(); ++i) {
+      double& on = (row.*list)[i];
+      if (place >= 0 && place != static_cast<int>(i)) continue;
+      const double share = std::clamp(changed(on, by, m), 0.0, 1.0);
+      if (share != on && share > 0 && share < 1) {
+        owed[i] += share;
+        on = owed[i] > 0.5 ? 1 : 0;
+        owed[i] -= on;
+      } else {
+        on = share;
+      }
+    }
   }
 }
 
@@ -54,12 +73,16 @@ int index_of(const EffectChange& change, Repeats repeats, const RcRoom& room) {
   return change.at.place;
 }
 
-std::shared_ptr<const Weather> with_sun(const Weather& station, By by, double m) {
+/// `field`: "solar" or "humidity".
+std::shared_ptr<const Weather> changed_station(const Weather& station, const std::string& field, By by, double m) {
   std::vector<WeatherRecord> records = station.records();
   for (WeatherRecord& r : records) {
-    r.direct_normal_w_m2 = changed(r.direct_normal_w_m2, by, m);
-    r.diffuse_horizontal_w_m2 = changed(r.diffuse_horizontal_w_m2, by, m);
-    r.global_horizontal_w_m2 = changed(r.global_horizontal_w_m2, by, m);
+    if (field == "humidity") {
+      r.relative_humidity_pct = std::clamp(changed(r.relative_humidity_pct, by, m), 1.0, 100.0);
+      continue;
+    }
+    for (double* sun : {&r.direct_normal_w_m2, &r.diffuse_horizontal_w_m2, &r.global_horizontal_w_m2})
+      *sun = std::max(0.0, changed(*sun, by, m));
   }
   return std::make_shared<const Weather>(station.location(), station.description(), station.interval_s(),
                                          station.first_interval(), std::move(records));
@@ -95,6 +118,17 @@ void change_sensor(ChannelTable& table, const ChannelTable& truth, const Channel
         for (double& x : column) x = changed(x, op.by, m);
     }
   }
+}
+
+/// The model's own value of the field.
+double number_of(const nlohmann::json& object, const EffectOp& op, const std::string& name, const Effect& effect) {
+  const auto found = object.find(op.field);
+  if (found != object.end() && found->is_number()) return found->get<double>();
+  if (op.by == By::set) return 0;
+  throw hal::InputError(effect.file,
+                        op.type + " / " + name + " / " + op.field + " is " +
+                            (found == object.end() ? "left to the engine's default" : found->dump()),
+                        "a number in the model, which the effect can change", "write the number into the model");
 }
 
 }  // namespace
@@ -141,6 +175,7 @@ std::vector<EffectAt> places_of(const Effect& effect, const Channels& channels,
 
 RcRoom changed_room(RcRoom room, std::span<const EffectChange> changes) {
   for (const EffectChange& change : changes) {
+    if (!acts(change)) continue;
     for (const EffectOp& op : change.at.effect->rc) {
       const std::string name = effect_text::filled(op.field, change.at, "");
       const RoomField* field = find_room_field(name);
@@ -150,8 +185,11 @@ RcRoom changed_room(RcRoom room, std::span<const EffectChange> changes) {
         room.*(*scalar) = clamped(changed(room.*(*scalar), op.by, m));
       } else {
         auto& list = room.*std::get<ListField>(field->member);
-        change_list(list, index_of(change, field->repeats, room), op.by, m);
-        for (double& x : list) x = clamped(x);
+        const int only = index_of(change, field->repeats, room);
+        for (int i = 0; i < std::ssize(list); ++i) {
+          double& x = list[static_cast<std::size_t>(i)];
+          if (only < 0 || only == i) x = clamped(changed(x, op.by, m));
+        }
       }
     }
   }
@@ -169,15 +207,16 @@ Recording changed_recording(Recording recording, std::span<const EffectChange> c
       for (RecordedRow& row : recording.rows) row.setpoint_degc = lagging += share * (row.setpoint_degc - lagging);
       return;
     }
-    for (RecordedRow& row : recording.rows) {
-      if (op.field == "setpoint") row.setpoint_degc = changed(row.setpoint_degc, op.by, m);
-      if (op.field == "vav_on") change_list(row.vav_on, place, op.by, m);
-      if (op.field == "fcu_on") change_list(row.fcu_on, place, op.by, m);
-    }
+    if (op.field == "vav_on") change_commands(recording.rows, &RecordedRow::vav_on, place, op.by, m);
+    if (op.field == "fcu_on") change_commands(recording.rows, &RecordedRow::fcu_on, place, op.by, m);
+    if (op.field != "setpoint") return;
+    for (RecordedRow& row : recording.rows) row.setpoint_degc = changed(row.setpoint_degc, op.by, m);
   });
   each_op(changes, &Effect::common, EffectOp::On::weather, [&](const EffectOp& op, int, double m) {
-    if (op.field == "solar") recording.station = with_sun(*recording.station, op.by, m);
-    if (op.field != "outdoor_temp") return;
+    if (op.field != "outdoor_temp") {
+      recording.station = changed_station(*recording.station, op.field, op.by, m);
+      return;
+    }
     for (RecordedRow& row : recording.rows) row.outdoor_temp_degc = changed(row.outdoor_temp_degc, op.by, m);
   });
   return recording;
@@ -193,8 +232,11 @@ ChannelTable changed_sensors(ChannelTable table, const Channels& channels, std::
 
 RoomLoopOptions changed_loops(RoomLoopOptions loops, std::span<const EffectChange> changes) {
   each_op(changes, &Effect::energyplus, EffectOp::On::loop, [&](const EffectOp& op, int place, double m) {
-    if (op.field == "damper") change_list(loops.dampers, place, op.by, m);
-    if (double* scalar = effect_text::loop_field(loops, op.field)) *scalar = changed(*scalar, op.by, m);
+    for (int i = 0; op.field == "damper" && i < std::ssize(loops.dampers); ++i) {
+      double& damper = loops.dampers[static_cast<std::size_t>(i)];
+      if (place < 0 || place == i) damper = kept(op, changed(damper, op.by, m));
+    }
+    if (double* scalar = effect_text::loop_field(loops, op.field)) *scalar = kept(op, changed(*scalar, op.by, m));
   });
   return loops;
 }
@@ -203,6 +245,7 @@ nlohmann::json model_patch(const nlohmann::json& model, const ModelNames& names,
                            std::span<const EffectChange> changes) {
   nlohmann::json patch = nlohmann::json::object(), now = model;
   for (const EffectChange& change : changes) {
+    if (!acts(change)) continue;
     for (const EffectOp& op : change.at.effect->energyplus) {
       if (op.on != EffectOp::On::model) continue;
       const double m = amount(op, change.magnitude);
@@ -218,13 +261,13 @@ nlohmann::json model_patch(const nlohmann::json& model, const ModelNames& names,
         if (!now.contains(op.type)) continue;
         for (auto& [key, object] : now[op.type].items()) {
           if (!effect_text::matches(name, key)) continue;
-          const double x = object.value(op.field, 0.0);
-          patch[op.type][key][op.field] = object[op.field] = changed(x, op.by, m);
+          const double x = number_of(object, op, key, *change.at.effect);
+          patch[op.type][key][op.field] = object[op.field] = kept(op, changed(x, op.by, m));
           touched = true;
         }
       }
       if (!touched) {
-        throw hal::InputError(change.at.effect->file, "no " + op.type + " named " + op.name + " in the model",
+        throw hal::InputError(change.at.effect->file, "no " + op.type + " named '" + op.name + "' in the model",
                               "an object that the effect can change",
                               "name it as the twin does, or leave the effect out");
       }

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -32,25 +33,27 @@ enum class By {
   jet,       ///< m' of the supply temperature, 1 - m' of its own
 };
 
-/// One change. In names and fields {n} is the 1-based place, {zone} the model's zone there, {facade} "south",
-/// {Facade} "South".
+/// One change. In names and texts {n} is the 1-based place, {zone} the model's zone there, {facade} "south",
+/// {Facade} "South", {m} the number m'.
 struct EffectOp {
   enum class On { room, model, loop, command, clock, weather, sensor };
   On on = On::room;
   std::string type;                   ///< model: object type
   std::string name;                   ///< model: object name, `*` matches anything
   std::string field;                  ///< room, model, loop: field; command, weather, sensor: which
-  nlohmann::json object;              ///< model: a new object instead of a field; the text "{m}" stands for m'
-  PlaceKind each = PlaceKind::floor;  ///< other than the effect's place: at every place of this kind
+  nlohmann::json object;              ///< model: a new object instead of a field; a text that is "{m}" becomes m'
+  PlaceKind each = PlaceKind::floor;  ///< zone, vav or fcu: at every one; floor: at the effect's own place
   By by = By::add;
   double factor = 1, offset = 0;
+  double lowest = -std::numeric_limits<double>::infinity();  ///< model, loop: the changed value is kept within
+  double highest = std::numeric_limits<double>::infinity();
 };
 
 /// One file of sim/effects.
 struct Effect {
   std::string name, title, unit;
   PlaceKind place = PlaceKind::floor;
-  double null_value = 0;                         ///< magnitude at which nothing is changed
+  double null_value = 0;                         ///< magnitude at which nothing at all is changed
   double low = 0, high = 0;                      ///< physical bounds
   std::array<double, 2> probe{};                 ///< magnitudes at which its response is simulated
   double prior_sd = 0;                           ///< > 0: also a parameter that no twin knows exactly
@@ -78,8 +81,8 @@ struct EffectChange {
 };
 
 /// All files of a folder, in order of name.
-/// Errors: hal::InputError with file and key: unknown key, wrong type, a field that the room does not have, bounds that
-/// do not hold null and probes.
+/// Errors: hal::InputError with file and key: unknown key, wrong type, a field that the room does not have, a change
+/// that its target cannot take, a placeholder that the place does not fill, bounds that do not hold null and probes.
 std::vector<Effect> load_effects(const std::filesystem::path& folder);
 
 /// sim/effects beside the models.
@@ -92,15 +95,16 @@ std::pair<int, int> vav_pair(int place, int vavs);
 std::vector<EffectAt> places_of(const Effect& effect, const Channels& channels,
                                 const std::array<bool, facades>& has_facade);
 
-/// Changes in order. Errors: hal::InputError if a magnitude leaves the field's range.
+/// Changes in order; every field stays within its range.
 RcRoom changed_room(RcRoom room, std::span<const EffectChange> changes);
-/// Commands, clock and weather as they truly were, if the changes are true.
+/// Commands, clock and weather as they truly were, if the changes are true. A share of the time that a box or fan coil
+/// runs becomes rows in which it does and rows in which it does not: both engines know on and off only.
 Recording changed_recording(Recording recording, std::span<const EffectChange> changes);
 /// What the sensors show of a table of true values.
 ChannelTable changed_sensors(ChannelTable table, const Channels& channels, std::span<const EffectChange> changes);
 
 /// The changes to a model as one merge patch (RFC 7386); empty where they do not touch it.
-/// Errors: hal::InputError when no object matches.
+/// Errors: hal::InputError when no object matches, or its field is no number.
 nlohmann::json model_patch(const nlohmann::json& model, const ModelNames& names, std::span<const EffectChange> changes);
 RoomLoopOptions changed_loops(RoomLoopOptions loops, std::span<const EffectChange> changes);
 

@@ -1,5 +1,7 @@
 #include "sim/effect_text.hpp"
 
+#include <fmt/format.h>
+
 namespace airside::sim::effect_text {
 
 namespace {
@@ -17,9 +19,6 @@ bool matches_from(const char* p, const char* s) {
     if (*s == '\0') return false;
   }
 }
-
-/// Places of a kind on the model, seen from an effect.
-EffectAt at_place(const EffectAt& at, int place) { return {at.effect, place}; }
 
 }  // namespace
 
@@ -43,7 +42,9 @@ nlohmann::json filled(const nlohmann::json& object, const EffectAt& at, const st
   if (object.is_string()) {
     const auto& text = object.get_ref<const std::string&>();
     if (text == "{m}") return m;
-    return filled(text, at, zone);
+    std::string with = filled(text, at, zone);
+    replace_all(with, "{m}", fmt::format("{}", m));
+    return with;
   }
   if (!object.is_structured()) return object;
   nlohmann::json out = object;
@@ -70,17 +71,20 @@ std::string zone_of(const EffectAt& at, const ModelNames& names) {
 
 std::vector<EffectAt> places_of_op(const EffectOp& op, const EffectAt& at, const ModelNames& names) {
   if (op.each == PlaceKind::floor) return {at};
-  // Another effect that only lends its kind of place, so that names are filled in alike.
-  static const Effect by_zone = [] {
+  // Effects that only lend their kind of place, so that names are filled in alike.
+  const auto lender = [](PlaceKind kind) {
     Effect e;
-    e.place = PlaceKind::zone;
+    e.place = kind;
     return e;
-  }();
+  };
+  static const Effect by_zone = lender(PlaceKind::zone), by_vav = lender(PlaceKind::vav),
+                      by_fcu = lender(PlaceKind::fcu);
+  const auto interior = static_cast<int>(names.interior_zones.size());
+  const auto perimeter = static_cast<int>(names.perimeter_zones.size());
+  const Effect& lent = op.each == PlaceKind::vav ? by_vav : op.each == PlaceKind::fcu ? by_fcu : by_zone;
+  const int count = op.each == PlaceKind::vav ? interior : op.each == PlaceKind::fcu ? perimeter : interior + perimeter;
   std::vector<EffectAt> places;
-  const std::size_t interior = names.interior_zones.size(), zones = interior + names.perimeter_zones.size();
-  const std::size_t first = op.each == PlaceKind::fcu ? interior : 0;
-  const std::size_t last = op.each == PlaceKind::vav ? interior : zones;
-  for (std::size_t i = first; i < last; ++i) places.push_back(at_place({&by_zone, 0}, static_cast<int>(i)));
+  for (int i = 0; i < count; ++i) places.push_back({&lent, i});
   return places;
 }
 
