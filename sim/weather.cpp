@@ -19,7 +19,7 @@ std::chrono::year_month_day date_of(CivilTime t) {
   return std::chrono::year_month_day(std::chrono::sys_days(std::chrono::days(t.day())));
 }
 
-double between(double a, double b, double share) { return a + (b - a) * share; }
+double interpolated(double a, double b, double share) { return a + (b - a) * share; }
 
 // "07-01 06:00" of a second of the 365-day year, for messages.
 std::string calendar_text(std::int64_t second) {
@@ -133,15 +133,15 @@ WeatherRecord Weather::at(CivilTime t) const {
   const double mid_share = share < 0.5 ? share + 0.5 : share - 0.5;
 
   WeatherRecord now;
-  now.outdoor_temp_degc = between(before.outdoor_temp_degc, here.outdoor_temp_degc, share);
-  now.relative_humidity_pct = between(before.relative_humidity_pct, here.relative_humidity_pct, share);
-  now.wind_speed_m_s = between(before.wind_speed_m_s, here.wind_speed_m_s, share);
-  now.pressure_pa = between(before.pressure_pa, here.pressure_pa, share);
+  now.outdoor_temp_degc = interpolated(before.outdoor_temp_degc, here.outdoor_temp_degc, share);
+  now.relative_humidity_pct = interpolated(before.relative_humidity_pct, here.relative_humidity_pct, share);
+  now.wind_speed_m_s = interpolated(before.wind_speed_m_s, here.wind_speed_m_s, share);
+  now.pressure_pa = interpolated(before.pressure_pa, here.pressure_pa, share);
   now.rain = here.rain;
   if (sun_at(location_, t).up > 0) {
-    now.direct_normal_w_m2 = between(earlier.direct_normal_w_m2, later.direct_normal_w_m2, mid_share);
-    now.diffuse_horizontal_w_m2 = between(earlier.diffuse_horizontal_w_m2, later.diffuse_horizontal_w_m2, mid_share);
-    now.global_horizontal_w_m2 = between(earlier.global_horizontal_w_m2, later.global_horizontal_w_m2, mid_share);
+    now.direct_normal_w_m2 = interpolated(earlier.direct_normal_w_m2, later.direct_normal_w_m2, mid_share);
+    now.diffuse_horizontal_w_m2 = interpolated(earlier.diffuse_horizontal_w_m2, later.diffuse_horizontal_w_m2, mid_share);
+    now.global_horizontal_w_m2 = interpolated(earlier.global_horizontal_w_m2, later.global_horizontal_w_m2, mid_share);
   }
   return now;
 }

@@ -33,6 +33,7 @@ class Analysis {
         kept_(train_bins()),
         nuisance_(nuisance_directions(fit_, responses.test, kept_, data.test.measured)),
         metric_(nuisance_),
+        nulls_(null_blocks(fit_, responses.reference, data.reference)),
         structural_(fit_.structural(responses.test)),
         parameters_(fit_.changes(responses.test.parameters)) {
     for (const Candidate& c : responses.test.candidates) whitened_.push_back(whiten(c.response));
@@ -41,6 +42,7 @@ class Analysis {
   Verdict run() {
     Verdict verdict;
     verdict.gain_limit = limit();
+    verdict.nulls = nulls_;
     Refit now{{}, residual_of({}), 0};
     now.distance = distance(now.residual);
     verdict.residual_before = now.residual;
@@ -150,7 +152,7 @@ class Analysis {
     return best;
   }
 
-  double limit() const { return rules_.gain_limit; }
+  double limit() const { return rules_.gain_limit + rules_.null_share * nulls_.best_gain; }
 
   bool already(const Refit& now, std::size_t candidate) const {
     return std::any_of(now.chosen.begin(), now.chosen.end(), [&](const Chosen& c) {
@@ -184,25 +186,13 @@ class Analysis {
     f.magnitude = magnitude(c);
     const double norm = metric.dot(z, z);
     f.sd = std::abs(chosen.probe - chosen.at.effect->null_value) / std::sqrt(std::max(1e-12, norm));
-    // Gain of this effect given the others, and of every other effect in its stead.
-    const Eigen::VectorXd alone = whiten(now.residual) + c.steps * z;
-    const auto scores = score_candidates(responses_.test.candidates, whitened_, metric, alone);
-    double rival = 0;
-    for (const Score& s : scores) {
-      const Candidate& other = responses_.test.candidates[s.candidate];
-      if (other.at.id() == f.at.id()) {
-        f.gain = s.gain;
-        continue;
-      }
-      if (already(now, s.candidate)) continue;
-      if (cosine(metric, z, whitened_[s.candidate]) > rules_.class_cosine) {
-        f.cannot_tell_from.push_back(other.at);
-      } else {
-        rival = std::max(rival, s.gain);
-      }
-    }
+    auto others = now.chosen;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    const Refit without = refit(others);
+    f.gain = without.distance - now.distance;
+    f.same_sign = same_sign(metric, z, whiten(without.residual));
+    const double rival = add_rivals(f, without, metric, z);
     f.margin = rival > 0 ? f.gain / rival : 1e9;
-    f.same_sign = same_sign(metric, z, alone);
     if (f.gain < limit())
       f.why_not = "its gain is within the noise";
     else if (f.margin < rules_.margin_ratio || f.gain - rival < rules_.margin_gain)
@@ -211,19 +201,28 @@ class Analysis {
       f.why_not = "effects of one class: the data cannot tell them apart";
     else if (f.same_sign < rules_.same_sign_share)
       f.why_not = "its sign changes from day to day";
-    if (!f.cannot_tell_from.empty() || f.margin < rules_.margin_ratio) add_close_rivals(f, scores, now);
     return f;
   }
 
-  void add_close_rivals(Finding& f, const std::vector<Score>& scores, const Refit& now) const {
+  /// Every other effect in its stead, the likely ones by real simulation: who does nearly as well joins the class.
+  /// Returns the gain of the best that does not look the same.
+  double add_rivals(Finding& f, const Refit& without, const Metric& metric, const Eigen::VectorXd& z) const {
+    const auto scores = score_candidates(responses_.test.candidates, whitened_, metric, whiten(without.residual));
+    double best = 0;
+    int tried = 0;
     for (const Score& s : scores) {
-      const sim::EffectAt at = responses_.test.candidates[s.candidate].at;
-      if (at.id() == f.at.id() || already(now, s.candidate) || std::ssize(f.cannot_tell_from) >= 5) continue;
-      const bool near = f.gain / std::max(1e-9, s.gain) < rules_.margin_ratio || f.gain - s.gain < rules_.margin_gain;
-      const bool known = std::any_of(f.cannot_tell_from.begin(), f.cannot_tell_from.end(),
-                                     [&](const sim::EffectAt& k) { return k.id() == at.id(); });
-      if (near && !known) f.cannot_tell_from.push_back(at);
+      const Candidate& other = responses_.test.candidates[s.candidate];
+      if (other.at.id() == f.at.id() || already(without, s.candidate)) continue;
+      if (++tried > rules_.rivals) break;
+      auto chosen = without.chosen;
+      chosen.push_back({s.candidate, s.steps});
+      const double gain = without.distance - refit(chosen).distance;
+      const bool alike = std::abs(cosine(metric, z, whitened_[s.candidate])) > rules_.class_cosine;
+      const bool near = f.gain < rules_.margin_ratio * gain || f.gain - gain < rules_.margin_gain;
+      if ((alike || near) && gain > 0.2 * f.gain) f.cannot_tell_from.push_back(other.at);
+      if (!alike) best = std::max(best, gain);
     }
+    return best;
   }
 
   double same_sign(const Metric& metric, const Eigen::VectorXd& z, const Eigen::VectorXd& r) const {
@@ -321,6 +320,7 @@ class Analysis {
   std::vector<bool> kept_;
   Eigen::MatrixXd nuisance_;
   Metric metric_;
+  NullBlocks nulls_;
   Eigen::MatrixXd structural_;
   Changes parameters_;
   std::vector<Eigen::VectorXd> whitened_;

@@ -5,13 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "tools/gap/selection.hpp"
+#include "tools/gap/null_blocks.hpp"
 
 namespace airside::tools::gap {
 
 /// Decision rules.  Source: the algorithm of DESIGN.md, "Gap workflow". The figures are not calibrated yet.
 struct Rules {
-  double gain_limit = 25;        ///< a gain below is noise. A first guess: nulls measured so far reach 110
+  double gain_limit = 40;        ///< a gain below is noise, and so is one below this and
+  double null_share = 1;         ///< this times the best gain of the reference's own blocks
   double margin_ratio = 1.25;    ///< gain over the best effect of another class, at least
   double margin_gain = 12;       ///< and so much more in 2 ln likelihood
   double class_cosine = 0.97;    ///< responses more alike than this cannot be told apart
@@ -20,6 +21,7 @@ struct Rules {
   double locked_gain = 0.10;     ///< share by which the locked days' error must fall
   double locked_share = 0.3;     ///< of days locked away at the start
   int most_effects = 3;
+  int rivals = 4;  ///< of each finding, put in its stead by real simulation
 };
 
 enum class VerdictKind { none, named, ambiguous, unknown };
@@ -48,6 +50,7 @@ struct LockedDays {
 struct Verdict {
   VerdictKind kind = VerdictKind::none;
   std::vector<Finding> findings;  ///< named: all; ambiguous: the first is the best guess
+  NullBlocks nulls;               ///< what the reference's own days score
   double best_gain = 0;           ///< of any single effect on the unpatched model
   double gain_limit = 0;          ///< below which a gain is noise
   double leftover = 0;            ///< after the findings, over the reference's

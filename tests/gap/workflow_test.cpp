@@ -1,0 +1,166 @@
+// The workflow on RC rooms: a log becomes a window, a reference is fitted, something hidden is found, nothing is not.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "hal/input_error.hpp"
+#include "power_loss/test_folder.hpp"
+#include "sim/rc_room_file.hpp"
+#include "sim/synthetic_weather.hpp"
+#include "tools/gap/blind.hpp"
+#include "tools/gap/case_file.hpp"
+#include "tools/gap/log_window.hpp"
+
+namespace airside::tools::gap {
+namespace {
+
+constexpr std::int64_t day_s = 86400;
+constexpr std::uint64_t room_seed = 4;
+
+/// One twin, one measured room and one stretch of weather; 10 days of reference, 10 of measurement.
+struct Stage {
+  std::vector<sim::Effect> effects = sim::load_effects(sim::find_effects());
+  sim::RcRoom twin = sim::load_room("301");
+  RcEngine engine{twin};
+  std::shared_ptr<const sim::Weather> weather = sim::synthetic_weather(11);
+  sim::RcRoom real = measured_room(twin, room_seed, false);
+  MeasuredRun reference{sim::civil_midnight(2021, 7, 1), 10, room_seed, false, 0.002};
+  CaseData data;
+  WindowResponses responses;
+
+  /// Responses cost seconds; each test has a process of its own.
+  explicit Stage(bool with_responses) {
+    if (!with_responses) return;
+    data.reference = window(real, reference, {});
+    data.test = window(real, after(), {});
+    // A part of the library, to be quick.
+    Library library = library_of(engine, effects);
+    std::erase_if(library.candidates, [](const sim::EffectAt& at) {
+      static const std::vector<std::string> kept{"vav_flow",  "room_sensor_bias", "solar_gain", "infiltration",
+                                                 "fan_power", "clock_shift",      "gain_zone",  "fcu_degraded"};
+      return std::find(kept.begin(), kept.end(), at.effect->name) == kept.end();
+    });
+    responses = {simulate_responses(engine, library, data.reference.recording, true, 2),
+                 simulate_responses(engine, library, data.test.recording, true, 2)};
+  }
+  MeasuredRun after() const {
+    MeasuredRun run = reference;
+    run.start.seconds += run.days * day_s;
+    run.seed += 1;
+    return run;
+  }
+  Window window(const sim::RcRoom& room, const MeasuredRun& run, const std::vector<Hidden>& hidden) const {
+    return window_of(measure(room, weather, run, hidden), engine.channels(), weather, "log");
+  }
+  Verdict verdict(const std::vector<Hidden>& hidden) const {
+    CaseData with = data;
+    with.test = window(hide(real, hidden, effects), after(), hidden);
+    return analyse(engine, with, responses);
+  }
+};
+
+TEST(Window, HoldsCommandsOverAGapAndMeasuresNothingInIt) {
+  const Stage s(false);
+  auto rows = measure(s.real, s.weather, {sim::civil_midnight(2021, 7, 1), 3, 1, false, 0});
+  const std::size_t gap = 250;  // half an hour on the second day
+  const auto before = rows[gap - 1];
+  rows.erase(rows.begin() + gap, rows.begin() + gap + 5);
+  const Window w = window_of(rows, s.engine.channels(), s.weather, "log");
+  EXPECT_EQ(w.measured.rows(), 3 * bins_per_day);
+  EXPECT_EQ(w.recording.rows.size(), 3U * rows_per_day);
+  EXPECT_TRUE(w.measured.row(static_cast<Eigen::Index>(gap) / rows_per_bin).array().isNaN().all());
+  EXPECT_EQ(w.recording.rows[gap + 2].setpoint_degc, before.setpoint_degc);
+  rows.erase(rows.begin() + 300, rows.begin() + 300 + rows_per_day + 10);
+  EXPECT_THROW(window_of(rows, s.engine.channels(), s.weather, "log"), hal::InputError);
+  rows.resize(100);
+  EXPECT_THROW(window_of(rows, s.engine.channels(), s.weather, "log"), hal::InputError);
+}
+
+TEST(Reference, FitLowersTheResidualKnowsItsNoiseAndJudgesItsOwnDays) {
+  const Stage s(true);
+  const ReferenceFit fit = fit_reference(s.engine, s.responses.reference, s.data.reference);
+  const Eigen::MatrixXd unfitted = s.data.reference.measured - s.responses.reference.base;
+  const auto rms = [&](const Eigen::MatrixXd& x, Eigen::Index c) {
+    const Eigen::VectorXd late = x.col(c).tail(x.rows() - bins_per_day);
+    return std::sqrt(late.array().isFinite().select(late.array().square(), 0.0).mean());
+  };
+  for (Eigen::Index c = 0; c < 5; ++c) {
+    EXPECT_LT(rms(fit.residual, c), 0.5 * rms(unfitted, c)) << c;
+    EXPECT_LT(rms(fit.residual, c), 0.25) << "K, room " << c;
+  }
+  EXPECT_NEAR(fit.leftover, 1, 0.35);
+  for (Eigen::Index i = 0; i < fit.covariance.rows(); ++i) EXPECT_LE(fit.covariance(i, i), 1 + 1e-9);
+
+  const NullBlocks nulls = null_blocks(fit, s.responses.reference, s.data.reference, 3);
+  EXPECT_EQ(nulls.blocks, 3) << "the first day counts for nothing";
+  ASSERT_EQ(nulls.gain.size(), s.responses.reference.candidates.size());
+  EXPECT_GT(nulls.best_gain, 0);
+  for (std::size_t i = 0; i < nulls.gain.size(); i += 2) EXPECT_EQ(nulls.gain[i], nulls.gain[i + 1]);
+  EXPECT_GE(nulls.leftover, 0.5);
+}
+
+TEST(Workflow, NamesWhatIsHiddenAndNothingElse) {
+  const Stage s(true);
+  const Verdict nothing = s.verdict({});
+  EXPECT_EQ(nothing.kind, VerdictKind::none) << nothing.reason;
+
+  const Verdict box = s.verdict({{"vav_flow", 2, 0.7}});
+  EXPECT_EQ(box.kind, VerdictKind::named) << box.reason;
+  ASSERT_EQ(box.findings.size(), 1U);
+  EXPECT_EQ(box.findings[0].at.id(), "vav_flow@3");
+  EXPECT_NEAR(box.findings[0].magnitude, 0.7, 0.07);
+  EXPECT_LT(box.locked.score_after, 0.5 * box.locked.score_before);
+
+  const Verdict two = s.verdict({{"room_sensor_bias", 0, 0.8}, {"fan_power", 0, 1.5}});
+  ASSERT_EQ(two.findings.size(), 2U) << two.reason;
+  std::vector<std::string> ids{two.findings[0].at.id(), two.findings[1].at.id()};
+  std::sort(ids.begin(), ids.end());
+  EXPECT_EQ(ids, (std::vector<std::string>{"fan_power", "room_sensor_bias@1"}));
+}
+
+TEST(CaseFile, SaysWhichKeyIsWrong) {
+  const hal::TestFolder folder("case");
+  const std::filesystem::path at(folder.c_str());
+  CaseDescription c;
+  c.model = "301";
+  c.weather = "../w.epw";
+  c.reference_log = "reference.csv";
+  c.measured_log = "measured.csv";
+  write_case(at, c);
+  const CaseDescription back = read_case(at);
+  EXPECT_EQ(back.model, "301");
+  EXPECT_EQ(back.reference_log, (at / "reference.csv").string());
+
+  nlohmann::json good;
+  std::ifstream(at / "case.json") >> good;
+  const auto message = [&](const char* key, const nlohmann::json& value) -> std::string {
+    nlohmann::json bad = good;
+    bad[key] = value;
+    std::ofstream(at / "case.json") << bad.dump();
+    try {
+      read_case(at);
+    } catch (const hal::InputError& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  for (const auto& [key, value] : std::initializer_list<std::pair<const char*, nlohmann::json>>{{"format", 9},
+                                                                                                {"engine", "doe2"},
+                                                                                                {"model", 3},
+                                                                                                {"weather", nullptr},
+                                                                                                {"duties", "yes"},
+                                                                                                {"patches", "p"},
+                                                                                                {"patches", {1}},
+                                                                                                {"modle", "301"}}) {
+    const std::string text = message(key, value);
+    EXPECT_NE(text.find("case.json"), std::string::npos) << key << ": " << text;
+    EXPECT_NE(text.find(key), std::string::npos) << key << ": " << text;
+  }
+}
+
+}  // namespace
+}  // namespace airside::tools::gap
