@@ -17,6 +17,10 @@ enum Stream : std::uint64_t {
   event_start,
   event_length,
   mau_wander,
+  zone_absent,
+  door_open,
+  door_start,
+  door_length,
 };
 constexpr int event_slots = 8;  // chances a day for a VAV to be switched off
 
@@ -32,6 +36,25 @@ double zone_gain_w(const RcRoom& room, std::size_t z, double presence, double ho
   if (hour >= 12 && hour < 13) w_m2 += room.gain_lunch_w_m2;
   if (weekend && hour >= room.occupancy_start_h && hour < room.occupancy_end_h) w_m2 += room.gain_weekend_w_m2;
   return w_m2 * room.floor_area_m2[z] * room.gain_factor[z];
+}
+
+/// Whether `hour` lies between the two, over midnight if the first is the later; never if they are equal.
+bool between_hours(double hour, double from, double to) {
+  return from <= to ? hour >= from && hour < to : hour >= from || hour < to;
+}
+
+/// A heater's own clock neither knows nor keeps the day: its period is counted through.
+bool heater_on(const RcRoom& room, CivilTime t, double hour) {
+  if (!between_hours(hour, room.heater_start_h, room.heater_stop_h)) return false;
+  const double minutes = static_cast<double>(t.seconds) / 60;
+  return minutes - room.heater_period_min * std::floor(minutes / room.heater_period_min) < room.heater_on_min;
+}
+
+/// On some days a door stands open for 2 to 6 h of the day.
+bool door_open_at(const RcRoom& room, std::uint64_t seed, std::size_t zone, CivilTime t, double hour) {
+  if (draw_uniform(seed, door_open, zone, t.day()) >= room.door_days_share) return false;
+  const double from = 8 + 5 * draw_uniform(seed, door_start, zone, t.day());
+  return hour >= from && hour < from + 2 + 4 * draw_uniform(seed, door_length, zone, t.day());
 }
 
 double hour_of(CivilTime t) { return t.second_of_day() / 3600.0; }
@@ -98,7 +121,17 @@ void disturb(const RcRoom& room, const Weather& weather, std::uint64_t seed, Civ
                           room.occupancy_noise_sd * draw_course(seed, occupancy_flicker, z, now_s, 1500);
       presence = std::max(0.0, profile * crowd * (1 + whim));
     }
+    if (room.occupancy_absent_share > 0 && draw_uniform(seed, zone_absent, z, t.day()) < room.occupancy_absent_share) {
+      presence *= 0.15;
+    }
     out.gain_w[z] = zone_gain_w(room, z, presence, hour, weekend);
+    if (room.heater_w[z] > 0 && heater_on(room, t, hour)) out.gain_w[z] += room.heater_w[z];
+  }
+  out.door_ach.clear();
+  if (std::any_of(room.door_ach.begin(), room.door_ach.end(), [](double ach) { return ach > 0; })) {
+    for (std::size_t z = 0; z < zones; ++z) {
+      out.door_ach.push_back(room.door_ach[z] > 0 && door_open_at(room, seed, z, t, hour) ? room.door_ach[z] : 0);
+    }
   }
 
   const auto vavs = static_cast<std::size_t>(room.vavs);

@@ -18,6 +18,7 @@ struct Disturbance {
   double humidity_kg_kg = 0;                  ///< outdoors
   std::vector<double> gain_w;                 ///< zone; people, light, equipment
   std::vector<double> vav_on;                 ///< VAV; 0/1
+  std::vector<double> door_ach;               ///< zone; through open doors; empty: the room has none
   double mau_setpoint_degc = 18;
 };
 

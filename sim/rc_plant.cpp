@@ -29,7 +29,9 @@ struct RcPlant::Network {
   struct Zone {
     double air_j_k, mass_j_k, wall_j_k;
     double mass_w_k, wall_w_k, window_w_k, neighbour_w_k, mau_w_k;
-    double infiltration_w_k_ach;                 // per air change an hour
+    double infiltration_w_k_ach;  // per air change an hour
+    double door_w_k_ach;          // the same of an open door
+    double deep_j_k, deep_w_k;
     std::array<double, facades> window_m2_shgc;  // times irradiance: W into the zone
     std::array<double, facades> wall_m2_share;   // façade that the opaque wall faces, sum 1 or 0
     double wall_sun_k_m2_w;                      // sol-air rise per irradiance
@@ -38,7 +40,7 @@ struct RcPlant::Network {
   std::vector<Link> links;
   int inner_steps = 3;
   double supply_share = 1;  // of the way to its target that the supply temperature goes in an inner step
-  double sensor_share = 1;
+  double sensor_share = 1, duct_share = 1, wall_sun_share = 1, fcu_coil_share = 1;
   double dt_s = 60;
 
   explicit Network(const RcRoom& room);
@@ -82,6 +84,9 @@ RcPlant::Network::Network(const RcRoom& room) {
     zone.neighbour_w_k = room.neighbour_ua_w_k[z];
     zone.mau_w_k = room.outdoor_air_m3_s * room.mau_room_share * air_j_m3k / static_cast<double>(n);
     zone.infiltration_w_k_ach = air / 3600 * room.infiltration_share[z];
+    zone.door_w_k_ach = air / 3600;
+    zone.deep_j_k = 1000 * room.deep_kj_k[z] * room.capacity_factor;
+    zone.deep_w_k = room.deep_ua_w_k[z];
   }
   add_links(room);
 
@@ -92,7 +97,7 @@ RcPlant::Network::Network(const RcRoom& room) {
     const double gusty_ach =
         room.infiltration_ach + room.infiltration_wind_ach_s_m * 30 + room.infiltration_stack_ach_k * 40;
     double w_k = zone.mass_w_k + zone.wall_w_k + zone.window_w_k + zone.neighbour_w_k + zone.mau_w_k +
-                 zone.infiltration_w_k_ach * gusty_ach;
+                 zone.infiltration_w_k_ach * gusty_ach + zone.door_w_k_ach * room.door_ach[z];
     for (const Link& link : links) w_k += link.a == z || link.b == z ? link.w_k : 0;
     if (z < static_cast<std::size_t>(room.vavs))
       w_k += room.vav_flow_m3_s[z] * room.vav_flow_calibration[z] * air_j_m3k;
@@ -100,8 +105,8 @@ RcPlant::Network::Network(const RcRoom& room) {
       const std::size_t f = z - static_cast<std::size_t>(room.vavs);
       w_k += room.fcu_flow_m3_s[f] * room.fcu_capacity_factor[f] * air_j_m3k;
     }
-    fastest_per_s =
-        std::max({fastest_per_s, w_k / zone.air_j_k, zone.mass_w_k / zone.mass_j_k, 2 * zone.wall_w_k / zone.wall_j_k});
+    fastest_per_s = std::max({fastest_per_s, w_k / zone.air_j_k, (zone.mass_w_k + zone.deep_w_k) / zone.mass_j_k,
+                              2 * zone.wall_w_k / zone.wall_j_k, zone.deep_w_k / zone.deep_j_k});
   }
   inner_steps = std::max(3, static_cast<int>(std::ceil(step_s * fastest_per_s / 0.5)));
   if (inner_steps > step_s) {
@@ -111,7 +116,11 @@ RcPlant::Network::Network(const RcRoom& room) {
   }
   dt_s = static_cast<double>(step_s) / inner_steps;
   supply_share = 1 - std::exp(-dt_s / room.supply_lag_s);
-  sensor_share = room.room_sensor_lag_s > 0 ? 1 - std::exp(-dt_s / room.room_sensor_lag_s) : 1;
+  const auto share_of = [this](double lag_s) { return lag_s > 0 ? 1 - std::exp(-dt_s / lag_s) : 1; };
+  sensor_share = share_of(room.room_sensor_lag_s);
+  duct_share = share_of(room.duct_lag_s);
+  wall_sun_share = share_of(room.wall_sun_lag_s);
+  fcu_coil_share = share_of(room.fcu_coil_lag_s);
 }
 
 RcPlant::RcPlant(RcRoom room, std::shared_ptr<const Weather> weather, CivilTime start, std::uint64_t seed,
@@ -122,7 +131,8 @@ RcPlant::RcPlant(RcRoom room, std::shared_ptr<const Weather> weather, CivilTime 
       now_(start),
       frozen_at_(start),
       setpoint_degc_(setpoint_degc),
-      supply_degc_(setpoint_degc) {
+      supply_degc_(setpoint_degc),
+      duct_degc_(setpoint_degc) {
   check_room(room, "room " + room.name);
   room_ = std::make_shared<const RcRoom>(std::move(room));
   network_ = std::make_shared<const Network>(*room_);
@@ -130,11 +140,13 @@ RcPlant::RcPlant(RcRoom room, std::shared_ptr<const Weather> weather, CivilTime 
   air_degc_.assign(zones, 25.0);
   mass_degc_.assign(zones, 25.0);
   wall_degc_.assign(zones, 27.0);
+  deep_degc_.assign(zones, 25.0);
+  wall_sun_k_.assign(zones, 0.0);
   sensed_degc_.assign(zones, 25.0);
   flux_w_.assign(zones, 0.0);
   vav_w_k_.assign(static_cast<std::size_t>(room_->vavs), 0.0);
   fcu_on_.assign(static_cast<std::size_t>(room_->fcus), 0.0);
-  fcu_duty_ = fcu_on_;
+  fcu_duty_ = fcu_cold_ = fcu_on_;
   update_disturbance();
   update_thermostats();
   update_airflow();
@@ -157,6 +169,7 @@ void RcPlant::update_disturbance() {
   }
   const RcRoom& room = *room_;
   const double outdoor = disturbance_.weather.outdoor_temp_degc;
+  water_drift_k_ = room.chilled_water_drift_k_k * std::max(0.0, outdoor - 26);
   const double mau_w_k = room.outdoor_air_m3_s * air_j_m3k;
   mau_degc_ = std::min(disturbance_.mau_setpoint_degc, outdoor);
   if (mau_w_k <= 0) {
@@ -192,8 +205,14 @@ void RcPlant::update_thermostats() {
   }
 }
 
+bool RcPlant::ahu_rests() const {
+  const double from = room_->ahu_stop_from_h, to = room_->ahu_stop_to_h, hour = now_.second_of_day() / 3600.0;
+  return from <= to ? hour >= from && hour < to : hour >= from || hour < to;
+}
+
 double RcPlant::damper(std::size_t vav) const {
   const RcRoom& room = *room_;
+  if (ahu_rests()) return 0;
   if (room.vav_stuck_damper[vav] >= 0) return room.vav_stuck_damper[vav];
   if (disturbance_.vav_on[vav] < 0.5) return room.vav_damper[vav] * room.vav_off_leak;
   const double opening = room.vav_damper[vav] + room.vav_modulation_per_k * (air_degc_[vav] - design_room_degc);
@@ -224,6 +243,7 @@ void RcPlant::inner_step(double dt_s) {
     double returned = 0;
     for (std::size_t v = 0; v < vavs; ++v) returned += vav_w_k_[v] * air_degc_[v];
     returned /= ahu_w_k_ * (1 - room.duct_leak_share);
+    for (std::size_t v = 0; v < vavs; ++v) returned += room.plenum_gain_share * disturbance_.gain_w[v] / ahu_w_k_;
     const double oa_w_k = std::min(ahu_w_k_, room.outdoor_air_m3_s * (1 - room.mau_room_share) * air_j_m3k);
     const double mixed =
         returned + oa_w_k / ahu_w_k_ * (mau_degc_ - returned) + 1000 * fan_kw_ * room.fan_heat_share / ahu_w_k_;
@@ -231,14 +251,15 @@ void RcPlant::inner_step(double dt_s) {
     const double wet_g_kg = std::max(0.0, 0.75 * (15.5 - supply_degc_));  // below the room's dew point the coil drips
     const double latent_kw = room.coil_latent_w_per_gkg_m3s * wet_g_kg * flow_m3_s / 1000;
     const double sensible_kw = std::max(0.1, room.coil_capacity_kw * (1 - room.coil_fouling) - latent_kw);
-    const double coldest =
-        std::max(room.chilled_water_degc + room.coil_approach_k, mixed - 1000 * sensible_kw / ahu_w_k_);
+    const double coldest = std::max(room.chilled_water_degc + room.coil_approach_k + water_drift_k_,
+                                    mixed - 1000 * sensible_kw / ahu_w_k_);
     const double wanted = setpoint_degc_ - room.supply_sensor_offset_k;
     const double target = std::min(std::max(wanted, coldest), mixed);
     supply_degc_ += network.supply_share * (target - supply_degc_);
     coil_load_kw_ += (std::max(0.0, ahu_w_k_ * (mixed - supply_degc_) / 1000) + latent_kw) / network.inner_steps;
   }
-  const double blown_degc = supply_degc_ + room.duct_gain_k;
+  duct_degc_ += network.duct_share * (supply_degc_ - duct_degc_);
+  const double blown_degc = duct_degc_ + room.duct_gain_k;
 
   for (std::size_t z = 0; z < zones; ++z) flux_w_[z] = 0;
   for (const auto& link : network.links) {
@@ -256,14 +277,19 @@ void RcPlant::inner_step(double dt_s) {
       sun_w += zone.window_m2_shgc[f] * disturbance_.facade_w_m2[f];
       wall_sun_w_m2 += zone.wall_m2_share[f] * disturbance_.facade_w_m2[f];
     }
-    const double gain_w = disturbance_.gain_w[z];
+    const double plenum_share = z < vavs && ahu_w_k_ > 1 ? room.plenum_gain_share : 0;
+    const double gain_w = disturbance_.gain_w[z] * (1 - plenum_share);
     const double mass_w = zone.mass_w_k * (mass_degc_[z] - air);
     const double wall_w = zone.wall_w_k * (wall_degc_[z] - air);
-    const double out_w = (zone.window_w_k + zone.infiltration_w_k_ach * ach) * (outdoor - air);
+    const double door_w_k = disturbance_.door_ach.empty() ? 0 : zone.door_w_k_ach * disturbance_.door_ach[z];
+    const double out_w = (zone.window_w_k + zone.infiltration_w_k_ach * ach + door_w_k) * (outdoor - air);
     const double neighbour_w = zone.neighbour_w_k * (room.neighbour_temp_degc - air);
     const double mau_w = zone.mau_w_k * (mau_degc_ - air);
     const double radiant_w = room.gain_radiant_share * gain_w + room.solar_to_mass_share * sun_w;
-    const double skin_degc = outdoor + zone.wall_sun_k_m2_w * wall_sun_w_m2 - room.rain_wall_drop_k * weather.rain;
+    const double sun_k = zone.wall_sun_k_m2_w * wall_sun_w_m2;
+    wall_sun_k_[z] =
+        network.wall_sun_share < 1 ? wall_sun_k_[z] + network.wall_sun_share * (sun_k - wall_sun_k_[z]) : sun_k;
+    const double skin_degc = outdoor + wall_sun_k_[z] - room.rain_wall_drop_k * weather.rain;
     const double skin_w = zone.wall_w_k * (skin_degc - wall_degc_[z]);
     double cooled_w = 0;
     if (z < vavs) {
@@ -272,8 +298,9 @@ void RcPlant::inner_step(double dt_s) {
     } else {
       const std::size_t f = z - vavs;
       const double runs = room.fcu_forced[f] > 0 ? 1 : room.fcu_forced[f] < 0 ? 0 : fcu_on_[f];
-      cooled_w = -runs * room.fcu_flow_m3_s[f] * room.fcu_capacity_factor[f] * air_j_m3k *
-                 std::max(0.0, air - room.fcu_supply_degc);
+      fcu_cold_[f] = network.fcu_coil_share < 1 ? fcu_cold_[f] + network.fcu_coil_share * (runs - fcu_cold_[f]) : runs;
+      cooled_w = -fcu_cold_[f] * room.fcu_flow_m3_s[f] * room.fcu_capacity_factor[f] * air_j_m3k *
+                 std::max(0.0, air - (room.fcu_supply_degc + water_drift_k_));
       fcu_duty_[f] += runs / network.inner_steps;
       fcu_load_kw_ -= cooled_w / 1000 / network.inner_steps;
       energy_.fcu_kj += cooled_w * to_kj;
@@ -287,12 +314,16 @@ void RcPlant::inner_step(double dt_s) {
     const double air_k =
         dt_s / zone.air_j_k *
         (flux_w_[z] + mass_w + wall_w + out_w + neighbour_w + mau_w + cooled_w + gain_w + sun_w - radiant_w);
-    const double mass_k = dt_s / zone.mass_j_k * (radiant_w - mass_w);
+    const double deep_w = zone.deep_w_k * (deep_degc_[z] - mass_degc_[z]);
+    const double mass_k = dt_s / zone.mass_j_k * (radiant_w - mass_w + deep_w);
+    const double deep_k = -dt_s / zone.deep_j_k * deep_w;
     const double wall_k = dt_s / zone.wall_j_k * (skin_w - wall_w);
     air_degc_[z] += air_k;
     mass_degc_[z] += mass_k;
     wall_degc_[z] += wall_k;
-    energy_.stored_kj += (air_k * zone.air_j_k + mass_k * zone.mass_j_k + wall_k * zone.wall_j_k) / 1000;
+    deep_degc_[z] += deep_k;
+    energy_.stored_kj +=
+        (air_k * zone.air_j_k + mass_k * zone.mass_j_k + wall_k * zone.wall_j_k + deep_k * zone.deep_j_k) / 1000;
     const double felt =
         z < vavs ? air_degc_[z] + room.room_sensor_jet_share[z] * (blown_degc - air_degc_[z]) : air_degc_[z];
     sensed_degc_[z] += network.sensor_share * (felt - sensed_degc_[z]);
@@ -307,10 +338,12 @@ void RcPlant::update_power() {
   const double load = nominal_w_k > 0 ? ahu_w_k_ / nominal_w_k : 0;
   fan_kw_ = room.ahu_fan_kw * load * load;
   const double fcu_fans_kw = room.fcu_fan_kw * std::accumulate(fcu_duty_.begin(), fcu_duty_.end(), 0.0);
-  const double cop =
-      std::max(1.0, room.chiller_cop + room.chiller_cop_per_k * (disturbance_.weather.outdoor_temp_degc - 30));
+  const double warm_water = 1 + 0.03 * water_drift_k_;  // a chiller likes warm water, 3 % a K
+  const double cop = warm_water * std::max(1.0, room.chiller_cop + room.chiller_cop_per_k *
+                                                                       (disturbance_.weather.outdoor_temp_degc - 30));
   const double cooling_kw = coil_load_kw_ + mau_load_kw_ + fcu_load_kw_;
-  chiller_kw_ = std::max(cooling_kw, room.chiller_min_load_kw) / cop + room.pump_kw;
+  const double part_load = 1 + room.chiller_part_load_loss * std::max(0.0, 1 - cooling_kw / room.chiller_full_load_kw);
+  chiller_kw_ = std::max(cooling_kw, room.chiller_min_load_kw) / cop * part_load + room.pump_kw;
   sensors_.power_kw.resize(static_cast<std::size_t>(room.powers));
   const double fans_kw = fan_kw_ + fcu_fans_kw + room.mau_fan_kw;
   sensors_.power_kw[0] = room.powers == 1 ? fans_kw + chiller_kw_ : fans_kw;

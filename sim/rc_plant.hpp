@@ -96,6 +96,7 @@ class RcPlant final : public PlantModel {
   void read_sensors();
   double shown_temp_degc(std::size_t vav) const;
   double damper(std::size_t vav) const;
+  bool ahu_rests() const;
   CivilTime true_time() const;
 
   std::shared_ptr<const RcRoom> room_;
@@ -108,11 +109,13 @@ class RcPlant final : public PlantModel {
   Future future_ = Future::actual;
   Disturbance disturbance_, held_;
 
-  std::vector<double> air_degc_, mass_degc_, wall_degc_, sensed_degc_, flux_w_;
-  std::vector<double> vav_w_k_;  // capacity flow of each box that reaches its zone
-  std::vector<double> fcu_on_, fcu_duty_;
-  double ahu_w_k_ = 0;  // capacity flow through the AHU coil
-  double setpoint_degc_, supply_degc_, mau_degc_ = 18;
+  std::vector<double> air_degc_, mass_degc_, wall_degc_, deep_degc_, sensed_degc_, flux_w_;
+  std::vector<double> wall_sun_k_;                    // what the sun adds to a wall's skin
+  std::vector<double> vav_w_k_;                       // capacity flow of each box that reaches its zone
+  std::vector<double> fcu_on_, fcu_duty_, fcu_cold_;  // cold: 0..1, how far its coil is
+  double ahu_w_k_ = 0;                                // capacity flow through the AHU coil
+  double setpoint_degc_, supply_degc_, duct_degc_, mau_degc_ = 18;
+  double water_drift_k_ = 0;  // of the chilled water
   double coil_load_kw_ = 0, mau_load_kw_ = 0, fcu_load_kw_ = 0;
   double fan_kw_ = 0, chiller_kw_ = 0;
   RcEnergy energy_;

@@ -47,6 +47,10 @@ RcRoom make_room(int vavs, int fcus, int powers) {
   room.window_west_m2 = by_zone(vavs, fcus, 0, 0);
   room.infiltration_share = by_zone(vavs, fcus, open_interior ? 0.3 : 0.1, 1.0);
   room.neighbour_ua_w_k = by_zone(vavs, fcus, 10, 5);
+  room.deep_kj_k = by_zone(vavs, fcus, 1, 1);
+  room.deep_ua_w_k = by_zone(vavs, fcus, 0, 0);
+  room.door_ach = by_zone(vavs, fcus, 0, 0);
+  room.heater_w = by_zone(vavs, fcus, 0, 0);
   const std::size_t west_end = open_interior ? 0 : static_cast<std::size_t>(vavs);
   const std::size_t east_end = static_cast<std::size_t>(room.zones()) - 1;
   room.window_west_m2[west_end] = open_interior ? 1.5 : 5;

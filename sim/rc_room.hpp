@@ -31,6 +31,8 @@ struct RcRoom {
   std::vector<double> window_north_m2, window_east_m2, window_south_m2, window_west_m2;  ///< zone
   std::vector<double> infiltration_share;                                                ///< zone; how exposed it is
   std::vector<double> neighbour_ua_w_k;  ///< zone; to the space next door, above, below
+  std::vector<double> deep_kj_k;         ///< zone; slab or core wall behind the mass
+  std::vector<double> deep_ua_w_k;       ///< zone; mass to that slab; 0: there is none
   double capacity_factor = 1;            ///< times every heat capacity
   double envelope_factor = 1;            ///< times wall and window conductance
   double window_u_w_m2k = 0.84;          ///< spec OPEN-23
@@ -39,6 +41,7 @@ struct RcRoom {
   double solar_to_mass_share = 0.55;
   double wall_absorptance = 0.5;
   double wall_film_w_m2k = 20;
+  double wall_sun_lag_s = 0;                ///< cladding: the wall's skin feels the sun so much later
   double rain_wall_drop_k = 3;              ///< the wet wall's outside temperature falls by this
   double infiltration_ach = 0.25;           ///< air changes an hour, constant part
   double infiltration_wind_ach_s_m = 0.03;  ///< a m/s of wind
@@ -47,6 +50,8 @@ struct RcRoom {
   double mixing_interior_m3_s = 0.20;   ///< between neighbouring VAV zones, each way
   double mixing_perimeter_m3_s = 0.10;  ///< between neighbouring FCU zones
   double mixing_across_m3_s = 0.08;     ///< between a VAV zone and its FCU zone
+  std::vector<double> door_ach;         ///< zone; air changes an hour while a door to the outside stands open
+  double door_days_share = 0.45;        ///< of days on which it does, some hours of the working day
 
   // Gains
   std::vector<double> gain_factor;  ///< zone
@@ -65,6 +70,11 @@ struct RcRoom {
   double occupancy_zone_sd = 0.15;      ///< of a zone, over some hours
   double occupancy_noise_sd = 0.18;     ///< of a zone, over minutes
   double arrival_sd_min = 10;
+  double occupancy_absent_share = 0;  ///< chance that a zone's people stay away for a day
+  double plenum_gain_share = 0;       ///< of VAV zones' gains: rises into the return air, not into the room
+  std::vector<double> heater_w;       ///< zone; a heater that switches by itself, between two hours
+  double heater_period_min = 70, heater_on_min = 25;
+  double heater_start_h = 20.5, heater_stop_h = 5.25;
 
   // Air handling
   std::vector<double> vav_flow_m3_s;         ///< VAV; damper open
@@ -78,11 +88,14 @@ struct RcRoom {
   double supply_lag_s = 200;          ///< first order, towards the setpoint
   double supply_sensor_offset_k = 0;  ///< reading minus truth: the room gets setpoint - offset
   double duct_gain_k = 0.3;
+  double duct_lag_s = 0;  ///< sheet metal: the boxes get the AHU's outlet so much later
   double duct_leak_share = 0.02;
   double coil_capacity_kw = 12;                        ///< total cooling
   double coil_fouling = 0;                             ///< share of capacity lost
   double coil_latent_w_per_gkg_m3s = 1500;             ///< latent load: a g/kg of moisture removed and m3/s
   double chilled_water_degc = 7, coil_approach_k = 4;  ///< supply is never below their sum
+  double chilled_water_drift_k_k = 0;                  ///< warmer a K of outdoors above 26 degC; fan coils feel it too
+  double ahu_stop_from_h = 0, ahu_stop_to_h = 0;       ///< the AHU rests between these hours; equal: never
   double outdoor_air_m3_s = 0.36;
   double mau_room_share = 0.35;  ///< of the outdoor air that goes straight to the zones
   double mau_setpoint_degc = 18;
@@ -93,6 +106,7 @@ struct RcRoom {
   std::vector<double> fcu_forced;             ///< FCU; 0 as recorded, 1 runs whatever is recorded, -1 never runs
   std::vector<double> fcu_setpoint_offset_k;  ///< FCU; its user's dial
   double fcu_supply_degc = 14;
+  double fcu_coil_lag_s = 0;  ///< a fan coil cools so much later than it runs
   double fcu_setpoint_degc = 26, fcu_band_k = 0.5;
   double fcu_start_h = 7, fcu_stop_h = 20;
 
@@ -105,6 +119,8 @@ struct RcRoom {
   double chiller_cop = 3.4;  ///< at 30 degC outdoors
   double chiller_cop_per_k = -0.05;
   double chiller_min_load_kw = 3;
+  double chiller_part_load_loss = 0;  ///< at no load it takes so much more power a kW than at full load, share
+  double chiller_full_load_kw = 40;
 
   // Sensors, clock, site
   std::vector<double> room_sensor_bias_k;           ///< VAV

@@ -1,12 +1,15 @@
 #pragma once
 // Rooms in which something is hidden on purpose: "measured" data with an answer that the workflow does not see.
+// This file: what every measuring engine shares, and RC rooms. EnergyPlus: blind_energyplus.hpp.
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "hal/log_csv.hpp"
 #include "sim/effect.hpp"
+#include "sim/plant_model.hpp"
 #include "sim/rc_room.hpp"
 #include "sim/weather.hpp"
 
@@ -15,9 +18,18 @@ namespace airside::tools::gap {
 /// What is hidden.
 struct Hidden {
   std::string effect;  ///< name of a file of sim/effects, or of something that the library does not have
-  int place = 0;
+  int place = 0;       ///< -1: outside the library, and at no place
   double magnitude = 0;
 };
+
+/// Names of what no file of sim/effects can express, one a kind:
+///   fcu_dial              the dial of a fan coil's thermostat, K
+///   odd_heater            a heater in one zone that switches by itself in the evening and at night, W
+///   escape_door           a door of one zone to the outside stands open for some hours of some days, 1/h
+///   chilled_water_drift   chilled water gets warmer with outdoor temperature, K a K above 26 degC
+///   ahu_time_switch       the AHU rests for some hours of every night, h from 1:30 on
+///   pump_power            factor on the chilled-water pump's power
+const std::vector<std::string>& outside_kinds();
 
 /// How the measured room is run.
 struct MeasuredRun {
@@ -28,10 +40,53 @@ struct MeasuredRun {
   double missing_share = 0;  ///< of values that never arrive
 };
 
-/// The room that stands for the real one: perturbed, and of another structure than the workflow's.
+/// Days that a measured room has lived before its log begins.
+constexpr int measured_lead_days = 3;
+
+/// The setpoint that is sent in a run: with feedback an integral controller on the mean of the shown room
+/// temperatures, else a schedule that changes four times a day. Two decimals.
+class MeasuredOperator {
+ public:
+  explicit MeasuredOperator(const MeasuredRun& run) : run_(run) {}
+  /// At the start of a cycle.
+  double setpoint_degc(CivilTime t, const std::vector<double>& shown_room_temp_degc);
+
+ private:
+  MeasuredRun run_;
+  double integral_degc_ = 23;
+};
+
+/// What wrong sensors make of what right ones show. State: a lagging sensor remembers.
+class WrongSensors {
+ public:
+  /// `changes`: their common operations on sensors count, all others are ignored.
+  WrongSensors(std::vector<sim::EffectChange> changes, CivilTime log_start);
+  /// Call at every row, in order.
+  void apply(sim::Sensors& sensors, CivilTime t);
+
+ private:
+  std::vector<sim::EffectChange> changes_;
+  CivilTime log_start_;
+  std::vector<double> lagging_;  ///< one a change; NaN before the first row
+};
+
+/// A row of what is shown. Values that never arrive are missing.
+hal::LogRow measured_row(const sim::Sensors& shown, CivilTime t, double setpoint_degc, const MeasuredRun& run);
+
+/// The library's effect, nullptr for what lies outside.
+const sim::Effect* find_effect(const std::vector<sim::Effect>& effects, const std::string& name);
+/// "vav_flow@3", "odd_heater@3", "ahu_time_switch".
+std::string id_of(const Hidden& hidden, const std::vector<sim::Effect>& effects);
+
+/// The room that stands for the real one: perturbed, sensors in the stream, boxes that modulate.
 sim::RcRoom measured_room(const sim::RcRoom& twin, std::uint64_t seed, bool feedback);
 
-/// The room with something hidden in it. `lag_s` of sensors and drop-outs are put on the log afterwards.
+/// The room with physics that the workflow's class of rooms cannot have by any parameters: a slab behind the mass of
+/// each zone, cladding, sheet metal and fan coils with inertia, heat that rises into the return air, people who stay
+/// away for days, a chiller that is worse at part load.
+sim::RcRoom with_other_structure(sim::RcRoom room, std::uint64_t seed);
+
+/// The room with something hidden in it; what is at the logger and not in the room (a lag of a sensor) measure() adds.
 /// Errors: std::invalid_argument for an effect that nobody can hide in an RC room.
 sim::RcRoom hide(sim::RcRoom room, const std::vector<Hidden>& hidden, const std::vector<sim::Effect>& effects);
 

@@ -3,20 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
+#include <set>
 
 #include "hal/input_error.hpp"
 #include "sim/epw.hpp"
-#include "sim/rc_room_file.hpp"
 #include "sim/stateless_draw.hpp"
 #include "sim/synthetic_weather.hpp"
+#include "tools/gap/blind_site.hpp"
 #include "tools/gap/case_file.hpp"
-#include "tools/gap/log_window.hpp"
-#include "tools/site.hpp"
 
 namespace airside::tools::gap {
 
@@ -24,193 +26,284 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int windows = 5;
-constexpr double ratios[] = {0.5, 1.0, 3.0};
-enum CaseDraw : std::uint64_t { draw_effect = 810, draw_place, draw_second, draw_magnitude, draw_name };
+constexpr int window_count = 5;
+constexpr double wanted_ratios[] = {0.5, 1.0, 3.0};
+enum CaseDraw : std::uint64_t { draw_effect = 810, draw_place, draw_second, draw_magnitude, draw_name, draw_sign };
 
 CivilTime start_of_window(int window) {
-  constexpr int month_day[windows][2] = {{5, 10}, {6, 20}, {7, 15}, {8, 20}, {9, 25}};
+  constexpr int month_day[window_count][2] = {{5, 10}, {6, 20}, {7, 15}, {8, 20}, {9, 25}};
   return sim::civil_midnight(2021, month_day[window][0], month_day[window][1]);
 }
 
-/// What cases of one window and one way of control share.
-struct Setting {
-  CaseData null_case;
-  Responses test;
-  Eigen::VectorXd noise;
-};
-
+/// A case before anything is simulated: its set, its window, and which turn of its set on its engine it is.
 struct PlannedCase {
   std::string set;
-  int window = 0;
-  bool feedback = true;
+  bool energyplus = false;
+  BlindWindow window;
   double ratio = 0;
-  std::vector<Hidden> hidden;
+  int turn = 0;
 };
+
+struct Sized {
+  Hidden hidden;
+  Shown shown;
+};
+
+struct MadeCase {
+  std::vector<Sized> hidden;
+  std::vector<Sized> not_reached;  ///< what was tried before: it cannot show so much, or never so little
+};
+
+/// By nothing but numbers, so that any case can be made alone.
+PlannedCase planned_case(const BlindPlan& plan, int i) {
+  PlannedCase c;
+  c.window = {i % window_count, i / window_count % 2 == 0};
+  int at = i;
+  const auto belongs = [&at](int count) {
+    if (at < count) return true;
+    at -= count;
+    return false;
+  };
+  c.set = belongs(plan.single) ? "single" : belongs(plan.null) ? "null" : belongs(plan.outside) ? "outside" : "pair";
+  if (c.set == "single") c.ratio = wanted_ratios[at / window_count % 3];
+  if (c.set == "pair") c.ratio = 3;
+  c.energyplus = plan.engine == BlindEngine::energyplus || (plan.engine == BlindEngine::mixed && at % 4 == 3);
+  c.turn = plan.engine != BlindEngine::mixed ? at : c.energyplus ? at / 4 : at - at / 4;
+  return c;
+}
+
+/// Effects that are there or not, nothing between.
+std::optional<double> fixed_magnitude(const std::string& effect) {
+  if (effect == "swapped_sensors" || effect == "fcu_runs_unrecorded") return 1;
+  if (effect == "fcu_rests_unrecorded") return 0;
+  return std::nullopt;
+}
 
 class Generator {
  public:
-  Generator(const BlindPlan& plan, const std::vector<sim::Effect>& effects)
-      : plan_(plan),
-        effects_(effects),
-        twin_(sim::load_room(plan.twin)),
-        engine_(twin_),
-        library_(library_of(engine_, effects)) {
-    for (int w = 0; w < windows; ++w)
-      weather_.push_back(sim::synthetic_weather(plan.seed * 1000 + static_cast<std::uint64_t>(w)));
-    for (const sim::EffectAt& at : library_.candidates) places_[at.effect->name].push_back(at);
-  }
-
-  PlannedCase plan_case(int i) {
-    PlannedCase c;
-    c.window = i % windows;
-    c.feedback = i / windows % 2 == 0;
-    int at = i;
-    const auto belongs = [&at](int count) {
-      if (at < count) return true;
-      at -= count;
-      return false;
-    };
-    if (belongs(plan_.single)) {
-      c.set = "single";
-      c.ratio = ratios[at / windows % 3];
-      c.hidden = {library_effect(i, at, c, draw_effect)};
-    } else if (belongs(plan_.null)) {
-      c.set = "null";
-    } else if (belongs(plan_.outside)) {
-      c.set = "outside";
-      c.hidden = {outside_effect(i, at)};
-    } else {
-      c.set = "pair";
-      c.ratio = 3;
-      c.hidden = {library_effect(i, at, c, draw_effect), library_effect(i, at + 7, c, draw_second)};
+  Generator(const BlindPlan& plan, const std::vector<sim::Effect>& effects, const fs::path& folder,
+            std::function<void()> done)
+      : plan_(plan), effects_(effects), folder_(folder), done_(std::move(done)) {
+    write_weather();
+    std::map<bool, std::set<BlindWindow>> wanted;
+    for (int i = 0; i < plan.total(); ++i) {
+      const PlannedCase c = planned_case(plan, i);
+      wanted[c.energyplus].insert(c.window);
     }
-    return c;
-  }
-
-  void write(int i, const PlannedCase& c, const fs::path& folder, const std::string& name) {
-    const std::uint64_t seed = seed_of(i);
-    const sim::RcRoom room = measured_room(twin_, seed, c.feedback);
-    const MeasuredRun reference{start_of_window(c.window), plan_.days, seed, c.feedback, 0.002};
-    const MeasuredRun test = after(reference);
-    const auto weather = weather_[static_cast<std::size_t>(c.window)];
-    fs::create_directories(folder / name);
-    const hal::TopologyCounts counts{"", twin_.vavs, twin_.fcus, twin_.powers};
-    const auto log = [&](const char* file, const std::vector<hal::LogRow>& rows) {
-      hal::LogWriter writer((folder / name / file).string(), counts, false);
-      for (const hal::LogRow& row : rows) writer.append(row);
-      writer.close();
-    };
-    log("reference.csv", measure(room, weather, reference));
-    log("measured.csv", measure(hide(room, c.hidden, effects_), weather, test, c.hidden));
-    CaseDescription description;
-    description.model = plan_.twin;
-    description.weather = fmt::format("../weather/{}.epw", c.window + 1);
-    description.reference_log = "reference.csv";
-    description.measured_log = "measured.csv";
-    description.window = fmt::format("{}{}", c.window + 1, c.feedback ? "f" : "s");
-    write_case(folder / name, description);
-  }
-
-  void write_weather(const fs::path& folder) const {
-    fs::create_directories(folder / "weather");
-    for (int w = 0; w < windows; ++w) {
-      sim::write_epw((folder / "weather" / fmt::format("{}.epw", w + 1)).string(),
-                     *weather_[static_cast<std::size_t>(w)], 2021);
+    for (const auto& [energyplus, some] : wanted) {
+      auto& site = energyplus ? energyplus_ : rc_;
+      site = energyplus ? make_energyplus_site(setup()) : make_rc_site(setup());
+      site->prepare({some.begin(), some.end()});
     }
+  }
+
+  /// Chooses what is hidden and writes the logs. Thread-safe.
+  MadeCase make(int i, const PlannedCase& c, const std::string& name) const {
+    const BlindSite& site = c.energyplus ? *energyplus_ : *rc_;
+    MadeCase made;
+    if (c.set == "single" || c.set == "pair") add_library_effect(made, site, i, c.turn, c, draw_effect);
+    if (c.set == "pair") add_library_effect(made, site, i, c.turn + 7, c, draw_second);
+    if (c.set == "outside") {
+      const Hidden h = outside_effect(site, i, c.turn);
+      made.hidden.push_back({h, site.shown(h, c.window)});
+    }
+    std::vector<Hidden> hidden;
+    for (const Sized& one : made.hidden) hidden.push_back(one.hidden);
+    write(c, folder_ / name, site.live(hidden, c.window, seed_of(i)), site.counts());
+    return made;
   }
 
  private:
-  std::uint64_t seed_of(int i) const { return plan_.seed * 1'000'003 + static_cast<std::uint64_t>(i) * 2; }
-  MeasuredRun after(MeasuredRun run) const {
-    run.start.seconds += run.days * std::int64_t{86400};
-    run.seed += 1;
-    return run;
-  }
-  double uniform(int i, CaseDraw what) const { return sim::draw_uniform(seed_of(i), what, 0, 0); }
-
-  /// A kind by turns, a place by lot, a size that shows `ratio` times above the noise.
-  Hidden library_effect(int i, int turn, const PlannedCase& c, CaseDraw draw) {
-    auto kind = places_.begin();
-    std::advance(kind, turn % std::ssize(places_));
-    const auto& places = kind->second;
-    const auto place = static_cast<std::size_t>(uniform(i, draw) * static_cast<double>(places.size()));
-    const sim::EffectAt at = places[std::min(place, places.size() - 1)];
-    return {at.effect->name, at.place, magnitude(i, at, c)};
-  }
-
-  double magnitude(int i, const sim::EffectAt& at, const PlannedCase& c) {
-    const sim::Effect& e = *at.effect;
-    if (e.name == "swapped_sensors" || e.name == "fcu_runs_unrecorded") return 1;
-    if (e.name == "fcu_rests_unrecorded") return 0;
-    const Setting& s = setting(c);
-    const std::size_t second = uniform(i, draw_magnitude) < 0.5 ? 0 : 1;
-    std::size_t seen = 0;
-    for (const Candidate& candidate : s.test.candidates) {
-      if (candidate.at.id() != at.id() || seen++ != second) continue;
-      double most = 0;
-      for (Eigen::Index k = 0; k < s.noise.size(); ++k) {
-        const double rms =
-            std::sqrt(candidate.response.col(k).squaredNorm() / static_cast<double>(candidate.response.rows()));
-        if (std::isfinite(rms)) most = std::max(most, rms / s.noise(k));
-      }
-      const double steps = most > 1e-6 ? c.ratio / most : 1;
-      return std::clamp(e.null_value + steps * (candidate.probe - e.null_value), e.low, e.high);
+  BlindSetup setup() const {
+    BlindSetup setup;
+    setup.twin = plan_.twin;
+    setup.seed = plan_.seed;
+    setup.days = plan_.days;
+    setup.jobs = plan_.jobs;
+    setup.rough = plan_.rough;
+    setup.cache = plan_.cache;
+    setup.effects = &effects_;
+    setup.done = done_;
+    for (int w = 0; w < window_count; ++w) {
+      setup.starts.push_back(start_of_window(w));
+      setup.weather.push_back(weather_file(w));
     }
-    return e.probe[0];
+    return setup;
   }
 
-  Hidden outside_effect(int i, int turn) const {
-    const int fcu = static_cast<int>(uniform(i, draw_place) * twin_.fcus);
-    switch (turn % 2) {
-      case 0: return {"fcu_dial", fcu, uniform(i, draw_magnitude) < 0.5 ? -1.5 : 1.5};
-      default: return {"damper_opening", 0, uniform(i, draw_magnitude) < 0.5 ? 0.75 : 1.25};
+  fs::path weather_file(int window) const { return folder_ / "weather" / fmt::format("{}.epw", window + 1); }
+
+  void write_weather() const {
+    fs::create_directories(folder_ / "weather");
+    for (int w = 0; w < window_count; ++w) {
+      const auto weather = sim::synthetic_weather(plan_.seed * 1000 + static_cast<std::uint64_t>(w));
+      sim::write_epw(weather_file(w).string(), *weather, 2021);
     }
   }
 
-  const Setting& setting(const PlannedCase& c) {
-    const auto [at, added] = settings_.try_emplace({c.window, c.feedback});
-    Setting& s = at->second;
-    if (!added) return s;
-    const auto weather = weather_[static_cast<std::size_t>(c.window)];
-    const std::uint64_t seed = plan_.seed + 77;
-    const sim::RcRoom room = measured_room(twin_, seed, c.feedback);
-    const MeasuredRun reference{start_of_window(c.window), plan_.days, seed, c.feedback, 0};
-    const auto window = [&](const MeasuredRun& run) {
-      return window_of(measure(room, weather, run), engine_.channels(), weather, "null");
+  void write(const PlannedCase& c, const fs::path& folder, const BlindLogs& logs,
+             const hal::TopologyCounts& counts) const {
+    fs::create_directories(folder);
+    CaseDescription description;
+    description.engine = c.energyplus ? "energyplus" : "rc";
+    description.model = plan_.twin;
+    description.weather = fmt::format("../weather/{}.epw", c.window.number + 1);
+    description.reference_log = "reference.csv";
+    description.measured_log = "measured.csv";
+    description.window = fmt::format("{}{}", c.window.number + 1, c.window.feedback ? "f" : "s");
+    const auto log = [&](const std::string& file, const std::vector<hal::LogRow>& rows) {
+      hal::LogWriter writer((folder / file).string(), counts, false);
+      for (const hal::LogRow& row : rows) writer.append(row);
+      writer.close();
     };
-    s.null_case = {window(reference), window(after(reference))};
-    const Responses responses =
-        simulate_responses(engine_, library_, s.null_case.reference.recording, true, plan_.jobs);
-    s.noise = fit_reference(engine_, responses, s.null_case.reference).noise.spread();
-    s.test = simulate_responses(engine_, library_, s.null_case.test.recording, true, plan_.jobs);
-    return s;
+    log(description.reference_log, logs.reference);
+    log(description.measured_log, logs.measured);
+    write_case(folder, description);
+  }
+
+  std::uint64_t seed_of(int i) const { return plan_.seed * 1'000'003 + static_cast<std::uint64_t>(i) * 2; }
+  double uniform(int i, CaseDraw what) const { return sim::draw_uniform(seed_of(i), what, 0, 0); }
+  int lot(int i, CaseDraw what, int count) const {
+    return std::min(count - 1, static_cast<int>(uniform(i, what) * count));
+  }
+
+  /// A kind by turns, a place by lot, a size that shows `ratio` times above the noise. A kind that cannot show so much
+  /// within its bounds, or never so little, gives its turn to the next.
+  void add_library_effect(MadeCase& made, const BlindSite& site, int i, int turn, const PlannedCase& c,
+                          CaseDraw draw) const {
+    constexpr int most_tries = 8;
+    std::vector<Sized> tried;
+    for (int t = 0; t < most_tries; ++t) {
+      auto kind = site.kinds().begin();
+      std::advance(kind, kind_of_turn(turn + t, std::ssize(site.kinds())));
+      const auto& places = kind->second;
+      const sim::EffectAt at = places[static_cast<std::size_t>(lot(i, draw, static_cast<int>(places.size())))];
+      const int first = uniform(i, draw_magnitude) < 0.5 ? 0 : 1;
+      for (const int which : {first, 1 - first}) {
+        const Sized one = sized(site, at, at.effect->probe[static_cast<std::size_t>(which)], c);
+        if (is_as_wanted(one, c.ratio)) {
+          made.hidden.push_back(one);
+          made.not_reached.insert(made.not_reached.end(), tried.begin(), tried.end());
+          return;
+        }
+        tried.push_back(one);
+        if (fixed_magnitude(at.effect->name)) break;
+      }
+    }
+    const auto off = [&c](const Sized& s) { return std::abs(std::log(std::max(1e-9, s.shown.ratio) / c.ratio)); };
+    const auto nearest =
+        std::min_element(tried.begin(), tried.end(), [&off](const auto& a, const auto& b) { return off(a) < off(b); });
+    made.hidden.push_back(*nearest);
+    tried.erase(nearest);
+    made.not_reached.insert(made.not_reached.end(), tried.begin(), tried.end());
+  }
+
+  /// In an order in which a small set too sees every sort of kind: neighbours in the alphabet are alike.
+  std::ptrdiff_t kind_of_turn(int turn, std::ptrdiff_t kinds) const {
+    std::ptrdiff_t stride = 17;
+    while (std::gcd(stride, kinds) != 1) ++stride;
+    return (turn * stride + static_cast<std::ptrdiff_t>(plan_.seed % static_cast<std::uint64_t>(kinds))) % kinds;
+  }
+
+  static bool is_as_wanted(const Sized& one, double ratio) {
+    const bool loud_enough = one.shown.ratio >= 0.8 * ratio;
+    return loud_enough && (one.shown.ratio <= 1.5 * ratio || ratio >= 3);
+  }
+
+  Sized sized(const BlindSite& site, const sim::EffectAt& at, double probe, const PlannedCase& c) const {
+    const sim::Effect& e = *at.effect;
+    const auto fixed = fixed_magnitude(e.name);
+    Sized one{{e.name, at.place, fixed.value_or(probe)}, {}};
+    one.shown = site.shown(one.hidden, c.window);
+    // Responses are nearly linear; where it is cheap, two more runs make up for what is not.
+    for (int again = 0; !fixed && again < (site.asks_again() ? 3 : 1) && one.shown.ratio > 1e-6; ++again) {
+      const double wanted = c.ratio / one.shown.ratio;
+      if (std::abs(wanted - 1) < 0.02) break;
+      double& m = one.hidden.magnitude;
+      double next = std::clamp(e.null_value + wanted * (m - e.null_value), e.low, e.high);
+      if (e.name == "clock_shift") next = whole_rows(next);
+      if (next == m) break;
+      one.shown.ratio *= (next - e.null_value) / (m - e.null_value);
+      m = next;
+      if (site.asks_again()) one.shown = site.shown(one.hidden, c.window);
+    }
+    return one;
+  }
+
+  /// A log's clock stands on its grid of rows.
+  static double whole_rows(double hours) {
+    const double rows = std::round(hours * 3600 / row_s);
+    return (rows == 0 ? 1 : rows) * row_s / 3600;
+  }
+
+  Hidden outside_effect(const BlindSite& site, int i, int turn) const {
+    const std::string& kind = outside_kinds()[static_cast<std::size_t>(turn) % outside_kinds().size()];
+    const int places = site.outside_places(kind);
+    const double sign = uniform(i, draw_sign) < 0.5 ? -1 : 1, share = uniform(i, draw_magnitude);
+    const auto between = [share](double low, double high) {
+      return std::round(100 * (low + share * (high - low))) / 100;
+    };
+    Hidden h{kind, places > 0 ? lot(i, draw_place, places) : -1, 0};
+    if (kind == "fcu_dial") h.magnitude = sign * between(1.2, 2.0);
+    if (kind == "odd_heater") h.magnitude = between(900, 1800);
+    if (kind == "escape_door") h.magnitude = between(5, 10);
+    if (kind == "chilled_water_drift") h.magnitude = between(0.4, 0.8);
+    if (kind == "ahu_time_switch") h.magnitude = between(1.5, 3.5);
+    if (kind == "pump_power") h.magnitude = between(1.6, 2.4);
+    return h;
   }
 
   const BlindPlan& plan_;
   const std::vector<sim::Effect>& effects_;
-  sim::RcRoom twin_;
-  RcEngine engine_;
-  Library library_;
-  std::vector<std::shared_ptr<const sim::Weather>> weather_;
-  std::map<std::string, std::vector<sim::EffectAt>> places_;
-  std::map<std::pair<int, bool>, Setting> settings_;
+  fs::path folder_;
+  std::function<void()> done_;
+  std::unique_ptr<BlindSite> rc_, energyplus_;
 };
 
-std::string id_of(const Hidden& h, const std::vector<sim::Effect>& effects) {
-  const auto found = std::find_if(effects.begin(), effects.end(), [&h](const auto& e) { return e.name == h.effect; });
-  if (found == effects.end()) return h.effect + "@" + std::to_string(h.place + 1);
-  return sim::EffectAt{&*found, h.place}.id();
-}
-
-/// Numbers in an order that says nothing: cases of one set must not stand together.
-std::vector<int> shuffled(const BlindPlan& plan) {
-  std::vector<int> rank(static_cast<std::size_t>(plan.total()));
-  std::iota(rank.begin(), rank.end(), 0);
-  std::sort(rank.begin(), rank.end(), [&plan](int a, int b) {
+/// Case numbers in the order of their names, which says nothing: cases of one set do not stand together.
+std::vector<int> in_order_of_name(const BlindPlan& plan) {
+  std::vector<int> order(static_cast<std::size_t>(plan.total()));
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&plan](int a, int b) {
     return sim::draw_bits(plan.seed, draw_name, 0, a) < sim::draw_bits(plan.seed, draw_name, 0, b);
   });
-  return rank;
+  return order;
+}
+
+/// When a file was written would tell how long its effect took to hide.
+void forget_times(const fs::path& folder) {
+  const fs::file_time_type then{fs::file_time_type::clock::from_sys(
+      std::chrono::sys_seconds{std::chrono::sys_days{std::chrono::year{2021} / std::chrono::December / 1}})};
+  std::vector<fs::path> all;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) all.push_back(entry.path());
+  for (const auto& path : all) fs::last_write_time(path, then);
+  fs::last_write_time(folder, then);
+}
+
+nlohmann::json finite_or_null(double x) { return std::isfinite(x) ? nlohmann::json(x) : nlohmann::json(); }
+
+nlohmann::json key_of(const std::vector<Sized>& list, const std::vector<sim::Effect>& effects) {
+  nlohmann::json j = nlohmann::json::array();
+  for (const Sized& one : list) {
+    j.push_back({{"id", id_of(one.hidden, effects)},
+                 {"magnitude", one.hidden.magnitude},
+                 {"achieved_ratio", finite_or_null(one.shown.ratio)},
+                 {"shows_in", one.shown.channel}});
+  }
+  return j;
+}
+
+nlohmann::json key_entry(const PlannedCase& c, const MadeCase& made, const std::vector<sim::Effect>& effects) {
+  const char* engine = c.energyplus ? "energyplus" : "rc";
+  nlohmann::json entry = {{"set", c.set},
+                          {"engine", engine},
+                          {"workflow", engine},
+                          {"feedback", c.window.feedback},
+                          {"window", c.window.number},
+                          {"ratio", c.ratio},
+                          {"hidden", key_of(made.hidden, effects)}};
+  if (!made.not_reached.empty()) entry["not_reached"] = key_of(made.not_reached, effects);
+  return entry;
 }
 
 }  // namespace
@@ -226,6 +319,15 @@ BlindPlan plan_of(int cases, std::uint64_t seed) {
   return plan;
 }
 
+int blind_steps(const BlindPlan& plan) {
+  std::set<std::pair<bool, BlindWindow>> shared;
+  for (int i = 0; i < plan.total(); ++i) {
+    const PlannedCase c = planned_case(plan, i);
+    shared.insert({c.energyplus, c.window});
+  }
+  return plan.total() + static_cast<int>(shared.size());
+}
+
 void make_blind_cases(const BlindPlan& plan, const std::vector<sim::Effect>& effects, const fs::path& folder,
                       const fs::path& key, const std::function<void()>& done) {
   std::error_code failed;
@@ -238,20 +340,20 @@ void make_blind_cases(const BlindPlan& plan, const std::vector<sim::Effect>& eff
     throw hal::InputError("--key " + key.string(), "a file in the folder of the cases", "a file outside it",
                           "whoever sees the cases must not see the key");
   }
-  Generator generator(plan, effects);
-  generator.write_weather(folder);
+  const Generator generator(plan, effects, folder, done);
   nlohmann::json answers = {{"format", 1}, {"seed", plan.seed}, {"cases", nlohmann::json::object()}};
-  const std::vector<int> rank = shuffled(plan);
-  for (int i = 0; i < plan.total(); ++i) {
-    const PlannedCase c = generator.plan_case(i);
-    const std::string name = fmt::format("case-{:04}", 1 + rank[static_cast<std::size_t>(i)]);
-    generator.write(i, c, folder, name);
-    nlohmann::json hidden = nlohmann::json::array();
-    for (const Hidden& h : c.hidden) hidden.push_back({{"id", id_of(h, effects)}, {"magnitude", h.magnitude}});
-    answers["cases"][name] = {{"set", c.set},       {"engine", "rc"},   {"workflow", "rc"}, {"feedback", c.feedback},
-                              {"window", c.window}, {"ratio", c.ratio}, {"hidden", hidden}};
+  const std::vector<int> order = in_order_of_name(plan);
+  std::mutex mutex;
+  on_threads(order.size(), plan.jobs, [&](std::size_t n) {
+    const int i = order[n];
+    const PlannedCase c = planned_case(plan, i);
+    const std::string name = fmt::format("case-{:04}", n + 1);
+    const MadeCase made = generator.make(i, c, name);
+    const std::lock_guard lock(mutex);
+    answers["cases"][name] = key_entry(c, made, effects);
     if (done) done();
-  }
+  });
+  forget_times(folder);
   std::ofstream out(key);
   out << answers.dump(1) << '\n';
   if (!out)

@@ -1,0 +1,43 @@
+#pragma once
+// The numbers and objects of a built EnergyPlus room: what a perturbation changes, and by which other objects the same
+// is said. Used by blind_energyplus.cpp alone.
+
+#include <nlohmann/json.hpp>
+
+#include "sim/stateless_draw.hpp"
+
+namespace airside::tools::gap {
+
+/// Numbers one after the other, for what is drawn in a fixed order.
+class Lots {
+ public:
+  Lots(std::uint64_t seed, std::uint64_t stream) : seed_(seed), stream_(stream) {}
+  double uniform(double low, double high) { return low + (high - low) * sim::draw_uniform(seed_, stream_, next_++, 0); }
+  /// 1 + size, size drawn from half the figure up to the figure, either sign: 10 to 20 % for 0.2.
+  double factor(double width) {
+    const double x = uniform(-0.5, 0.5);
+    return 1 + width * (x < 0 ? x - 0.5 : x + 0.5);
+  }
+  double shift(double width) { return factor(width) - 1; }
+
+ private:
+  std::uint64_t seed_, stream_, next_ = 0;
+};
+
+/// Multiplies a number of an object; nothing where it is absent or no number.
+void scale_field(nlohmann::json& object, const char* field, double factor);
+
+/// Calls f(name, object) for every object of a type.
+template <class F>
+void each_object(nlohmann::json& model, const char* type, F&& f) {
+  if (!model.contains(type)) return;
+  for (auto& [name, object] : model[type].items()) f(name, object);
+}
+
+/// The numbers of the built room, in the twin's objects.
+void perturb_numbers(nlohmann::json& model, std::uint64_t seed);
+
+/// Draws of built rooms.
+constexpr std::uint64_t draw_built = 730;
+
+}  // namespace airside::tools::gap
