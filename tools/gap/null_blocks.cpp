@@ -1,59 +1,110 @@
 #include "tools/gap/null_blocks.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace airside::tools::gap {
 
-NullBlocks null_blocks(const ReferenceFit& fit, const Responses& responses, const Window& window, int block_days,
-                       const Nuisance& settings) {
-  const Eigen::Index bins = window.measured.rows();
-  const auto counted = counted_bins(bins);
-  const auto directions = directions_of(responses, fit.structural_scale);
-  const Eigen::Index count = std::ssize(directions);
-  const auto whitened = [&](const Eigen::MatrixXd& x, const std::vector<bool>& kept) {
-    return fit.noise.whiten(x, kept, window.measured);
-  };
-  const auto stacked = [&](const std::vector<bool>& kept) {
-    Eigen::MatrixXd j;
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Eigen::VectorXd column = whitened(directions[static_cast<std::size_t>(i)], kept);
-      if (i == 0) j.resize(column.size(), count);
-      j.col(i) = column;
-    }
-    return j;
-  };
+namespace {
 
-  NullBlocks out;
-  out.block_days = block_days;
-  out.gain.assign(responses.candidates.size(), 0.0);
+/// One block as the measured period, the others as the reference.
+struct LeftOut {
+  Eigen::Index first = 0, count = 0;  // rows of whitened vectors
+  std::vector<bool> kept;
+  NuisanceResponses nuisance;
+  Eigen::MatrixXd covariance;
+  Eigen::VectorXd residual;
+
+  Metric metric(const Nuisance& settings) const { return Metric(nuisance.scaled(covariance, settings)); }
+};
+
+double log_probability(const std::vector<LeftOut>& blocks, const Nuisance& settings) {
+  double sum = 0;
+  for (const LeftOut& block : blocks) {
+    const Metric metric = block.metric(settings);
+    sum -= 0.5 * (metric.dot(block.residual, block.residual) + metric.log_det());
+  }
+  return sum;
+}
+
+Nuisance most_probable(const std::vector<LeftOut>& blocks) {
+  struct Size {
+    double Nuisance::*member;
+    std::vector<double> values;
+  };
+  const std::vector<Size> sizes = {{&Nuisance::structural_sd, {0.01, 0.03, 0.1, 0.3}},
+                                   {&Nuisance::day_gain_sd, {0.01, 0.03, 0.1, 0.2}},
+                                   {&Nuisance::day_shift_h, {0.02, 0.06, 0.2, 0.4}},
+                                   {&Nuisance::inflation, {1, 3, 9}}};
+  Nuisance best;
+  for (const Size& size : sizes) {
+    double highest = -std::numeric_limits<double>::infinity();
+    const Nuisance before = best;
+    for (const double value : size.values) {
+      Nuisance trial = before;
+      trial.*size.member = value;
+      const double log_p = log_probability(blocks, trial);
+      if (log_p > highest) {
+        highest = log_p;
+        best = trial;
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+NullBlocks null_blocks(const ReferenceFit& fit, const Responses& responses, const Window& window, int block_days) {
+  const Eigen::Index bins = window.measured.rows(), width = window.measured.cols();
+  const auto counted = counted_bins(bins);
+  std::vector<LeftOut> blocks;
   // The remainder of the days stays with the first, which is not counted.
   const Eigen::Index days = bins / bins_per_day - 1;
   for (Eigen::Index b = 0; (b + 1) * block_days <= days; ++b) {
     const Eigen::Index end = bins - b * block_days * bins_per_day, begin = end - block_days * bins_per_day;
-    std::vector<bool> block(static_cast<std::size_t>(bins), false), others = counted;
-    std::fill(block.begin() + begin, block.begin() + end, true);
+    LeftOut block;
+    block.kept.assign(static_cast<std::size_t>(bins), false);
+    std::vector<bool> others = counted;
+    std::fill(block.kept.begin() + begin, block.kept.begin() + end, true);
     std::fill(others.begin() + begin, others.begin() + end, false);
+    block.first = (begin - NoiseModel::order) * width;
+    block.count = (end - begin) * width;
 
-    const Eigen::MatrixXd j_others = stacked(others), j_block = stacked(block);
-    const auto normal = (j_others.transpose() * j_others + Eigen::MatrixXd::Identity(count, count)).eval().ldlt();
-    const Eigen::VectorXd change = normal.solve(j_others.transpose() * whitened(fit.residual, others) - fit.estimate);
-    ReferenceFit without = fit;
-    without.covariance = normal.solve(Eigen::MatrixXd::Identity(count, count));
-    const Metric metric(nuisance_directions(without, responses, block, window.measured, settings));
-    const Eigen::VectorXd r = whitened(fit.residual, block) - j_block * change;
+    const Eigen::MatrixXd j = nuisance_responses(fit, responses, others, window.measured).directions;
+    const Eigen::Index count = j.cols();
+    const auto normal = (j.transpose() * j + Eigen::MatrixXd::Identity(count, count)).eval().ldlt();
+    const Eigen::VectorXd change =
+        normal.solve(j.transpose() * fit.noise.whiten(fit.residual, others, window.measured) - fit.estimate);
+    block.covariance = normal.solve(Eigen::MatrixXd::Identity(count, count));
+    block.nuisance = nuisance_responses(fit, responses, block.kept, window.measured).rows(block.first, block.count);
+    block.residual = fit.noise.whiten(fit.residual, block.kept, window.measured).segment(block.first, block.count) -
+                     block.nuisance.directions * change;
+    blocks.push_back(std::move(block));
+  }
 
+  NullBlocks out;
+  out.block_days = block_days;
+  out.blocks = static_cast<int>(blocks.size());
+  out.gain.assign(responses.candidates.size(), 0.0);
+  if (blocks.empty()) return out;
+  out.nuisance = most_probable(blocks);
+  for (const LeftOut& block : blocks) {
+    const Metric metric = block.metric(out.nuisance);
     std::vector<Eigen::VectorXd> z;
-    for (const Candidate& c : responses.candidates) z.push_back(whitened(c.response, block));
-    for (const Score& score : score_candidates(responses.candidates, z, metric, r)) {
+    for (const Candidate& c : responses.candidates) {
+      z.push_back(fit.noise.whiten(c.response, block.kept, window.measured).segment(block.first, block.count));
+    }
+    for (const Score& score : score_candidates(responses.candidates, z, metric, block.residual)) {
       // The two directions of one place stand beside each other; only the better has a score.
       for (const std::size_t i : {score.candidate & ~std::size_t{1}, score.candidate | 1}) {
         out.gain[i] = std::max(out.gain[i], score.gain);
       }
       out.best_gain = std::max(out.best_gain, score.gain);
     }
-    const double samples = std::max(1.0, static_cast<double>((r.array() != 0).count()));
-    out.leftover = std::max(out.leftover, metric.dot(r, r) / samples / fit.leftover);
-    ++out.blocks;
+    const double samples = std::max(1.0, static_cast<double>((block.residual.array() != 0).count()));
+    out.leftover = std::max(out.leftover, metric.dot(block.residual, block.residual) / samples / fit.leftover);
   }
   return out;
 }

@@ -16,35 +16,57 @@ double Metric::dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
   return a.dot(b) - ja.dot(inner_.solve(jb));
 }
 
-Eigen::MatrixXd nuisance_directions(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,
-                                    const Eigen::MatrixXd& missing, const Nuisance& settings) {
-  const auto directions = directions_of(responses, fit.structural_scale);
-  const Eigen::Index count = std::ssize(directions);
+Eigen::MatrixXd NuisanceResponses::scaled(const Eigen::MatrixXd& covariance, const Nuisance& settings) const {
+  const Eigen::Index count = directions.cols();
+  Eigen::MatrixXd wide = settings.inflation * covariance;
+  wide += settings.structural_sd * settings.structural_sd * Eigen::MatrixXd::Identity(count, count);
+  Eigen::MatrixXd j(directions.rows(), count + day_gain.cols() + day_shift.cols());
+  j << directions * Eigen::MatrixXd(wide.llt().matrixL()), settings.day_gain_sd * day_gain,
+      settings.day_shift_h * day_shift;
+  return j;
+}
+
+NuisanceResponses NuisanceResponses::rows(Eigen::Index first, Eigen::Index count) const {
+  const auto days_of = [&](const Eigen::MatrixXd& all) {
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index d = 0; d < all.cols(); ++d) {
+      if (all.col(d).segment(first, count).squaredNorm() > 0) kept.push_back(d);
+    }
+    return Eigen::MatrixXd(all(Eigen::seqN(first, count), kept));
+  };
+  return {directions.middleRows(first, count), days_of(day_gain), days_of(day_shift)};
+}
+
+NuisanceResponses nuisance_responses(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,
+                                     const Eigen::MatrixXd& missing) {
   const Eigen::Index bins = missing.rows(), days = bins / bins_per_day;
-  Eigen::MatrixXd covariance = settings.inflation * fit.covariance;
-  covariance += settings.structural_sd * settings.structural_sd * Eigen::MatrixXd::Identity(count, count);
-  Eigen::MatrixXd responses_white;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::VectorXd column = fit.noise.whiten(directions[static_cast<std::size_t>(i)], kept, missing);
-    if (i == 0) responses_white.resize(column.size(), count);
-    responses_white.col(i) = column;
-  }
-  Eigen::MatrixXd j = responses_white * Eigen::MatrixXd(covariance.llt().matrixL());
-  const auto each_day = [&](const char* name, double sd) {
+  const auto stacked = [&](const std::vector<Eigen::MatrixXd>& list) {
+    Eigen::MatrixXd out(std::max<Eigen::Index>(0, bins - NoiseModel::order) * missing.cols(), std::ssize(list));
+    for (Eigen::Index i = 0; i < out.cols(); ++i) {
+      out.col(i) = fit.noise.whiten(list[static_cast<std::size_t>(i)], kept, missing);
+    }
+    return out;
+  };
+  const auto each_day = [&](const char* name) {
+    std::vector<Eigen::MatrixXd> list;
     for (const Parameter& parameter : responses.parameters) {
       if (parameter.at.effect->name != name) continue;
-      const Eigen::Index first = j.cols();
-      j.conservativeResize(Eigen::NoChange, first + days);
       for (Eigen::Index d = 0; d < days; ++d) {
         Eigen::MatrixXd day = Eigen::MatrixXd::Zero(bins, parameter.response.cols());
-        day.middleRows(d * bins_per_day, bins_per_day) = parameter.response.middleRows(d * bins_per_day, bins_per_day);
-        j.col(first + d) = sd / parameter.prior_sd * fit.noise.whiten(day, kept, missing);
+        const Eigen::Index from = d * bins_per_day;
+        day.middleRows(from, bins_per_day) = parameter.response.middleRows(from, bins_per_day) / parameter.prior_sd;
+        list.push_back(std::move(day));
       }
     }
+    return stacked(list);
   };
-  each_day("gain_occupied", settings.day_gain_sd);
-  each_day("occupancy_shift", settings.day_shift_h);
-  return j;
+  return {stacked(directions_of(responses, fit.structural_scale)), each_day("gain_occupied"),
+          each_day("occupancy_shift")};
+}
+
+Eigen::MatrixXd nuisance_directions(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,
+                                    const Eigen::MatrixXd& missing, const Nuisance& settings) {
+  return nuisance_responses(fit, responses, kept, missing).scaled(fit.covariance, settings);
 }
 
 std::vector<Score> score_candidates(const std::vector<Candidate>& candidates,

@@ -14,6 +14,8 @@ class Metric {
   double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
   /// M v.
   Eigen::VectorXd times(const Eigen::VectorXd& v) const;
+  /// ln det(I + J L J').
+  double log_det() const { return inner_.vectorD().array().log().sum(); }
 
  private:
   Eigen::MatrixXd j_;
@@ -27,6 +29,20 @@ struct Nuisance {
   double day_gain_sd = 0.1;     ///< of the occupied gain, each day anew
   double day_shift_h = 0.17;    ///< by which people come later or earlier, each day anew
 };
+
+/// What nuisances do to the sensors, whitened; sizes are put in by scaled().
+struct NuisanceResponses {
+  Eigen::MatrixXd directions;  ///< of one prior sd each
+  Eigen::MatrixXd day_gain;    ///< of 1 a day
+  Eigen::MatrixXd day_shift;   ///< of 1 h a day
+
+  /// J of Metric.  Shape: as directions; covariance: of those, in prior units.
+  Eigen::MatrixXd scaled(const Eigen::MatrixXd& covariance, const Nuisance& settings) const;
+  /// The same of some rows; days that have nothing there are left out.
+  NuisanceResponses rows(Eigen::Index first, Eigen::Index count) const;
+};
+NuisanceResponses nuisance_responses(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,
+                                     const Eigen::MatrixXd& missing);
 Eigen::MatrixXd nuisance_directions(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,
                                     const Eigen::MatrixXd& missing, const Nuisance& settings = {});
 

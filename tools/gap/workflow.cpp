@@ -31,9 +31,9 @@ class Analysis {
         rules_(rules),
         fit_(fit_reference(engine, responses.reference, data.reference)),
         kept_(train_bins()),
-        nuisance_(nuisance_directions(fit_, responses.test, kept_, data.test.measured)),
-        metric_(nuisance_),
         nulls_(null_blocks(fit_, responses.reference, data.reference)),
+        nuisance_(nuisance_directions(fit_, responses.test, kept_, data.test.measured, nulls_.nuisance)),
+        metric_(nuisance_),
         structural_(fit_.structural(responses.test)),
         parameters_(fit_.changes(responses.test.parameters)) {
     for (const Candidate& c : responses.test.candidates) whitened_.push_back(whiten(c.response));
@@ -318,9 +318,9 @@ class Analysis {
   const Rules& rules_;
   ReferenceFit fit_;
   std::vector<bool> kept_;
+  NullBlocks nulls_;
   Eigen::MatrixXd nuisance_;
   Metric metric_;
-  NullBlocks nulls_;
   Eigen::MatrixXd structural_;
   Changes parameters_;
   std::vector<Eigen::VectorXd> whitened_;
