@@ -38,6 +38,10 @@ void check_rows(const EnergyPlusTwin& twin, const Recording& recording) {
         "as many as the twin has");
     expect_of_recording(std::isfinite(row.setpoint_degc) && finite(row.vav_on) && finite(row.fcu_on),
                         "a missing command" + at, "a stretch without gaps");
+    const std::size_t zones = row.vav_on.size() + row.fcu_on.size();
+    expect_of_recording(row.zone_heat_kw.empty() || (row.zone_heat_kw.size() == zones && finite(row.zone_heat_kw)),
+                        "heat of " + std::to_string(row.zone_heat_kw.size()) + " zones" + at,
+                        "a number for every zone");
   }
 }
 
@@ -150,6 +154,15 @@ CommandText replay_commands(const EnergyPlusTwin& twin, const Recording& recordi
     for (std::size_t z = 0; z < people.size(); ++z) people[z][step] = commands.occupancy[z];
   }
 
+  // Heat that the model does not know: only where the recording has some.
+  const bool heated = std::any_of(recording.rows.begin(), recording.rows.end(),
+                                  [](const RecordedRow& row) { return !row.zone_heat_kw.empty(); });
+  std::vector<std::vector<double>> heat(heated ? people.size() : 0, std::vector<double>(steps));
+  for (std::size_t step = 0; heated && step < steps; ++step) {
+    const RecordedRow& row = recording.at({days.begin.seconds + static_cast<std::int64_t>(step) * replay_step_s});
+    for (std::size_t z = 0; z < row.zone_heat_kw.size(); ++z) heat[z][step] = row.zone_heat_kw[z];
+  }
+
   CommandColumns columns;
   columns.add(twin.names.supply_setpoint_schedule, std::move(supply));
   const auto add_each = [&columns](const std::string& pattern, auto first, auto last) {
@@ -162,6 +175,7 @@ CommandText replay_commands(const EnergyPlusTwin& twin, const Recording& recordi
   if (!thermostats) add_each(twin.names.fcu_on_schedule, fcu_on.begin(), fcu_on.end());
   add_each(twin.names.interior_occupancy_schedule, people.begin(), people.begin() + vavs);
   add_each(twin.names.perimeter_occupancy_schedule, people.begin() + vavs, people.end());
+  add_each(std::string(heat_schedule_prefix) + "#", heat.begin(), heat.end());
   return columns.text();
 }
 

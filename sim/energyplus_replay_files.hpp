@@ -10,6 +10,7 @@
 namespace airside::sim {
 
 constexpr int replay_step_s = 180;
+constexpr const char* heat_schedule_prefix = "Unknown Heat ";  ///< kW; followed by the 1-based zone, VAV zones first
 
 /// The whole days that a replay simulates, and where they lie in the engine's calendar of 365 days.
 struct ReplayDays {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "hal/input_error.hpp"
@@ -84,6 +85,22 @@ void set_replay_outputs(json& model, const ModelNames& names, bool thermostats) 
   files["output_eso"] = "Yes";
 }
 
+/// Heat of unknown origin, one object a zone that has a column for it: 1 kW, all of it to the air, times the column.
+void add_unknown_heat(json& model, const ModelNames& names, const CommandText& commands) {
+  const std::size_t vavs = names.interior_zones.size();
+  for (std::size_t z = 0; z < vavs + names.perimeter_zones.size(); ++z) {
+    const std::string schedule = heat_schedule_prefix + std::to_string(z + 1);
+    if (std::find(commands.schedules.begin(), commands.schedules.end(), schedule) == commands.schedules.end()) return;
+    const std::string& zone = z < vavs ? names.interior_zones[z] : names.perimeter_zones[z - vavs];
+    model["Schedule:Constant"][schedule] = {{"hourly_value", 0}};
+    model["OtherEquipment"][schedule] = {{"fuel_type", "None"},
+                                         {"zone_or_zonelist_or_space_or_spacelist_name", zone},
+                                         {"schedule_name", schedule},
+                                         {"design_level_calculation_method", "EquipmentLevel"},
+                                         {"design_level", 1000}};
+  }
+}
+
 /// Every schedule that the commands name reads its column instead of standing still.
 void set_replay_schedules(json& model, const CommandText& commands) {
   for (std::size_t i = 0; i < commands.schedules.size(); ++i) {
@@ -145,6 +162,7 @@ json replay_model(const EnergyPlusTwin& twin, const ReplayDays& days, const Comm
   json model = twin.model;
   set_replay_dates(model, days);
   set_replay_outputs(model, twin.names, thermostats);
+  add_unknown_heat(model, twin.names, commands);
   set_replay_schedules(model, commands);
   if (thermostats) add_thermostats(model, twin.loops, twin.names);
   return model;

@@ -189,6 +189,13 @@ void RcPlant::obey_recording() {
   const RecordedRow& row = recording_->at(now_);
   disturbance_.vav_on = row.vav_on;
   if (!own_thermostats_) fcu_on_ = row.fcu_on;
+  if (!row.zone_heat_kw.empty()) set_zone_heat(row.zone_heat_kw);
+}
+
+void RcPlant::set_zone_heat(const std::vector<double>& kw) {
+  if (kw.size() != air_degc_.size()) throw std::invalid_argument("RcPlant: heat must be given for every zone");
+  heat_w_.resize(kw.size());
+  std::transform(kw.begin(), kw.end(), heat_w_.begin(), [](double x) { return 1000 * x; });
 }
 
 void RcPlant::update_thermostats() {
@@ -279,6 +286,7 @@ void RcPlant::inner_step(double dt_s) {
     }
     const double plenum_share = z < vavs && ahu_w_k_ > 1 ? room.plenum_gain_share : 0;
     const double gain_w = disturbance_.gain_w[z] * (1 - plenum_share);
+    const double heat_w = heat_w_.empty() ? 0 : heat_w_[z];
     const double mass_w = zone.mass_w_k * (mass_degc_[z] - air);
     const double wall_w = zone.wall_w_k * (wall_degc_[z] - air);
     const double door_w_k = disturbance_.door_ach.empty() ? 0 : zone.door_w_k_ach * disturbance_.door_ach[z];
@@ -305,7 +313,7 @@ void RcPlant::inner_step(double dt_s) {
       fcu_load_kw_ -= cooled_w / 1000 / network.inner_steps;
       energy_.fcu_kj += cooled_w * to_kj;
     }
-    energy_.gains_kj += gain_w * to_kj;
+    energy_.gains_kj += (gain_w + heat_w) * to_kj;
     energy_.solar_kj += sun_w * to_kj;
     energy_.outdoors_kj += (out_w + skin_w) * to_kj;
     energy_.neighbour_kj += neighbour_w * to_kj;
@@ -313,7 +321,7 @@ void RcPlant::inner_step(double dt_s) {
 
     const double air_k =
         dt_s / zone.air_j_k *
-        (flux_w_[z] + mass_w + wall_w + out_w + neighbour_w + mau_w + cooled_w + gain_w + sun_w - radiant_w);
+        (flux_w_[z] + mass_w + wall_w + out_w + neighbour_w + mau_w + cooled_w + gain_w + heat_w + sun_w - radiant_w);
     const double deep_w = zone.deep_w_k * (deep_degc_[z] - mass_degc_[z]);
     const double mass_k = dt_s / zone.mass_j_k * (radiant_w - mass_w + deep_w);
     const double deep_k = -dt_s / zone.deep_j_k * deep_w;

@@ -72,6 +72,11 @@ class RcPlant final : public PlantModel {
     held_ = disturbance_;
   }
 
+  /// From now on heat that the room does not know of flows into the air of its zones, VAV zones first.  kW.
+  /// A recording that is followed and has heat of its own takes its place.
+  /// Errors: std::invalid_argument unless there is one a zone.
+  void set_zone_heat(const std::vector<double>& kw);
+
   /// From now on boxes and, unless `thermostats`, fan coils do what was recorded.
   void follow(std::shared_ptr<const Recording> recording, bool thermostats) {
     recording_ = std::move(recording);
@@ -112,6 +117,7 @@ class RcPlant final : public PlantModel {
   std::vector<double> air_degc_, mass_degc_, wall_degc_, deep_degc_, sensed_degc_, flux_w_;
   std::vector<double> wall_sun_k_;                    // what the sun adds to a wall's skin
   std::vector<double> vav_w_k_;                       // capacity flow of each box that reaches its zone
+  std::vector<double> heat_w_;                        // zone; of set_zone_heat; empty: none
   std::vector<double> fcu_on_, fcu_duty_, fcu_cold_;  // cold: 0..1, how far its coil is
   double ahu_w_k_ = 0;                                // capacity flow through the AHU coil
   double setpoint_degc_, supply_degc_, duct_degc_, mau_degc_ = 18;

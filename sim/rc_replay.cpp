@@ -46,6 +46,10 @@ ChannelTable replay_rc(const RcRoom& room, const Recording& recording, bool duti
                             fmt::format("{} and {} as in the log", row.vav_on.size(), row.fcu_on.size()),
                             "use the room and the log of one site");
     }
+    if (!row.zone_heat_kw.empty() && std::ssize(row.zone_heat_kw) != room.zones()) {
+      throw hal::InputError("room " + room.name, fmt::format("heat of {} zones", row.zone_heat_kw.size()),
+                            fmt::format("of {}", room.zones()), "give every zone its own, VAV zones first");
+    }
   }
   const RcRoom quiet = expected_room(room);
   const auto shared = std::make_shared<const Recording>(recording);

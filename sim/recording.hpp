@@ -20,6 +20,7 @@ struct RecordedRow {
   std::vector<double> fcu_on;  ///< 0/1, one an FCU
   double outdoor_temp_degc = 0;
   double rain = 0;
+  std::vector<double> zone_heat_kw = {};  ///< zone, VAV zones first; heat into the air that no model has; empty: none
 };
 
 /// A stretch without gaps.  Row i is at from + i * row_s, by the site's clock.
