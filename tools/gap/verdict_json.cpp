@@ -96,6 +96,7 @@ json json_of(const Verdict& v, const std::string& name, const Responses& respons
           {"leftover", finite_json(v.leftover)},
           {"thresholds",
            {{"gain", v.gain_limit},
+            {"best_gain_of_reference", finite_json(v.nulls.best_gain)},
             {"margin_ratio", rules.margin_ratio},
             {"margin_gain", rules.margin_gain},
             {"class_cosine", rules.class_cosine},
@@ -128,9 +129,14 @@ json json_of(const CleanLog& log) {
   return j;
 }
 
+std::string unit_suffix(const sim::Effect& effect) {
+  return effect.unit == "1" || effect.unit == "share" ? "" : " " + effect.unit;
+}
+
 std::string sentence_of(const Finding& f) {
-  std::string text = fmt::format("{}: {:.3g} {} ± {:.2g}", f.at.text(), f.magnitude, f.at.effect->unit, z95 * f.sd);
-  if (f.at.effect->unit == "1") text = fmt::format("{}: factor {:.3g} ± {:.2g}", f.at.text(), f.magnitude, z95 * f.sd);
+  const sim::Effect& effect = *f.at.effect;
+  std::string text = fmt::format("{}: {}{:.3g}{} ± {:.2g}", f.at.text(), effect.unit == "1" ? "factor " : "",
+                                 f.magnitude, unit_suffix(effect), z95 * f.sd);
   if (!f.cannot_tell_from.empty()) {
     std::string alike;
     for (const sim::EffectAt& at : f.cannot_tell_from) alike += (alike.empty() ? "" : "; or ") + at.text();
@@ -151,10 +157,39 @@ std::string sentence_of(const Verdict& v) {
   return v.reason;
 }
 
+std::vector<Remark> shown_remarks(const CleanLog& log) {
+  const auto minor = [&log](const Remark& r) {
+    return r.defect == Defect::missing_value && r.action == Action::left_out && 50 * r.count < log.rows.size();
+  };
+  const auto columns = std::count_if(log.remarks.begin(), log.remarks.end(), minor);
+  if (columns < 3) return log.remarks;
+  std::vector<Remark> shown;
+  Remark all;
+  std::size_t most = 0;
+  for (const Remark& r : log.remarks) {
+    if (!minor(r)) {
+      shown.push_back(r);
+      continue;
+    }
+    const std::size_t count = all.count + r.count;
+    const CivilTime from = all.count == 0 ? r.from : std::min(all.from, r.from);
+    const CivilTime to = all.count == 0 ? r.to : std::max(all.to, r.to);
+    all = r;
+    all.from = from;
+    all.to = to;
+    all.count = count;
+    most = std::max(most, r.count);
+  }
+  all.column = fmt::format("{} columns", columns);
+  all.text = fmt::format("{} values missing, at most {} in a column; left out", all.count, most);
+  shown.insert(shown.begin(), all);
+  return shown;
+}
+
 std::string text_of(const CleanLog& log) {
   if (log.remarks.empty()) return "";
   std::string text = fmt::format("clean-up of {}\n", log.place);
-  for (const Remark& r : log.remarks) {
+  for (const Remark& r : shown_remarks(log)) {
     text += fmt::format("  {:<9} {:<16} {:<20} {}: {}\n", text_of(r.action), text_of(r.defect),
                         r.column.empty() ? "all" : r.column, hal::civil_text(r.from).substr(0, 16), r.text);
   }

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "tools/gap/clean_up.hpp"
 #include "tools/gap/workflow.hpp"
@@ -27,6 +28,12 @@ std::string sentence_of(const Finding& finding);
 
 /// The verdict in one sentence: "named: ..", "ambiguous: A or B: ..", "unknown: ..", "no gap above the floor".
 std::string sentence_of(const Verdict& verdict);
+
+/// The clean-up table for people: a few values that never came, in many columns, are one row.
+std::vector<Remark> shown_remarks(const CleanLog& log);
+
+/// " K", "" where a magnitude is a mere number.
+std::string unit_suffix(const sim::Effect& effect);
 
 /// The clean-up table for a terminal: one line a remark, none for a clean log.
 std::string text_of(const CleanLog& log);

@@ -12,7 +12,7 @@ namespace airside::tools {
 namespace {
 
 constexpr double map_width = 480, map_left = 92, row_height = 15, unit_gap = 7, head_height = 44;
-constexpr double rank_width = 960, rank_left = 250, rank_line = 24, rank_top = 26;
+constexpr double rank_width = 760, rank_left = 190, rank_line = 24, rank_top = 26;
 
 /// About as many names as fit, the first always.
 std::size_t name_every(std::size_t count, double cell, std::size_t letters) {
@@ -82,7 +82,8 @@ std::string rank_svg(const std::vector<RankBar>& bars, double limit, const std::
   const double per_gain = (rank_width - rank_left - 80) / std::max(1e-9, most);
   const double bottom = rank_top + rank_line * static_cast<double>(bars.size());
   std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {:.0f}\" role=\"img\" aria-label=\"{}\">\n",
+      "<svg class=\"rank\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {:.0f}\" role=\"img\" "
+      "aria-label=\"{}\">\n",
       rank_width, bottom + 6, escape_markup("gains against " + limit_name));
   double y = rank_top;
   for (const RankBar& bar : bars) {

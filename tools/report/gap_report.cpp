@@ -34,9 +34,8 @@ std::string channel_title(const sim::Channels& at, int c) {
 
 std::string finding_magnitude(const gap::Finding& f) {
   const gap::MagnitudeInterval interval = gap::interval_of(f);
-  const std::string& unit = f.at.effect->unit;
-  return fmt::format("{:.3g}{} ({:.3g} to {:.3g}; nothing would be {:.3g})", f.magnitude, unit == "1" ? "" : " " + unit,
-                     interval.low, interval.high, f.at.effect->null_value);
+  return fmt::format("{:.3g}{} ({:.3g} to {:.3g}; nothing would be {:.3g})", f.magnitude,
+                     gap::unit_suffix(*f.at.effect), interval.low, interval.high, f.at.effect->null_value);
 }
 
 /// A row that says nothing is left out.
@@ -195,7 +194,7 @@ class GapReport {
       table.columns.push_back({name, "", 0, false});
     }
     for (const gap::CleanLog* log : {&run_.loaded.logs.reference, &run_.loaded.logs.measured}) {
-      for (const gap::Remark& r : log->remarks) {
+      for (const gap::Remark& r : gap::shown_remarks(*log)) {
         table.rows.push_back(
             {gap::text_of(r.defect),
              {text_cell(gap::text_of(r.action)), text_cell(log->place), text_cell(r.column.empty() ? "all" : r.column),
@@ -465,13 +464,12 @@ class GapReport {
       const gap::PatchedChange& change = run_.patched->changes[k];
       const bool parameter = k < run_.before.size();
       const double sd = parameter ? run_.parameters[k].sd : run_.verdict.findings[k - run_.before.size()].sd;
-      const std::string& unit = change.change.at.effect->unit;
       std::string beside;
       for (const std::string& line : change.beside) beside += (beside.empty() ? "" : "; ") + line;
       table.rows.push_back({change.change.at.text(),
                             {text_cell(parameter ? "the reference period asks for it" : "found"),
                              text_cell(fmt::format("{:.3g}{} ± {:.2g}", change.change.magnitude,
-                                                   unit == "1" ? "" : " " + unit, 1.96 * sd)),
+                                                   gap::unit_suffix(*change.change.at.effect), 1.96 * sd)),
                              text_cell(edits_text(change.edits)), text_cell(beside.empty() ? "–" : beside)},
                             parameter ? SeriesRole::plain : SeriesRole::main,
                             false});

@@ -155,7 +155,10 @@ struct BlockWriter {
       for (std::size_t c = 0; c < row.cells.size(); ++c) {
         const TableCell& cell = row.cells[c];
         if (!cell.value) {
-          page += fmt::format("<td class=\"text\">{}</td>", cell.text.empty() ? "–" : escape_markup(cell.text));
+          // Where the page is narrow each cell stands on a line of its own and says what it is.
+          const std::string name =
+              table.prose ? " data-name=\"" + escape_markup(table.columns[c].name) + "\"" : std::string();
+          page += fmt::format("<td class=\"text\"{}>{}</td>", name, cell.text.empty() ? "–" : escape_markup(cell.text));
           continue;
         }
         const int decimals = table.columns[c].decimals;
