@@ -35,8 +35,6 @@ const EnergyPlusRoom& room(bool feedback) {
   return feedback ? closed : open;
 }
 
-double strongest(const sim::Effect& e) { return e.high - e.null_value >= e.null_value - e.low ? e.high : e.low; }
-
 const std::vector<Hidden>& outside() {
   static const std::vector<Hidden> list{{"fcu_dial", -1, 1.5},        {"odd_heater", 7, 1500},
                                         {"escape_door", 8, 8},        {"chilled_water_drift", -1, 0.6},

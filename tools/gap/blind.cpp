@@ -240,6 +240,12 @@ sim::RcRoom hide(sim::RcRoom room, const std::vector<Hidden>& hidden, const std:
   return room;
 }
 
+bool rc_can_hide(const sim::Effect& effect) {
+  if (!effect.candidate || !effect.on_rc) return false;
+  sim::RcRoom any = sim::make_room();
+  return !effect.rc.empty() || hide_directly(any, {effect.name, 0, effect.probe[0]});
+}
+
 std::vector<hal::LogRow> measure(const sim::RcRoom& room, std::shared_ptr<const sim::Weather> weather,
                                  const MeasuredRun& run, const std::vector<Hidden>& hidden) {
   // All sensors of the room are its own fields but the lag of one, which it has for all of them only.

@@ -90,6 +90,9 @@ sim::RcRoom with_other_structure(sim::RcRoom room, std::uint64_t seed);
 /// Errors: std::invalid_argument for an effect that nobody can hide in an RC room.
 sim::RcRoom hide(sim::RcRoom room, const std::vector<Hidden>& hidden, const std::vector<sim::Effect>& effects);
 
+/// Whether hide() can: not what only the weather file could tell.
+bool rc_can_hide(const sim::Effect& effect);
+
 /// What that room logs.
 std::vector<hal::LogRow> measure(const sim::RcRoom& room, std::shared_ptr<const sim::Weather> weather,
                                  const MeasuredRun& run, const std::vector<Hidden>& hidden = {});

@@ -198,7 +198,11 @@ EnergyPlusRoom energyplus_measured_room(const std::string& twin, std::uint64_t s
 }
 
 bool energyplus_can_hide(const sim::Effect& effect) {
-  return effect.candidate && effect.on_energyplus && (!effect.energyplus.empty() || !effect.common.empty());
+  const auto beyond_us = [](const sim::EffectOp& op) {
+    return op.on == sim::EffectOp::On::weather && op.field != "solar" && op.field != "outdoor_temp";
+  };
+  return effect.candidate && effect.on_energyplus && (!effect.energyplus.empty() || !effect.common.empty()) &&
+         std::none_of(effect.common.begin(), effect.common.end(), beyond_us);
 }
 
 EnergyPlusRoom hide(EnergyPlusRoom room, const std::vector<Hidden>& hidden, const std::vector<sim::Effect>& effects,

@@ -105,9 +105,12 @@ void other_equipment(Json& model, const Json& nominal, Lots& lots) {
   const double radiant = lots.uniform(0.2, 0.5);
   const auto move = [&](const char* from, const char* to, const std::string& name, Json object, const char* read,
                         const char* write) {
-    if (!newly_made(nominal, from, name) || object.value(read, -1.0) < 0) return;
-    object[write] = object[read];
-    object.erase(read);
+    const double watts = object.value(read, object.value("design_level", -1.0));
+    if (!newly_made(nominal, from, name) || watts < 0) return;
+    if (object.contains(read)) {
+      object[write] = watts;
+      object.erase(read);
+    }
     object.erase("fuel_type");
     if (object.contains("fraction_radiant")) object["fraction_radiant"] = radiant;
     model[to][name + " Instead"] = object;

@@ -74,7 +74,7 @@ class RcSite final : public BlindSite {
  public:
   explicit RcSite(const BlindSetup& setup) : setup_(setup), twin_(sim::load_room(setup.twin)), engine_(twin_) {
     for (const auto& file : setup.weather) weather_.push_back(sim::read_epw(file.string()));
-    kinds_ = kinds_of(engine_, *setup.effects, [](const sim::Effect&) { return true; });
+    kinds_ = kinds_of(engine_, *setup.effects, rc_can_hide);
   }
 
   hal::TopologyCounts counts() const override { return {"", twin_.vavs, twin_.fcus, twin_.powers}; }
