@@ -16,9 +16,9 @@
 namespace airside::sim {
 
 /// Restless setpoints, every box shut for an hour a day, fan coils on for a part of each hour by day, an hour of rain.
-/// `coldest_degc`: setpoint from 13 to 14 h.
+/// `coldest_degc`: setpoint in the hour from coldest_h.
 inline Recording eventful_recording(std::shared_ptr<const Weather> station, CivilTime from, int days,
-                                    double coldest_degc) {
+                                    double coldest_degc, double coldest_h) {
   Recording recording;
   recording.from = from;
   for (int i = 0; i < days * rows_per_day; ++i) {
@@ -26,7 +26,8 @@ inline Recording eventful_recording(std::shared_ptr<const Weather> station, Civi
     const double hour = t.second_of_day() / 3600.0, minute = std::fmod(60 * hour, 60);
     const double golden = static_cast<double>(t.seconds / cycle_s) * 0.6180339887498949;
     RecordedRow row;
-    row.setpoint_degc = hour >= 13 && hour < 14 ? coldest_degc : 19 + 5 * (golden - std::floor(golden));
+    row.setpoint_degc =
+        hour >= coldest_h && hour < coldest_h + 1 ? coldest_degc : 19 + 5 * (golden - std::floor(golden));
     row.outdoor_temp_degc = station->at(t).outdoor_temp_degc;
     row.rain = hour >= 15 && hour < 16 ? 1 : 0;
     for (int place = 0; place < 5; ++place) {
