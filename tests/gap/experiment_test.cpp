@@ -65,7 +65,7 @@ struct AlikeCase {
         library(small_library(engine, {hidden.effect, other.effect->name})) {
     MeasuredRun run;
     run.start = sim::civil_midnight(2023, 7, 3);
-    run.days = 6;
+    run.days = 8;
     run.seed = seed;
     run.feedback = feedback;
     const auto window = [&](const sim::RcRoom& lived, const MeasuredRun& how) {
