@@ -140,7 +140,8 @@ WeatherRecord Weather::at(CivilTime t) const {
   now.rain = here.rain;
   if (sun_at(location_, t).up > 0) {
     now.direct_normal_w_m2 = interpolated(earlier.direct_normal_w_m2, later.direct_normal_w_m2, mid_share);
-    now.diffuse_horizontal_w_m2 = interpolated(earlier.diffuse_horizontal_w_m2, later.diffuse_horizontal_w_m2, mid_share);
+    now.diffuse_horizontal_w_m2 =
+        interpolated(earlier.diffuse_horizontal_w_m2, later.diffuse_horizontal_w_m2, mid_share);
     now.global_horizontal_w_m2 = interpolated(earlier.global_horizontal_w_m2, later.global_horizontal_w_m2, mid_share);
   }
   return now;

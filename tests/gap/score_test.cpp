@@ -394,7 +394,8 @@ TEST(ScoreInput, NamesTheFieldThatIsWrong) {
                   .starts_with("verdicts[0].effects: found []; expected at least one effect; "));
   EXPECT_TRUE(
       spoilt_verdicts("/verdicts/0/verdict", "sure")
-          .starts_with("verdicts[0].verdict: found \"sure\"; expected one of named, ambiguous, unknown, none, refused; "));
+          .starts_with(
+              "verdicts[0].verdict: found \"sure\"; expected one of named, ambiguous, unknown, none, refused; "));
   EXPECT_TRUE(spoilt_verdicts("/verdicts/2", 1).starts_with("verdicts[2]: found 1; expected an object; "));
   EXPECT_TRUE(spoilt_verdicts("/verdicts", 1).starts_with("verdicts: found 1; expected a list; "));
   EXPECT_TRUE(spoilt_verdicts("/format", 2).starts_with("verdicts: format: found 2; expected 1; "));

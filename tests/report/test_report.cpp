@@ -126,7 +126,7 @@ TEST(Report, RefusesPartsThatDoNotFit) {
   EXPECT_THROW(report_html(input), hal::InputError);
   input.blocks = {BarChart{"b", "", "", {"one", "two"}, {{"g", {1}, {}, SeriesRole::plain}}, 2}};
   EXPECT_THROW(report_html(input), hal::InputError);
-  input.blocks = {ReportTable{"t", "", "row", {{"c", "", 2, true}}, {{"r", {}, SeriesRole::plain}}}};
+  input.blocks = {ReportTable{"t", "", "row", false, {{"c", "", 2, true}}, {{"r", {}, SeriesRole::plain}}}};
   EXPECT_THROW(report_html(input), hal::InputError);
   RunRecord run = synthetic_run(1);
   run.methods.erase(run.methods.begin());

@@ -101,7 +101,7 @@ json json_of(const Verdict& v, const std::string& name, const Responses& respons
             {"margin_gain", rules.margin_gain},
             {"class_cosine", rules.class_cosine},
             {"same_sign_share", rules.same_sign_share},
-            {"leftover", rules.leftover_limit},
+            {"leftover", finite_json(v.leftover_limit)},
             {"locked_gain_share", rules.locked_gain}}},
           {"locked", locked_json(v.locked, channels)}};
 }

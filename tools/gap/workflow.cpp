@@ -55,6 +55,8 @@ class Analysis {
     }
     verdict.residual_after = now.residual;
     verdict.leftover = now.distance / samples() / fit_.leftover;
+    const double explained = (distance(verdict.residual_before) - now.distance) / samples() / fit_.leftover;
+    verdict.leftover_limit = rules_.leftover_limit + rules_.shape_share * explained;
     for (std::size_t i = 0; i < now.chosen.size(); ++i) verdict.findings.push_back(finding(now, i));
     judge(verdict);
     return verdict;
@@ -240,7 +242,7 @@ class Analysis {
   }
 
   void judge(Verdict& v) const {
-    const bool rest = v.leftover > rules_.leftover_limit;
+    const bool rest = v.leftover > v.leftover_limit;
     if (v.findings.empty()) {
       v.kind = rest ? VerdictKind::unknown : VerdictKind::none;
       v.reason = rest

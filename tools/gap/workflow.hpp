@@ -17,7 +17,8 @@ struct Rules {
   double margin_gain = 12;       ///< and so much more in 2 ln likelihood
   double class_cosine = 0.97;    ///< responses more alike than this cannot be told apart
   double same_sign_share = 0.8;  ///< of two-day blocks
-  double leftover_limit = 1.6;   ///< mean square left over that of the reference: more is something else
+  double leftover_limit = 1.6;   ///< mean square left over that of the reference: more is something else,
+  double shape_share = 0.1;      ///< but for this share of what the findings explain: no effect has quite its shape
   double locked_gain = 0.10;     ///< share by which the locked days' error must fall
   double locked_share = 0.3;     ///< of days locked away at the start
   int most_effects = 3;
@@ -54,6 +55,7 @@ struct Verdict {
   double best_gain = 0;           ///< of any single effect on the unpatched model
   double gain_limit = 0;          ///< below which a gain is noise
   double leftover = 0;            ///< after the findings, over the reference's
+  double leftover_limit = 0;      ///< above which something else must be missing
   LockedDays locked;
   std::vector<Score> ranking;                       ///< of single effects on the unpatched model
   Eigen::MatrixXd residual_before, residual_after;  ///< bins x channels, all days
