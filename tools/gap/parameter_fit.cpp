@@ -233,6 +233,8 @@ class PriorResidual final : public ceres::CostFunction {
 void minimise(FitEvaluator& evaluator, const FitSettings& settings) {
   ceres::Problem::Options options;
   options.evaluation_callback = &evaluator;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::HuberLoss loss(settings.huber);
   ceres::Problem problem(options);
   const auto n = static_cast<int>(evaluator.z.size());
   problem.AddParameterBlock(evaluator.z.data(), n);
@@ -242,10 +244,9 @@ void minimise(FitEvaluator& evaluator, const FitSettings& settings) {
   }
   problem.AddResidualBlock(new PriorResidual(n), nullptr, evaluator.z.data());
   evaluator.evaluate();
-  auto* const loss = new ceres::HuberLoss(settings.huber);  // the problem owns it
   for (Eigen::Index row = 0; row < evaluator.residual().size(); ++row) {
     if (evaluator.residual()(row) == 0) continue;  // missing
-    problem.AddResidualBlock(new WhitenedResidual(evaluator, row), loss, evaluator.z.data());
+    problem.AddResidualBlock(new WhitenedResidual(evaluator, row), &loss, evaluator.z.data());
   }
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
