@@ -49,8 +49,8 @@ const FittedParameter& parameter(const RoomFit& fit, const std::string& text) {
 
 TEST(ParameterFit, FindsLineWithPriorAndSaysWhatWasTold) {
   // Two channels: a + b t / bins, and noise alone; c moves nothing.
-  const Eigen::Index bins = 20 * bins_per_day, rows = bins * rows_per_bin;
-  const FitModel model = [rows](const Eigen::VectorXd& p) {
+  constexpr Eigen::Index bins = 20 * bins_per_day, rows = bins * rows_per_bin;
+  const FitModel model = [](const Eigen::VectorXd& p) {
     sim::ChannelTable table = sim::ChannelTable::Zero(rows, 3);
     table.col(0) = p(0) + p(1) * Eigen::VectorXd::LinSpaced(rows, 0, 1).array();
     return table;

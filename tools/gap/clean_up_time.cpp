@@ -218,7 +218,8 @@ void check_gaps(Rows& rows, const CleanUpContext& context, std::vector<Remark>& 
   if (missing == 0) return;
   const std::size_t gaps = where.count / 2;
   where.count = static_cast<std::size_t>(missing);
-  const double share = static_cast<double>(missing) / static_cast<double>((to.seconds - from.seconds) / row_s + 1);
+  const std::int64_t expected = (to.seconds - from.seconds) / row_s + 1;
+  const double share = static_cast<double>(missing) / static_cast<double>(expected);
   const std::string found = fmt::format(
       "{} row{} missing in {} gap{}, {:.1f} % of the time, the longest {:.1f} h from {}", missing, plural(where.count),
       gaps, plural(gaps), 100 * share, static_cast<double>(longest) / 10, hal::civil_text(longest_at));
