@@ -15,7 +15,7 @@
 namespace airside::hal {
 namespace {
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string shown(text.substr(0, 60));
   for (char& c : shown) {
     if (static_cast<unsigned char>(c) < 0x20) c = '?';
@@ -146,7 +146,7 @@ class Reader {
       }
     }
     if (!index_.count("time")) {
-      throw InputError(place(), "no column `time` in " + quoted(line), "a header line that starts with `time`",
+      throw InputError(place(), "no column `time` in " + in_quotes(line), "a header line that starts with `time`",
                        "name the column of ISO local times `time`");
     }
     time_column_ = index_.at("time");
@@ -250,7 +250,7 @@ class Reader {
     const auto time = parse_civil_text(text);
     if (!time) {
       const bool zone = text.size() > 10 && text.find_first_of("Z+", 10) != std::string_view::npos;
-      throw InputError(place("time"), quoted(text), "a time such as 2021-07-01T00:06:00",
+      throw InputError(place("time"), in_quotes(text), "a time such as 2021-07-01T00:06:00",
                        zone ? "write local standard time without a zone"
                             : "write ISO dates: year-month-day, then T, then hour:minute:second");
     }
@@ -269,7 +269,7 @@ class Reader {
     }
     const std::string expected =
         "a number from " + number_text(limits.min) + " to " + number_text(limits.max) + " " + text_of(kind).unit;
-    throw InputError(place(header_[column]), text.empty() ? "an empty field" : quoted(text),
+    throw InputError(place(header_[column]), text.empty() ? "an empty field" : in_quotes(text),
                      std::string(trimmed(expected)),
                      std::isfinite(*value) ? "correct the sensor's value or remove the row"
                                            : "remove the row; gaps between rows are allowed");
@@ -285,7 +285,7 @@ class Reader {
 
   [[noreturn]] void refuse_number(std::size_t column, std::string_view text) const {
     const bool comma = text.find(',') != std::string_view::npos;
-    throw InputError(place(header_[column]), quoted(text), "a number such as 25.3",
+    throw InputError(place(header_[column]), in_quotes(text), "a number such as 25.3",
                      comma ? "write the decimal mark as a point" : "correct the field or leave the row out");
   }
 

@@ -15,6 +15,7 @@
 #include "airside/controller_instances.hpp"
 #include "airside/cycle.hpp"
 #include "airside/history.hpp"
+#include "firmware/edge/daemon.hpp"
 #include "firmware/edge/status_snapshot.hpp"
 #include "hal/blob_file.hpp"
 #include "hal/civil_text.hpp"
@@ -30,14 +31,6 @@
 #include "hal/site_settings.hpp"
 
 namespace airside::edge {
-
-/// What the command line adds to the site file.
-struct EdgeOptions {
-  hal::Sync sync = hal::Sync::full;
-  std::optional<CivilTime> until;  ///< stop there; for tests and demos
-  double backoff_first_s = 1.0;
-  double stall_s = 120.0;  ///< a simulated plant's clock may stand still for so long
-};
 
 /// Writes one line to standard error, where the service manager adds the time. Cost: no heap for short lines.
 template <class... Args>
@@ -61,7 +54,7 @@ struct RowRecord {
 };
 
 template <Topology T>
-class Edge {
+class Edge final : public Daemon {
  public:
   Edge(const hal::SiteFile& site, const hal::PointMap& points, const EdgeOptions& options, hal::StopFlag stop)
       : site_(site),
@@ -78,9 +71,7 @@ class Edge {
     for (int i = 0; i < Layout<T>::signals; ++i) names_[static_cast<std::size_t>(i)] = hal::point_name(signal_id<T>(i));
   }
 
-  /// Opens state and log and finds out where to go on: the newest good state, else the blob, else the schedule.
-  /// Errors: hal::InputError for a bad blob or history, or a state folder that another daemon uses.
-  void start() {
+  void start() override {
     const std::uint32_t blob_crc = load_blob();  // first: a refused blob or history leaves no folder behind
     std::error_code ignored;
     if (!std::filesystem::exists(site_.state_dir, ignored)) load_history();
@@ -98,15 +89,12 @@ class Edge {
     history_.reset();
   }
 
-  /// Reads what start() would read and leaves everything as it is, beside a running daemon too.
-  /// Errors: hal::InputError as of start(), but for the state folder.
-  void check() {
+  void check() override {
     (void)load_blob();
     load_history();
   }
 
-  /// Runs until told to stop, or until options.until; called again, it goes on. Returns the process's exit code.
-  int run() {
+  int run() override {
     if (!wait_for_plant()) return 0;
     const CivilTime end = options_.until.value_or(CivilTime{std::numeric_limits<std::int64_t>::max()});
     const CivilTime present = next_row(now());
@@ -141,6 +129,8 @@ class Edge {
   }
 
   const Controller<T>& controller() const { return *controller_; }
+
+  [[nodiscard]] std::uint64_t transitions() const override { return controller_->replay().total_pushed(); }
 
  private:
   CivilTime now() { return plant_clock_ ? plant_clock_->now() : system_clock_.now(); }

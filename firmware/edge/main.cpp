@@ -4,8 +4,10 @@
 #include <csignal>
 #include <cstdio>
 
-#include "airside/topologies.hpp"
-#include "firmware/edge/edge.hpp"
+#include "firmware/edge/daemon.hpp"
+#include "hal/civil_text.hpp"
+#include "hal/input_error.hpp"
+#include "hal/site_settings.hpp"
 
 namespace {
 
@@ -58,19 +60,15 @@ int main(int argc, char** argv) {
         throw hal::InputError("--until", "'" + until + "'", "a local time such as 2021-08-20T00:00:00", "correct it");
       }
     }
-    int code = 1;
-    with_topology(site.topology.c_str(), [&]<class T>(T) {
-      auto daemon = std::make_unique<edge::Edge<T>>(site, points, options, hal::StopFlag(&stop_requested));
-      if (check_only) {
-        daemon->check();
-        std::printf("%s: site, points, weights and history are in order\n", site_path.c_str());
-        code = 0;
-        return;
-      }
-      daemon->start();
-      code = daemon->run();
-    });
-    return code;
+    const auto daemon = edge::make_daemon(site, points, options, hal::StopFlag(&stop_requested));
+    if (!daemon) return 1;
+    if (check_only) {
+      daemon->check();
+      std::printf("%s: site, points, weights and history are in order\n", site_path.c_str());
+      return 0;
+    }
+    daemon->start();
+    return daemon->run();
   } catch (const std::exception& e) {
     std::fprintf(stderr, "airsided: %s\n", e.what());
     return 1;

@@ -17,8 +17,7 @@ namespace {
 
 using closed_loop::Bench;
 
-/// Edge<T> in this process on the bench's site, its room served by another.
-template <Topology T>
+/// The daemon in this process on the bench's site, its room served by another.
 class DaemonHere {
  public:
   DaemonHere(Bench& bench, std::size_t rows) : bench_(bench) {
@@ -30,10 +29,10 @@ class DaemonHere {
     edge::EdgeOptions options;
     options.sync = hal::Sync::full;
     options.until = CivilTime{open + static_cast<std::int64_t>(rows) * row_s};
-    edge_ = std::make_unique<edge::Edge<T>>(site, points, options, hal::StopFlag(&stop_));
+    daemon_ = edge::make_daemon(site, points, options, hal::StopFlag(&stop_));
   }
 
-  edge::Edge<T>& edge() { return *edge_; }
+  edge::Daemon& daemon() { return *daemon_; }
 
   /// Runs until some rows are logged: connection, files and the first decisions are made.
   void settle(std::size_t rows) {
@@ -41,7 +40,7 @@ class DaemonHere {
       while (bench_.logged_rows() < rows) closed_loop::sleep_s(0.001);
       stop_ = true;
     });
-    EXPECT_EQ(edge_->run(), 0);
+    EXPECT_EQ(daemon_->run(), 0);
     watcher.join();
     stop_ = false;
   }
@@ -49,25 +48,25 @@ class DaemonHere {
  private:
   Bench& bench_;
   std::atomic<bool> stop_{false};
-  std::unique_ptr<edge::Edge<T>> edge_;
+  std::unique_ptr<edge::Daemon> daemon_;
 };
 
 template <Topology T>
 void expect_no_heap(const std::string& name, std::size_t rows) {
   Bench bench({.name = name, .topology = T::name, .plant = closed_loop::rc_room(), .expert_days = 1, .days = 3});
-  DaemonHere<T> daemon(bench, rows);
-  daemon.edge().start();
-  daemon.settle(4);
+  DaemonHere here(bench, rows);
+  here.daemon().start();
+  here.settle(4);
   const std::size_t before = bench.logged_rows();
-  const std::uint64_t pushed = daemon.edge().controller().replay().total_pushed();
+  const std::uint64_t pushed = here.daemon().transitions();
   AllocationGuard guard("the daemon's rows");
-  const int code = daemon.edge().run();
+  const int code = here.daemon().run();
   const HeapEvents events = guard.disarm();
   EXPECT_EQ(code, 0);
   EXPECT_EQ(events.total(), 0U) << "first: " << events.first << " of " << events.first_bytes << " bytes";
   EXPECT_EQ(bench.logged_rows(), rows);
   EXPECT_GT(rows - before, 240U) << "no midnight was crossed";
-  EXPECT_GT(daemon.edge().controller().replay().total_pushed(), pushed + 100) << "nothing was learned";
+  EXPECT_GT(here.daemon().transitions(), pushed + 100) << "nothing was learned";
   EXPECT_TRUE(std::filesystem::exists(bench.file("state") / "status.json"));
   std::printf("%s: %zu rows without a heap event\n", T::name, rows - before);
   closed_loop::LogText log = bench.log();
@@ -82,23 +81,24 @@ TEST(DaemonHeap, IsNotTouchedInASmallSuite) { expect_no_heap<ThreeVav>("heap3", 
 
 TEST(DaemonHeap, GuardSeesAStart) {
   Bench bench({.name = "heap_start", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1});
-  DaemonHere<FiveZone> daemon(bench, 240);
+  DaemonHere here(bench, 240);
   AllocationGuard guard("the daemon's start");
-  daemon.edge().start();
+  here.daemon().start();
   EXPECT_GT(guard.disarm().total(), 10U);
 }
 
 TEST(DaemonHeap, IsNotTouchedWhileThePlantIsAway) {
   Bench bench({.name = "heap_away", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1});
-  DaemonHere<FiveZone> daemon(bench, 240);
-  daemon.edge().start();
-  daemon.settle(4);
+  DaemonHere here(bench, 240);
+  here.daemon().start();
+  here.settle(4);
   bench.stop_server();
+  auto& wired = dynamic_cast<edge::Edge<FiveZone>&>(here.daemon());
   AllocationGuard guard("a row without a plant");
   const Expected<Reading<FiveZone>> nothing = tl::unexpected(Fault::no_reading);
   for (int i = 0; i < 4; ++i) {
-    const CivilTime t{daemon.edge().controller().decision().time.seconds + (i + 1) * cycle_s};
-    EXPECT_TRUE(daemon.edge().row(t, nothing, daemon.edge().controller()));
+    const CivilTime t{wired.controller().decision().time.seconds + (i + 1) * cycle_s};
+    EXPECT_TRUE(wired.row(t, nothing, wired.controller()));
   }
   const HeapEvents events = guard.disarm();
   EXPECT_EQ(events.total(), 0U) << "first: " << events.first << " of " << events.first_bytes << " bytes";

@@ -1,174 +1,14 @@
 #include "tools/gap/clean_up.hpp"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <random>
 
-#include "hal/civil_text.hpp"
+#include "gap/clean_up_case.hpp"
 #include "hal/input_error.hpp"
-#include "sim/rc_room_file.hpp"
-#include "sim/synthetic_weather.hpp"
-#include "tools/gap/blind.hpp"
 
 namespace airside::tools::gap {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-using Rows = std::vector<hal::LogRow>;
-using Column = std::function<double&(hal::LogRow&)>;
-
-/// Two weeks of a room and what is known beside them.
-struct Logged {
-  Rows rows;
-  CleanUpContext context;
-};
-
-Logged log_of(const sim::RcRoom& twin, std::uint64_t seed, CivilTime start, bool feedback,
-              const std::vector<Hidden>& hidden = {}) {
-  const sim::RcRoom room = hide(measured_room(twin, seed, feedback), hidden, {});
-  Logged log;
-  log.context.place = "room.csv";
-  log.context.counts = {"test", room.vavs, room.fcus, room.powers};
-  log.context.station = sim::synthetic_weather(seed);
-  MeasuredRun run;
-  run.start = start;
-  run.seed = seed;
-  run.feedback = feedback;
-  log.rows = measure(room, log.context.station, run, hidden);
-  return log;
-}
-
-/// Five zones with five fan coils, two powers: a warm fortnight under control, a cool one with a varied setpoint.
-const Logged& july() {
-  static const Logged log = log_of(sim::make_room(), 7, sim::civil_midnight(2023, 7, 3), true);
-  return log;
-}
-const Logged& january() {
-  static const Logged log = log_of(sim::load_room("701"), 8, sim::civil_midnight(2023, 1, 9), false);
-  return log;
-}
-
-// Columns of the five-zone logs.
-Column signal(int index) {
-  return [index](hal::LogRow& row) -> double& { return row.value[static_cast<std::size_t>(index)]; };
-}
-Column room(int n) { return signal(n - 1); }
-Column fcu(int n) { return signal(4 + n); }
-Column vav_on(int n) { return signal(9 + n); }
-Column fcu_on(int n) { return signal(14 + n); }
-Column power(int n) { return signal(19 + n); }
-const Column mau = signal(22), outdoor = signal(23), rain = signal(24);
-const Column setpoint = [](hal::LogRow& row) -> double& { return row.setpoint_degc; };
-const Column supply = [](hal::LogRow& row) -> double& { return row.supply_temp_degc; };
-
-void map(Rows& rows, const Column& column, const std::function<double(double)>& f) {
-  for (hal::LogRow& row : rows) column(row) = f(column(row));
-}
-void swap(Rows& rows, const Column& a, const Column& b) {
-  for (hal::LogRow& row : rows) std::swap(a(row), b(row));
-}
-double hundredths(double v) { return std::round(100 * v) / 100; }
-
-std::string told(const std::vector<Remark>& remarks) {
-  std::string text;
-  for (const Remark& r : remarks) {
-    text += std::string("\n  ") + text_of(r.defect) + " | " + text_of(r.action) + " | " + r.column + " | " +
-            hal::civil_text(r.from) + " .. " + hal::civil_text(r.to) + " | " + std::to_string(r.count) + " | " + r.text;
-  }
-  return text.empty() ? "no remark" : text;
-}
-
-/// The same times and the same bits, NaN included.
-void expect_same_rows(const Rows& a, const Rows& b) {
-  ASSERT_EQ(a.size(), b.size());
-  const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ASSERT_EQ(a[i].time, b[i].time) << "row " << i;
-    ASSERT_TRUE(std::equal(a[i].value.begin(), a[i].value.end(), b[i].value.begin(), b[i].value.end(), same)) << i;
-    ASSERT_TRUE(same(a[i].setpoint_degc, b[i].setpoint_degc) && same(a[i].supply_temp_degc, b[i].supply_temp_degc));
-  }
-}
-
-void expect_near(const Rows& a, const Rows& b, const Column& column, double tolerance) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    hal::LogRow x = a[i], y = b[i];
-    ASSERT_NEAR(column(x), column(y), tolerance) << "row " << i;
-  }
-}
-
-/// The one remark that a log must give.
-Remark only_remark(const CleanLog& log, Defect defect, Action action, const std::string& column = "") {
-  EXPECT_EQ(log.remarks.size(), 1u) << told(log.remarks);
-  if (log.remarks.empty()) return {};
-  const Remark& r = log.remarks.front();
-  EXPECT_EQ(r.defect, defect) << told(log.remarks);
-  EXPECT_EQ(r.action, action) << told(log.remarks);
-  EXPECT_EQ(r.column, column) << told(log.remarks);
-  EXPECT_EQ(log.usable(), action != Action::refused);
-  return r;
-}
-
-bool has(const CleanLog& log, Defect defect, const std::string& column) {
-  return std::any_of(log.remarks.begin(), log.remarks.end(),
-                     [&](const Remark& r) { return r.defect == defect && r.column == column; });
-}
-
-std::string csv(const Rows& rows, const hal::TopologyCounts& counts) {
-  std::string text = hal::log_header(counts, false);
-  std::vector<char> line(hal::max_log_row_text);
-  for (const hal::LogRow& row : rows) text.append(line.data(), hal::format_log_row(line, row, false));
-  return text;
-}
-
-// ---- nothing wrong
-
-TEST(CleanUp, SaysNothingAboutCleanLogsOfManyRoomsAndSeasons) {
-  const std::vector<sim::RcRoom> rooms{sim::make_room(), sim::make_room(3, 0, 1), sim::make_room(8, 4, 2),
-                                       sim::load_room("301-real"), sim::load_room("702")};
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const int month = static_cast<int>(1 + 7 * seed % 12);
-    const Logged log = log_of(rooms[seed % rooms.size()], seed, sim::civil_midnight(2023, month, 5), seed % 2 == 0);
-    const CleanLog clean = clean_up(log.rows, log.context);
-    EXPECT_TRUE(clean.remarks.empty()) << "seed " << seed << ", month " << month << told(clean.remarks);
-    expect_same_rows(clean.rows, log.rows);
-    clean.require_usable();
-    CleanUpContext alone = log.context;
-    alone.station = nullptr;
-    EXPECT_TRUE(clean_up(log.rows, alone).remarks.empty()) << told(clean_up(log.rows, alone).remarks);
-    alone.station = sim::synthetic_weather(seed + 100);  // a typical year: another year's weather
-    EXPECT_TRUE(clean_up(log.rows, alone).remarks.empty()) << told(clean_up(log.rows, alone).remarks);
-  }
-}
-
-TEST(CleanUp, LeavesWhatTheWorkflowIsToNameAlone) {
-  const std::vector<std::vector<Hidden>> cases{
-      {{"room_sensor_bias", 2, 4.0}},
-      {{"room_sensor_drift", 0, 0.25}},
-      {{"room_sensor_lag", 1, 9000}},
-      {{"fcu_sensor_bias", 3, -3.0}},
-      {{"swapped_sensors", 1, 1}},
-      {{"vav_stuck", 2, 0.3}},
-      {{"fcu_runs_unrecorded", 1, 1}},
-      {{"sun_differs", 0, 0.6}},
-      {{"outdoor_sensor_bias", 0, 5}},
-      {{"outdoor_sensor_bias", 0, -5}},
-      {{"fcu_dial", 2, 2}},
-  };
-  std::uint64_t seed = 40;
-  for (const auto& hidden : cases) {
-    ++seed;
-    const int month = static_cast<int>(1 + 5 * seed % 12);
-    const Logged log = log_of(sim::make_room(), seed, sim::civil_midnight(2023, month, 5), seed % 2 == 0, hidden);
-    const CleanLog clean = clean_up(log.rows, log.context);
-    EXPECT_TRUE(clean.remarks.empty()) << hidden[0].effect << told(clean.remarks);
-  }
-}
 
 TEST(CleanUp, ReadsACleanLogAsTheStrictReaderDoes) {
   const std::string text = csv(july().rows, july().context.counts);
@@ -354,37 +194,6 @@ TEST(CleanUp, NotesAClockThatIsWrongThroughout) {
 
 // ---- units
 
-struct UnitCase {
-  const char* text;
-  std::function<double(double)> shown;
-  double tolerance;
-};
-
-TEST(CleanUp, ConvertsTemperaturesInOtherUnits) {
-  const std::vector<UnitCase> units{
-      {"Fahrenheit", [](double v) { return hundredths(1.8 * v + 32); }, 0.01},
-      {"kelvin", [](double v) { return hundredths(v + 273.15); }, 0.011},
-      {"tenths", [](double v) { return std::round(10 * v); }, 0.051},
-      {"tenths", [](double v) { return 10 * v; }, 1e-9},
-  };
-  const std::vector<std::pair<const char*, Column>> columns{
-      {"room_temp_3_degc", room(3)},  {"fcu_temp_1_degc", fcu(1)}, {"mau_temp_degc", mau},
-      {"outdoor_temp_degc", outdoor}, {"setpoint_degc", setpoint}, {"supply_temp_degc", supply}};
-  for (const Logged* log : {&july(), &january()}) {
-    for (const auto& [name, column] : columns) {
-      for (const UnitCase& unit : units) {
-        SCOPED_TRACE(std::string(name) + " in " + unit.text);
-        Rows rows = log->rows;
-        map(rows, column, unit.shown);
-        const CleanLog clean = clean_up(rows, log->context);
-        const Remark r = only_remark(clean, Defect::wrong_unit, Action::fixed, name);
-        EXPECT_NE(r.text.find(unit.text), std::string::npos) << r.text;
-        expect_near(clean.rows, log->rows, column, unit.tolerance);
-      }
-    }
-  }
-}
-
 TEST(CleanUp, ConvertsALogThatIsInFahrenheitOrKelvinThroughout) {
   for (const double scale : {1.8, 1.0}) {
     Rows rows = january().rows;
@@ -427,35 +236,6 @@ TEST(CleanUp, RefusesAUnitThatItCannotTell) {
 }
 
 // ---- swapped columns
-
-TEST(CleanUp, NamesSwappedColumns) {
-  struct Pair {
-    Column a, b;
-    const char *first, *second;
-  };
-  const std::vector<Pair> pairs{
-      {outdoor, mau, "outdoor_temp_degc", "mau_temp_degc"},     {room(2), fcu_on(1), "room_temp_2_degc", "fcu_on_1"},
-      {room(4), vav_on(4), "room_temp_4_degc", "vav_on_4"},     {room(1), power(1), "room_temp_1_degc", "power_1_kw"},
-      {room(5), power(2), "room_temp_5_degc", "power_2_kw"},    {fcu(3), fcu_on(3), "fcu_temp_3_degc", "fcu_on_3"},
-      {setpoint, room(3), "setpoint_degc", "room_temp_3_degc"}, {setpoint, supply, "setpoint_degc", "supply_temp_degc"},
-      {power(2), vav_on(2), "power_2_kw", "vav_on_2"},          {outdoor, rain, "outdoor_temp_degc", "rain"},
-      {room(1), mau, "room_temp_1_degc", "mau_temp_degc"},      {mau, fcu_on(5), "mau_temp_degc", "fcu_on_5"},
-  };
-  for (const Logged* log : {&july(), &january()}) {
-    for (const Pair& p : pairs) {
-      SCOPED_TRACE(std::string(p.first) + " and " + p.second);
-      Rows rows = log->rows;
-      swap(rows, p.a, p.b);
-      const CleanLog clean = clean_up(rows, log->context);
-      EXPECT_FALSE(clean.usable());
-      const auto named = [&](const Remark& r) {
-        return r.defect == Defect::swapped && r.text.find(p.first) != std::string::npos &&
-               r.text.find(p.second) != std::string::npos;
-      };
-      EXPECT_TRUE(std::any_of(clean.remarks.begin(), clean.remarks.end(), named)) << told(clean.remarks);
-    }
-  }
-}
 
 TEST(CleanUp, NamesARoomThatExchangedPlacesWithTheOutdoorsAndAllFanCoilsWithTheirStatus) {
   Rows rows = july().rows;

@@ -14,13 +14,10 @@
 #include <string>
 
 #include "gap/effects_expected.hpp"
+#include "gap/effects_library.hpp"
 #include "hal/input_error.hpp"
 #include "sim/energyplus_process.hpp"
 #include "sim/merge_patch.hpp"
-#include "sim/rc_replay.hpp"
-#include "sim/rc_room_file.hpp"
-#include "sim/synthetic_weather.hpp"
-#include "tools/gap/engine.hpp"
 #include "tools/gap/responses.hpp"
 
 namespace airside::sim {
@@ -30,27 +27,10 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using tools::gap::RcEngine;
 
-const fs::path library_folder = fs::path(AIRSIDE_SOURCE_DIR) / "sim" / "effects";
-
-const std::vector<Effect>& library() {
-  static const std::vector<Effect> effects = load_effects(library_folder);
-  return effects;
-}
-
-const Effect& effect_named(std::string_view name) {
-  for (const Effect& e : library()) {
-    if (e.name == name) return e;
-  }
-  throw std::logic_error("no effect " + std::string(name));
-}
-
 const Json& twin_model() {
   static const Json model = read_json(fs::path(AIRSIDE_SOURCE_DIR) / "sim" / "models" / "twin.epJSON");
   return model;
 }
-
-constexpr Channels five{5, 5, 2};
-constexpr std::array<bool, facades> windows{false, true, true, true};
 
 /// An effect of one file, made of the keys given.
 Effect effect_of(const Json& file, const std::string& name = "one") {
@@ -466,14 +446,6 @@ TEST(EffectChange, ChangesComeOneAfterTheOther) {
   EXPECT_DOUBLE_EQ(patch["Lights"]["Interior 1 Lights"]["watts_per_floor_area"].get<double>(), 27);
 }
 
-std::shared_ptr<const Weather> station() {
-  static const auto weather = synthetic_weather(3);
-  return weather;
-}
-
-/// Friday to Sunday; cold enough before dawn for the RC room's coil to drip.
-Recording weekend() { return eventful_recording(station(), civil_midnight(2021, 7, 2), 3, 12, 4); }
-
 TEST(EffectChange, CommandsOfBoxesAndFanCoils) {
   const Recording recording = weekend();
   const auto share_on = [&](const Recording& r, bool only_while_off) {
@@ -663,62 +635,6 @@ TEST(EffectChange, ModelThatCannotTakeItIsRefused) {
   EXPECT_NE(refuse(model, "chiller_cop").find("default"), std::string::npos);
   model["Chiller:Electric:EIR"]["Chiller"]["reference_cop"] = "Autosize";
   EXPECT_NE(refuse(model, "chiller_cop").find("Autosize"), std::string::npos);
-}
-
-// The RC room.
-
-const ChannelTable& rc_base() {
-  static const ChannelTable table = RcEngine(make_room()).simulate({}, weekend());
-  return table;
-}
-
-ChannelTable rc_response(const Effect& effect, int place, double magnitude) {
-  return RcEngine(make_room()).simulate({{{&effect, place}, magnitude}}, weekend()) - rc_base();
-}
-
-TEST(EffectOnRc, ShowsInItsChannelsWithThePhysicalSign) {
-  for (const ExpectedSign& expected : expected_signs) {
-    const Effect& effect = effect_named(expected.effect);
-    for (const double probe : effect.probe) {
-      const std::string which = EffectAt{&effect, expected.place}.id() + " at " + std::to_string(probe);
-      // The RC room has no east and west windows but at its ends; all are there.
-      const ChannelTable response = rc_response(effect, expected.place, probe);
-      ASSERT_TRUE(response.allFinite()) << which;
-      const ShownResponse shown = shown_in(response, five, expected.shown);
-      EXPECT_GT(shown.largest, 0.015) << which << ": no more than rounding to 0.01";
-      if (expected.sign != 0) {
-        EXPECT_GT(expected.sign * (probe > effect.null_value ? 1 : -1) * shown.mean, 0) << which;
-      }
-    }
-  }
-}
-
-TEST(EffectOnRc, DoesNothingAtItsNullToTheBit) {
-  for (const Effect& effect : library()) {
-    for (const EffectAt& at : places_of(effect, five, windows)) {
-      if (at.place != places_of(effect, five, windows).back().place) continue;
-      EXPECT_EQ(RcEngine(make_room()).simulate({{at, effect.null_value}}, weekend()), rc_base()) << at.id();
-    }
-  }
-}
-
-TEST(EffectOnRc, BeginsSmallNearItsNull) {
-  for (const Effect& effect : library()) {
-    // A stuck box is stuck, however near to its usual opening; half a minute is less than the clock's step.
-    if (effect.name == "vav_stuck") continue;
-    for (const double probe : effect.probe) {
-      const double near = effect.null_value + 0.01 * (probe - effect.null_value);
-      const int place = effect.place == PlaceKind::facade ? 2 : 0;
-      const double at_probe = rc_response(effect, place, probe).leftCols(five.fcu_duty()).norm();
-      const double nearby = rc_response(effect, place, near).leftCols(five.fcu_duty()).norm();
-      EXPECT_LT(nearby, 0.15 * at_probe) << effect.name << " at " << near;
-    }
-  }
-}
-
-TEST(EffectOnRc, LeakLeavesTheFansAsTheyWere) {
-  const ChannelTable response = rc_response(effect_named("duct_leak"), 0, 0.2);
-  EXPECT_LT(response.col(five.power()).cwiseAbs().maxCoeff(), 0.011);
 }
 
 }  // namespace
