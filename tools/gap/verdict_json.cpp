@@ -79,11 +79,13 @@ MagnitudeInterval interval_of(const Finding& f) {
 
 json json_of(const Verdict& v, const std::string& name, const Responses& responses, const sim::Channels& channels,
              const Rules& rules) {
-  json effects = json::array(), ranking = json::array(), gains = json::array();
+  json effects = json::array(), ranking = json::array(), gains = json::array(), null_gains = json::array();
   for (const Finding& f : v.findings) effects.push_back(finding_json(f, rules, v.gain_limit));
   for (std::size_t i = 0; i < v.ranking.size() && i < 10; ++i) {
     ranking.push_back(responses.candidates[v.ranking[i].candidate].at.id());
     gains.push_back(v.ranking[i].gain);
+    null_gains.push_back(v.ranking[i].candidate < v.nulls.gain.size() ? json(v.nulls.gain[v.ranking[i].candidate])
+                                                                      : json(nullptr));
   }
   return {{"case", name},
           {"verdict", text_of(v.kind)},
@@ -91,6 +93,7 @@ json json_of(const Verdict& v, const std::string& name, const Responses& respons
           {"effects", effects},
           {"ranking", ranking},
           {"ranking_gains", gains},
+          {"ranking_gains_of_reference", null_gains},
           {"best_gain", v.best_gain},
           {"gain_limit", v.gain_limit},
           {"leftover", finite_json(v.leftover)},
