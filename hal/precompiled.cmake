@@ -1,6 +1,7 @@
 # Headers that take seconds to read and that most host sources include, read once a build instead of once a source.
 # A set fits only sources with its flags. Presets dev and tidy do without, so that a missing #include shows there.
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13
+   AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
   add_compile_options(-Wno-stringop-overflow -Wno-array-bounds)  # more of bug 105651, once string is precompiled
 endif()
 find_package(fmt REQUIRED)

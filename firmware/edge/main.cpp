@@ -61,7 +61,10 @@ int main(int argc, char** argv) {
       }
     }
     const auto daemon = edge::make_daemon(site, points, options, hal::StopFlag(&stop_requested));
-    if (!daemon) return 1;
+    if (!daemon) {
+      throw hal::InputError(site_path + ": topology", "'" + site.topology + "'", "a topology of this build",
+                            "build with it in AIRSIDE_TOPOLOGIES");
+    }
     if (check_only) {
       daemon->check();
       std::printf("%s: site, points, weights and history are in order\n", site_path.c_str());
