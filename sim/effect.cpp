@@ -13,8 +13,6 @@ namespace airside::sim {
 
 namespace {
 
-constexpr const char* facade_names[] = {"north", "east", "south", "west"};
-
 double changed(double x, By by, double m) {
   switch (by) {
     case By::multiply: return x * m;
@@ -136,7 +134,7 @@ double number_of(const nlohmann::json& object, const EffectOp& op, const std::st
 std::string EffectAt::id() const {
   switch (effect->place) {
     case PlaceKind::floor: return effect->name;
-    case PlaceKind::facade: return effect->name + "@" + facade_names[place];
+    case PlaceKind::facade: return effect->name + "@" + effect_text::facade_name(place);
     default: return effect->name + "@" + std::to_string(place + 1);
   }
 }
@@ -144,7 +142,7 @@ std::string EffectAt::id() const {
 std::string EffectAt::text() const {
   const std::string n = std::to_string(place + 1);
   std::string text = effect->title;
-  effect_text::replace_all(text, "{facade}", effect->place == PlaceKind::facade ? facade_names[place] : "");
+  effect_text::replace_all(text, "{facade}", effect->place == PlaceKind::facade ? effect_text::facade_name(place) : "");
   effect_text::replace_all(text, "{n}", n);
   return text;
 }

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cctype>
+
 namespace airside::sim::effect_text {
 
 namespace {
-
-constexpr const char* facade_lower[] = {"north", "east", "south", "west"};
-constexpr const char* facade_upper[] = {"North", "East", "South", "West"};
 
 bool matches_from(const char* p, const char* s) {
   for (; *p != '\0' && *p != '*'; ++p, ++s) {
@@ -22,6 +22,11 @@ bool matches_from(const char* p, const char* s) {
 
 }  // namespace
 
+std::string facade_name(int place) {
+  constexpr std::array names = {"north", "east", "south", "west"};
+  return names.at(static_cast<std::size_t>(place));
+}
+
 void replace_all(std::string& text, const std::string& what, const std::string& with) {
   for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + with.size())) {
     text.replace(at, what.size(), with);
@@ -32,8 +37,10 @@ std::string filled(std::string text, const EffectAt& at, const std::string& zone
   replace_all(text, "{n}", std::to_string(at.place + 1));
   replace_all(text, "{zone}", zone);
   if (at.effect->place == PlaceKind::facade) {
-    replace_all(text, "{facade}", facade_lower[at.place]);
-    replace_all(text, "{Facade}", facade_upper[at.place]);
+    std::string name = facade_name(at.place);
+    replace_all(text, "{facade}", name);
+    name[0] = static_cast<char>(std::toupper(name[0]));
+    replace_all(text, "{Facade}", name);
   }
   return text;
 }

@@ -8,6 +8,8 @@
 
 namespace airside::sim::effect_text {
 
+/// "north", "east", "south" or "west".
+std::string facade_name(int place);
 void replace_all(std::string& text, const std::string& what, const std::string& with);
 /// {n}, {zone}, {facade}, {Facade} filled in.
 std::string filled(std::string text, const EffectAt& at, const std::string& zone);

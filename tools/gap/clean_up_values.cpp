@@ -133,7 +133,7 @@ bool others_moved(LogTable& table, const LogColumn& column, const Run& run) {
     ranges_k.push_back(range_in(c, run.begin, run.end));
     if (c.role == column.role) alike_k.push_back(ranges_k.back());
   }
-  if (alike_k.size() >= 2) ranges_k = alike_k;
+  if (alike_k.size() >= 2) ranges_k = std::move(alike_k);
   std::vector<double> steps = changes_of(table, column);
   std::erase(steps, 0.0);
   const double resolution_k = steps.empty() ? 0 : quantile_of_sorted(steps, 0.1);

@@ -263,7 +263,7 @@ std::string report_html(const ReportInput& input, const ReportOptions& options) 
   page += "</dl></section>\n</main>\n<script type=\"application/json\" id=\"charts\">" +
           escape_script_json(charts.dump(-1, ' ', false, json::error_handler_t::replace)) + "</script>\n<script>\n";
   append(page, uplot_js);
-  page += "\n";
+  page += '\n';
   append(page, page_js);
   return page + "</script>\n</body>\n</html>\n";
 }
