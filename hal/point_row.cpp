@@ -13,7 +13,7 @@
 namespace airside::hal {
 namespace {
 
-std::string in_quotes(std::string_view text) {
+std::string cell_text(std::string_view text) {
   return text.empty() ? std::string("an empty cell") : fmt::format("\"{}\"", text.substr(0, 60));
 }
 
@@ -38,7 +38,7 @@ std::optional<std::int64_t> to_integer(std::string_view text) {
 double number(const PointRow& row, const char* column) {
   const auto value = to_number(row[column]);
   if (!value) {
-    row.complain(column, in_quotes(row[column]), "a finite decimal number with a point",
+    row.complain(column, cell_text(row[column]), "a finite decimal number with a point",
                  "write it as in 0.01, without a unit or thousands separator");
   }
   return *value;
@@ -55,14 +55,14 @@ Value choice(const PointRow& row, const char* column, const std::array<std::pair
     if (row[column] == text) return value;
     if (text[0] != '\0') expected += (expected.empty() ? "" : ", ") + std::string(text);
   }
-  row.complain(column, in_quotes(row[column]), "one of " + expected, "use one of these words, in lower case");
+  row.complain(column, cell_text(row[column]), "one of " + expected, "use one of these words, in lower case");
 }
 
 void parse_name(const PointRow& row, Point& p) {
   const std::string& name = row["name"];
   const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
   if (name.empty() || name.size() > 48 || name[0] < 'a' || name[0] > 'z' || !std::ranges::all_of(name, plain)) {
-    row.complain("name", in_quotes(name), "1 to 48 of a-z, 0-9 and _, a letter first",
+    row.complain("name", cell_text(name), "1 to 48 of a-z, 0-9 and _, a letter first",
                  "name it after its signal and place, as in room_temp_1");
   }
   p.name = name;
@@ -80,7 +80,7 @@ void parse_address(const PointRow& row, Point& p) {
   p.fc = choice(row, "fc", functions);
   p.type = choice(row, "type", types);
   if ((p.fc == 1) != (p.type == PointType::coil) || (p.fc == 2) != (p.type == PointType::discrete)) {
-    row.complain("type", in_quotes(row["type"]),
+    row.complain("type", cell_text(row["type"]),
                  p.fc == 1   ? "coil, which is what function 1 reads"
                  : p.fc == 2 ? "discrete, which is what function 2 reads"
                              : "a register type, which is what functions 3 and 4 read",
@@ -88,7 +88,7 @@ void parse_address(const PointRow& row, Point& p) {
   }
   const auto addr = to_integer(row["addr"]);
   if (!addr || *addr < 0 || *addr + p.width() > 65536) {
-    row.complain("addr", in_quotes(row["addr"]), fmt::format("a protocol address from 0 to {}", 65536 - p.width()),
+    row.complain("addr", cell_text(row["addr"]), fmt::format("a protocol address from 0 to {}", 65536 - p.width()),
                  "count from 0; a manual's 40001 is fc 3, addr 0, and 30001 is fc 4, addr 0");
   }
   p.addr = static_cast<int>(*addr);
@@ -101,7 +101,7 @@ void parse_scaling(const PointRow& row, Point& p) {
   p.word_order = choice(row, "word_order", orders);
   p.scale = number_or(row, "scale", 1.0);
   if (p.scale == 0.0) {
-    row.complain("scale", in_quotes(row["scale"]), "a number other than 0", "leave it empty for 1");
+    row.complain("scale", cell_text(row["scale"]), "a number other than 0", "leave it empty for 1");
   }
   p.offset = number_or(row, "offset", 0.0);
 }
@@ -115,7 +115,7 @@ void parse_limits(const PointRow& row, Point& p) {
   for (const char* column : {"max_rate", "stale_s"}) {
     const double value = number_or(row, column, std::numeric_limits<double>::infinity());
     if (value <= 0) {
-      row.complain(column, in_quotes(row[column]), "a number above 0, or an empty cell for no limit",
+      row.complain(column, cell_text(row[column]), "a number above 0, or an empty cell for no limit",
                    column[0] == 'm' ? "give the fastest credible change in the unit per minute"
                                     : "give the age in seconds after which the value is worthless");
     }
@@ -138,12 +138,12 @@ void parse_sentinels(const PointRow& row, Point& p) {
     const std::string word = cell.substr(at, end - at);
     at = end + 1;
     if (word.empty()) continue;
-    if (p.sentinels == max_sentinels) bad(in_quotes(cell));
+    if (p.sentinels == max_sentinels) bad(cell_text(cell));
     const auto integer = to_integer(word);
     std::uint32_t bits = 0;
-    if (p.is_bit()) bad(in_quotes(word));
+    if (p.is_bit()) bad(cell_text(word));
     if (integer && (word.starts_with("0x") || word.starts_with("0X"))) {
-      if (*integer > (p.width() == 1 ? 0xFFFFLL : 0xFFFFFFFFLL)) bad(in_quotes(word));
+      if (*integer > (p.width() == 1 ? 0xFFFFLL : 0xFFFFFFFFLL)) bad(cell_text(word));
       bits = static_cast<std::uint32_t>(*integer);
     } else if (p.type == PointType::float32 && to_number(word)) {
       bits = std::bit_cast<std::uint32_t>(static_cast<float>(*to_number(word)));
@@ -151,10 +151,10 @@ void parse_sentinels(const PointRow& row, Point& p) {
       Point raw;
       raw.type = p.type;
       const auto registers = encode(raw, static_cast<double>(*integer));
-      if (!registers) bad(in_quotes(word));
+      if (!registers) bad(cell_text(word));
       bits = registers->count == 1 ? registers->word[0] : std::uint32_t{registers->word[0]} << 16 | registers->word[1];
     } else {
-      bad(in_quotes(word));
+      bad(cell_text(word));
     }
     p.sentinel[static_cast<std::size_t>(p.sentinels++)] = bits;
   }
@@ -170,11 +170,11 @@ void parse_write(const PointRow& row, Point& p) {
   p.fc_write = choice(row, "fc_write", functions);
   if (p.fc_write != 0) {
     if (p.fc == 2 || p.fc == 4) {
-      row.complain("fc_write", in_quotes(row["fc_write"]), fmt::format("an empty cell, since fc {} is read-only", p.fc),
+      row.complain("fc_write", cell_text(row["fc_write"]), fmt::format("an empty cell, since fc {} is read-only", p.fc),
                    "leave it empty, or read the point with fc 1 or 3");
     }
     if ((p.fc == 1) != (p.fc_write == 5)) {
-      row.complain("fc_write", in_quotes(row["fc_write"]),
+      row.complain("fc_write", cell_text(row["fc_write"]),
                    p.fc == 1 ? "5 for a coil" : "6 or 16 for a holding register", "correct fc or fc_write");
     }
     if (p.fc_write == 6 && p.width() == 2) {
@@ -183,21 +183,21 @@ void parse_write(const PointRow& row, Point& p) {
     }
   }
   if ((p.fc_write != 0) != (p.write_policy != WritePolicy::none)) {
-    row.complain("write_policy", in_quotes(row["write_policy"]) + " with fc_write " + in_quotes(row["fc_write"]),
+    row.complain("write_policy", cell_text(row["write_policy"]) + " with fc_write " + cell_text(row["fc_write"]),
                  "both for a writable point, neither for the others", "fill or clear both");
   }
   p.default_value = number_or(row, "default", std::numeric_limits<double>::quiet_NaN());
   if (!std::isnan(p.default_value) && !p.writable()) {
-    row.complain("default", in_quotes(row["default"]), "an empty cell, since the point is not writable",
+    row.complain("default", cell_text(row["default"]), "an empty cell, since the point is not writable",
                  "clear it, or give write_policy and fc_write");
   }
   if (!std::isnan(p.default_value) && (p.default_value < p.min || p.default_value > p.max)) {
-    row.complain("default", in_quotes(row["default"]), fmt::format("a value within min {} and max {}", p.min, p.max),
+    row.complain("default", cell_text(row["default"]), fmt::format("a value within min {} and max {}", p.min, p.max),
                  "correct default or the limits");
   }
   p.readback = row["readback"].empty() ? (p.writable() ? "self" : "none") : row["readback"];
   if (!p.writable() && p.readback != "none") {
-    row.complain("readback", in_quotes(p.readback), "an empty cell, since the point is not writable", "clear it");
+    row.complain("readback", cell_text(p.readback), "an empty cell, since the point is not writable", "clear it");
   }
 }
 
@@ -211,7 +211,7 @@ void check_representable(const PointRow& row, const Point& p) {
     }
   }
   if (!std::isnan(p.default_value) && !encode(p, p.default_value)) {
-    row.complain("default", in_quotes(row["default"]), "a value that " + row["type"] + " can hold and no sentinel",
+    row.complain("default", cell_text(row["default"]), "a value that " + row["type"] + " can hold and no sentinel",
                  "correct default, scale or sentinel");
   }
 }

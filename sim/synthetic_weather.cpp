@@ -9,7 +9,7 @@
 namespace airside::sim {
 namespace {
 
-enum Stream : std::uint64_t { cloud_day = 11, cloud_hour, temp_day, rain_hour, humidity_hour, wind_hour };
+enum WeatherStream : std::uint64_t { cloud_day = 11, cloud_hour, temp_day, rain_hour, humidity_hour, wind_hour };
 constexpr double persistence = 0.65;  // of clouds and warm spells, from one day to the next
 
 // Stationary first-order chain with unit variance, day by day.
