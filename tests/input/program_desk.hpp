@@ -27,8 +27,10 @@ class Desk {
     ASSERT_EQ(o.code, 0) << words << "\n" << o.err;
   }
   void site() const { make("init ."); }
-  void blob() const { make("pretrain --plant rc --days 2 -o a.blob --log log.csv"); }
-  void small_blob() const { make("pretrain --plant rc --topology 3vav-0fcu-1power --days 2 -o a.blob --log log.csv"); }
+  void blob() const { make("pretrain --plant rc --days 2 --updates 1 -o a.blob --log log.csv"); }
+  void small_blob() const {
+    make("pretrain --plant rc --topology 3vav-0fcu-1power --days 2 --updates 1 -o a.blob --log log.csv");
+  }
   void weather() const { sim::write_epw(path("w.epw").string(), *sim::synthetic_weather(1), 2021); }
 
   void write(const std::string& name, const std::string& text) const {

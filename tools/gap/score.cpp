@@ -58,7 +58,7 @@ std::string name_of(const std::string& id) { return id.substr(0, id.find('@')); 
 /// A value and where it stands.
 class Field {
  public:
-  Field(const Json& json, std::string path) : json_(&json), path_(std::move(path)) {}
+  Field(const Json& object, std::string path) : json_(&object), path_(std::move(path)) {}
 
   [[noreturn]] void refuse(const std::string& expected, const std::string& remedy) const {
     std::string found = json_->is_null() ? "nothing" : json_->dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -115,10 +115,10 @@ class Field {
   std::string path_;
 };
 
-void check_format(const Json& json, const std::string& whose) {
-  const bool known = json.is_object() && json.contains("format") && json["format"] == 1;
+void check_format(const Json& object, const std::string& whose) {
+  const bool known = object.is_object() && object.contains("format") && object["format"] == 1;
   if (known) return;
-  const std::string found = json.is_object() && json.contains("format") ? json["format"].dump() : "no such field";
+  const std::string found = object.is_object() && object.contains("format") ? object["format"].dump() : "no such field";
   throw InputError(whose + ": format", found, "1", "make the file anew with this version");
 }
 
@@ -610,10 +610,10 @@ void describe_sets(ScoreTable& table, const std::vector<Case>& cases) {
 Json number_json(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
 template <class Row>
-void add_target(Json& json, const Row& row, double figure) {
+void add_target(Json& object, const Row& row, double figure) {
   if (!row.target) return;
-  json["target"] = {{row.target->at_least ? "at_least" : "at_most", row.target->value}};
-  json["met"] = row.n > 0 ? Json(row.target->holds(figure)) : Json(nullptr);
+  object["target"] = {{row.target->at_least ? "at_least" : "at_most", row.target->value}};
+  object["met"] = row.n > 0 ? Json(row.target->holds(figure)) : Json(nullptr);
 }
 
 Json confusion_json(const Confusion& c) {
@@ -736,21 +736,21 @@ ScoreTable score(const Json& verdicts, const Json& key, const std::map<std::stri
 }
 
 Json json_of(const ScoreTable& table) {
-  Json json = {{"format", 1},
-               {"sets", Json::array()},
-               {"counts", Json::array()},
-               {"spreads", Json::array()},
-               {"confusion", confusion_json(table.confusion)},
-               {"confusion_below_1", confusion_json(table.confusion_below_1)},
-               {"warnings", table.warnings}};
+  Json object = {{"format", 1},
+                 {"sets", Json::array()},
+                 {"counts", Json::array()},
+                 {"spreads", Json::array()},
+                 {"confusion", confusion_json(table.confusion)},
+                 {"confusion_below_1", confusion_json(table.confusion_below_1)},
+                 {"warnings", table.warnings}};
   for (const SetFacts& s : table.sets) {
-    json["sets"].push_back({{"set", s.set},
-                            {"cases", s.cases},
-                            {"planned", s.planned},
-                            {"energyplus", s.energyplus},
-                            {"energyplus_feedback", s.energyplus_feedback},
-                            {"unanswered", s.unanswered},
-                            {"refused", s.refused}});
+    object["sets"].push_back({{"set", s.set},
+                              {"cases", s.cases},
+                              {"planned", s.planned},
+                              {"energyplus", s.energyplus},
+                              {"energyplus_feedback", s.energyplus_feedback},
+                              {"unanswered", s.unanswered},
+                              {"refused", s.refused}});
   }
   for (const CountRow& row : table.counts) {
     const auto [low, high] = row.interval();
@@ -758,7 +758,7 @@ Json json_of(const ScoreTable& table) {
     one["share"] = row.n > 0 ? Json(row.share()) : Json(nullptr);
     one["interval"] = {low, high};
     add_target(one, row, row.share());
-    json["counts"].push_back(one);
+    object["counts"].push_back(one);
   }
   for (const SpreadRow& row : table.spreads) {
     Json one = {{"set", row.set}, {"measure", row.measure}, {"slice", row.slice}, {"n", row.n}};
@@ -767,9 +767,9 @@ Json json_of(const ScoreTable& table) {
     one["median"] = any ? number_json(row.median) : Json(nullptr);
     one["quartile_3"] = any ? number_json(row.quartile_3) : Json(nullptr);
     add_target(one, row, row.median);
-    json["spreads"].push_back(one);
+    object["spreads"].push_back(one);
   }
-  return json;
+  return object;
 }
 
 std::string text_of(const ScoreTable& table) {
