@@ -75,11 +75,9 @@ std::string headline(const RunRecord& r, const MethodResult& ours, const MethodR
   const double used = mean_of(ours, &Metrics::hvac_kwh_per_day);
   const double before = mean_of(*schedule, &Metrics::hvac_kwh_per_day);
   if (!(used > 0 && before > 0)) return text + ".";
-  const double percent = 100 * (used / before - 1);
-  if (std::abs(percent) < 0.5) return text + ", for practically the same electricity.";
-  return text + fmt::format(" and used {} kWh of electricity a day; this control used {} kWh, {} % {}.",
-                            number_text(before, 1), number_text(used, 1), number_text(std::abs(percent), 0),
-                            percent < 0 ? "less" : "more");
+  // No "less" or "more": rooms differ by more than any two methods do in one room (README, no energy claim).
+  return text + fmt::format(" and used {} kWh of electricity a day, this control {} kWh.", number_text(before, 1),
+                            number_text(used, 1));
 }
 
 std::vector<KeyFigure> key_figures(const MethodResult& ours, const MethodResult* schedule) {
