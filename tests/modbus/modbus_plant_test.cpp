@@ -50,8 +50,8 @@ void publish_all(ModbusServer& server) {
 }
 
 struct Bench {
-  explicit Bench(const PointMap& map, double deadline_s = 0.5)
-      : served(map, {TcpListen{}, 1}), link(tcp_settings(served.server().port(), deadline_s)), plant(map, link) {
+  explicit Bench(const PointMap& map, double exchange_s = 0.5)
+      : served(map, {TcpListen{}, 1}), link(tcp_settings(served.server().port(), exchange_s)), plant(map, link) {
     publish_all(served.server());
   }
   ServerThread served;

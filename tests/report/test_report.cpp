@@ -37,8 +37,7 @@ TEST(Report, SaysInPlainWordsHowItWent) {
   EXPECT_NE(input.headline.find("Over 14 days the mean of the five rooms stayed within 0.06 °C of the 25.25 °C target"),
             std::string::npos)
       << input.headline;
-  EXPECT_NE(input.headline.find("29.2 kWh of electricity a day, this control 28.9 kWh."),
-            std::string::npos)
+  EXPECT_NE(input.headline.find("29.2 kWh of electricity a day, this control 28.9 kWh."), std::string::npos)
       << input.headline;
 }
 
