@@ -84,11 +84,12 @@ class GapDesk {
   TemporaryFolder folder_, scratch_;
 };
 
-constexpr const char* usual = "--site site.toml --measured measured.csv --reference reference.csv --effects effects";
+constexpr const char* usual_words =
+    "--site site.toml --measured measured.csv --reference reference.csv --effects effects";
 
 TEST(GapCommand, NamesWhatIsHiddenReportsPatchesTheRoomAndTakesThePatchBack) {
   const GapDesk desk;
-  const Outcome o = desk.run(std::string(usual) + " --out out --apply patched.json --json");
+  const Outcome o = desk.run(std::string(usual_words) + " --out out --apply patched.json --json");
   ASSERT_EQ(o.code, 0) << o.err;
   const json j = json::parse(o.out);  // one object and nothing else
   ASSERT_EQ(j["verdict"], "named") << j.dump(1);
@@ -166,7 +167,7 @@ TEST(GapCommand, RefusesALogWithItsTableAndLeavesNothingBehind) {
   desk.exchange("measured.csv", "room_temp_2_degc", "vav_on_1");
   const auto before = desk.names();
   for (const char* form : {"", "run "}) {
-    const Outcome o = desk.run(form + std::string(usual) + " --out out --apply p.json --json");
+    const Outcome o = desk.run(form + std::string(usual_words) + " --out out --apply p.json --json");
     EXPECT_EQ(o.code, 1);
     EXPECT_EQ(o.out, "");
     EXPECT_NE(o.err.find("clean-up of measured.csv"), std::string::npos) << o.err;
