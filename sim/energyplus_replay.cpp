@@ -24,14 +24,8 @@
 namespace airside::sim {
 namespace {
 
-constexpr const char* replay_format = "airside replay 1";  ///< changes when the same inputs give another table
+constexpr const char* replay_format = "airside replay 2";  ///< changes when the same inputs give another table
 constexpr const char* repeat_command = "energyplus -w weather.epw -d out model.epJSON";
-
-std::string whole_text(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return std::move(text).str();
-}
 
 /// "!IDD_Version 25.2.0 !IDD_BUILD cf7368216c", and the engine's size.
 std::string engine_version(const EnergyPlusInstall& install) {
@@ -41,6 +35,27 @@ std::string engine_version(const EnergyPlusInstall& install) {
   std::getline(dictionary, build);
   std::error_code absent;
   return version + " " + build + " " + std::to_string(std::filesystem::file_size(install.library, absent));
+}
+
+std::string_view bytes_of(const std::vector<double>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
+}
+
+/// Of everything that the table depends on, before any of it is written as text.
+ReplayKey key_of(const std::vector<std::string>& texts, const EnergyPlusTwin& twin, const Recording& recording,
+                 const ReplayDays& days, const ReplayCommands& commands, const Weather& weather) {
+  ReplayKey key;
+  key.add(replay_format);
+  for (const auto& text : texts) key.add(text);
+  for (const auto& schedule : commands.schedules) key.add(schedule);
+  for (const auto column : commands.columns) key.add(bytes_of(commands.values[column]));
+  const Location& place = weather.location();
+  key.add(bytes_of({static_cast<double>(recording.from.seconds), static_cast<double>(recording.rows.size()),
+                    twin.loops.supply_bias_k, static_cast<double>(days.first_step), static_cast<double>(days.days),
+                    place.latitude_deg, place.longitude_deg, place.utc_offset_h, place.elevation_m}));
+  static_assert(sizeof(WeatherRecord) == 8 * sizeof(double), "a record without padding");
+  key.add({reinterpret_cast<const char*>(weather.records().data()), weather.records().size() * sizeof(WeatherRecord)});
+  return key;
 }
 
 /// Runs the engine's own program in the folder, as the README there says, and waits for its end.
@@ -163,42 +178,39 @@ Channels channels_of(const EnergyPlusTwin& twin) {
 ChannelTable replay_energyplus(const EnergyPlusTwin& twin, const Recording& recording, const ReplayOptions& options) {
   const EnergyPlusInstall install = find_energyplus();
   const ReplayDays days = replay_days(twin, recording);
-  const CommandText commands = replay_commands(twin, recording, days, options.thermostats);
-  const std::string model = replay_model(twin, days, commands, options.thermostats).dump(1) + "\n";
+  const ReplayCommands commands = replay_commands(twin, recording, days, options.thermostats);
+  nlohmann::json model = replay_model(twin, days, commands, options.thermostats);
+  const Weather weather = replay_weather(recording, days);
 
-  std::optional<RunFolder> temporary;
-  std::filesystem::path folder = options.keep;
-  if (folder.empty()) folder = temporary.emplace().path();
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  write_epw((folder / "weather.epw").string(), replay_weather(recording, days), days.year);
-
+  const auto run = [&](const std::filesystem::path& folder) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    follow_commands(model, days, commands);
+    write_epw((folder / "weather.epw").string(), weather, days.year);
+    std::ofstream(folder / "model.epJSON", std::ios::binary) << model.dump(1) << '\n';
+    std::ofstream(folder / "README.txt") << "A replay by EnergyPlus 25.2. This command, in this folder, repeats it:\n"
+                                         << repeat_command << "\n";
+    if (options.engine_runs != nullptr) ++*options.engine_runs;
+    run_engine(install, folder);
+    return TableMaker(twin, recording, days, EsoFile(folder / "out" / "eplusout.eso")).table(options.thermostats);
+  };
   const ReplayCache cache(options.cache);
-  ReplayKey key;
-  if (!options.cache.empty()) {
-    const double table_of[] = {static_cast<double>(recording.from.seconds), static_cast<double>(recording.rows.size()),
-                               twin.loops.supply_bias_k, static_cast<double>(days.first_step)};
-    for (const auto& part : {std::string(replay_format), engine_version(install), model, commands.heading,
-                             whole_text(folder / "weather.epw")})
-      key.add(part);
-    for (const auto& day : commands.days) key.add(day);
-    key.add({reinterpret_cast<const char*>(table_of), sizeof table_of});
+  const bool keyed = options.memory != nullptr || !options.cache.empty();
+  const ReplayKey key =
+      keyed ? key_of({engine_version(install), model.dump()}, twin, recording, days, commands, weather) : ReplayKey{};
+  const auto find_or_run = [&] {
+    const auto rows = static_cast<Eigen::Index>(recording.rows.size());
+    if (auto known = cache.find(key, rows, channels_of(twin).count())) return *std::move(known);
+    ChannelTable table = run(RunFolder().path());
+    cache.put(key, table);
+    return table;
+  };
+  if (!options.keep.empty()) {
+    ChannelTable table = run(options.keep);
+    cache.put(key, table);
+    return table;
   }
-  if (options.keep.empty()) {
-    if (auto known = cache.find(key, static_cast<Eigen::Index>(recording.rows.size()), channels_of(twin).count()))
-      return *std::move(known);
-  }
-
-  std::ofstream(folder / "model.epJSON", std::ios::binary) << model;
-  write_commands(commands, days, folder / "commands.csv");
-  std::ofstream(folder / "README.txt") << "A replay by EnergyPlus 25.2. This command, in this folder, repeats it:\n"
-                                       << repeat_command << "\n";
-  if (options.engine_runs != nullptr) ++*options.engine_runs;
-  run_engine(install, folder);
-  ChannelTable table =
-      TableMaker(twin, recording, days, EsoFile(folder / "out" / "eplusout.eso")).table(options.thermostats);
-  cache.put(key, table);
-  return table;
+  return options.memory != nullptr ? *options.memory->get(key, find_or_run) : find_or_run();
 }
 
 }  // namespace airside::sim

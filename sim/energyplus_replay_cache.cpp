@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <fstream>
@@ -90,6 +91,34 @@ void ReplayCache::put(const ReplayKey& key, const ChannelTable& table) const {
     std::filesystem::remove(staged, ignored);
     throw hal::InputError(file.string(), "a file that cannot be written", "room for a finished replay",
                           "check folder, rights and space, or run without the cache");
+  }
+}
+
+std::shared_ptr<const ChannelTable> ReplayMemory::get(const ReplayKey& key, const std::function<ChannelTable()>& make) {
+  const auto place_of = [&] {
+    return std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key == key; });
+  };
+  std::promise<std::shared_ptr<const ChannelTable>> promise;
+  {
+    std::unique_lock lock(mutex_);
+    if (const auto known = place_of(); known != entries_.end()) {
+      entries_.splice(entries_.begin(), entries_, known);
+      const Table table = known->table;
+      lock.unlock();
+      return table.get();
+    }
+    entries_.push_front({key, promise.get_future().share()});
+    if (entries_.size() > most_) entries_.pop_back();
+  }
+  try {
+    auto table = std::make_shared<const ChannelTable>(make());
+    promise.set_value(table);
+    return table;
+  } catch (...) {
+    promise.set_exception(std::current_exception());
+    const std::lock_guard lock(mutex_);
+    if (const auto failed = place_of(); failed != entries_.end()) entries_.erase(failed);
+    throw;
   }
 }
 

@@ -3,6 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <future>
+#include <list>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,6 +23,7 @@ struct ReplayKey {
   /// Joins another part.  The same parts in the same order give the same key.
   void add(std::string_view part);
   std::string hex() const;
+  bool operator==(const ReplayKey&) const = default;
 };
 
 class ReplayCache {
@@ -38,6 +44,29 @@ class ReplayCache {
 
  private:
   std::filesystem::path folder_;
+};
+
+/// The tables that a process asked for last.  Thread-safe: who asks for a table that another thread is making waits
+/// for it.
+class ReplayMemory {
+ public:
+  /// Cost: 0.5 MB a table of two weeks.
+  explicit ReplayMemory(std::size_t most_tables = 32) : most_(most_tables) {}
+
+  /// The key's table, by make() unless it is known.
+  /// Errors: what make() throws, to all that wait for it; whoever asks later tries again.
+  std::shared_ptr<const ChannelTable> get(const ReplayKey& key, const std::function<ChannelTable()>& make);
+
+ private:
+  using Table = std::shared_future<std::shared_ptr<const ChannelTable>>;
+  struct Entry {
+    ReplayKey key;
+    Table table;
+  };
+
+  std::mutex mutex_;
+  std::list<Entry> entries_;  ///< the last asked for comes first
+  std::size_t most_;
 };
 
 }  // namespace airside::sim

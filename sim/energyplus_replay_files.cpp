@@ -1,10 +1,7 @@
 #include "sim/energyplus_replay_files.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "hal/input_error.hpp"
 #include "sim/energyplus_rooms.hpp"
@@ -12,8 +9,7 @@
 namespace airside::sim {
 namespace {
 
-constexpr int steps_per_day = 86400 / replay_step_s;
-constexpr int steps_per_year = 365 * steps_per_day;
+constexpr int steps_per_year = 365 * replay_steps_per_day;
 
 void expect_of_recording(bool holds, const std::string& found, const char* expected) {
   if (!holds) throw hal::InputError("recording", found, expected, "choose another stretch, or the twin that fits it");
@@ -61,41 +57,20 @@ std::string schedule_at(std::string pattern, int place) {
   return pattern;
 }
 
-/// The columns of commands.csv: of equal ones only the first is kept, since the engine reads a year of each.
+/// Of equal columns only the first is kept.
 class CommandColumns {
  public:
   void add(const std::string& schedule, std::vector<double> values) {
-    const auto found = std::find(values_.begin(), values_.end(), values);
-    const auto place = static_cast<std::size_t>(found - values_.begin());
-    if (found == values_.end()) {
-      values_.push_back(std::move(values));
-      headings_.push_back(schedule);
-    } else {
-      headings_[place] += " = " + schedule;
-    }
-    text_.schedules.push_back(schedule);
-    text_.columns.push_back(static_cast<int>(place) + 1);
+    auto& known = commands_.values;
+    const auto found = std::find(known.begin(), known.end(), values);
+    commands_.schedules.push_back(schedule);
+    commands_.columns.push_back(static_cast<std::size_t>(found - known.begin()));
+    if (found == known.end()) known.push_back(std::move(values));
   }
-
-  CommandText text() {
-    text_.heading = fmt::format("{}\n", fmt::join(headings_, ","));
-    const std::size_t steps = values_.empty() ? 0 : values_.front().size();
-    for (std::size_t first = 0; first < steps; first += steps_per_day) {
-      fmt::memory_buffer day;
-      for (std::size_t step = first; step < first + steps_per_day; ++step) {
-        for (std::size_t c = 0; c < values_.size(); ++c)
-          fmt::format_to(fmt::appender(day), "{}{}", c > 0 ? "," : "", values_[c][step]);
-        day.push_back('\n');
-      }
-      text_.days.push_back(fmt::to_string(day));
-    }
-    return std::move(text_);
-  }
+  ReplayCommands commands() { return std::move(commands_); }
 
  private:
-  std::vector<std::string> headings_;
-  std::vector<std::vector<double>> values_;
-  CommandText text_;
+  ReplayCommands commands_;
 };
 
 }  // namespace
@@ -121,15 +96,15 @@ Weather replay_weather(const Recording& recording, const ReplayDays& days) {
   std::vector<WeatherRecord> records(whole);
   for (std::size_t i = 0; i < whole; ++i) {
     std::size_t there = i;
-    while (there < missing) there += steps_per_day;
-    while (there >= missing + known.size()) there -= steps_per_day;
+    while (there < missing) there += replay_steps_per_day;
+    while (there >= missing + known.size()) there -= replay_steps_per_day;
     records[i] = known[there - missing];
   }
   return {measured->location(), measured->description(), replay_step_s, days.first_step, std::move(records)};
 }
 
-CommandText replay_commands(const EnergyPlusTwin& twin, const Recording& recording, const ReplayDays& days,
-                            bool thermostats) {
+ReplayCommands replay_commands(const EnergyPlusTwin& twin, const Recording& recording, const ReplayDays& days,
+                               bool thermostats) {
   const int vavs = static_cast<int>(twin.names.interior_zones.size());
   const int fcus = static_cast<int>(twin.names.perimeter_zones.size());
   const auto steps = static_cast<std::size_t>(days.steps());
@@ -176,20 +151,7 @@ CommandText replay_commands(const EnergyPlusTwin& twin, const Recording& recordi
   add_each(twin.names.interior_occupancy_schedule, people.begin(), people.begin() + vavs);
   add_each(twin.names.perimeter_occupancy_schedule, people.begin() + vavs, people.end());
   add_each(std::string(heat_schedule_prefix) + "#", heat.begin(), heat.end());
-  return columns.text();
-}
-
-void write_commands(const CommandText& commands, const ReplayDays& days, const std::filesystem::path& file) {
-  std::ofstream out(file, std::ios::binary);
-  const int before = days.first_step / steps_per_day, after = 365 - before - days.days;
-  out << commands.heading;
-  for (int day = 0; day < before; ++day) out << commands.days.front();
-  for (const auto& day : commands.days) out << day;
-  for (int day = 0; day < after; ++day) out << commands.days.back();
-  out.flush();
-  if (!out)
-    throw hal::InputError(file.string(), "a file that cannot be written", "room for 20 MB of commands",
-                          "check folder, rights and space, or name another folder in TMPDIR");
+  return columns.commands();
 }
 
 }  // namespace airside::sim

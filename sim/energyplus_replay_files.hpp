@@ -1,6 +1,6 @@
 #pragma once
-// The three files of a replay: the model with its outputs and schedules, the commands, and the weather. Together
-// they are the run.
+// The two files of a replay: the model with its outputs and the commands as schedules, and the weather. Together they
+// are the run.
 
 #include <filesystem>
 #include <string>
@@ -10,6 +10,7 @@
 namespace airside::sim {
 
 constexpr int replay_step_s = 180;
+constexpr int replay_steps_per_day = 86400 / replay_step_s;
 constexpr const char* heat_schedule_prefix = "Unknown Heat ";  ///< kW; followed by the 1-based zone, VAV zones first
 
 /// The whole days that a replay simulates, and where they lie in the engine's calendar of 365 days.
@@ -18,7 +19,7 @@ struct ReplayDays {
   int days = 0;
   int first_step = 0;  ///< steps from 1 January to `begin`
   int year = 2021;     ///< a label: no leap year, and `begin` falls on its own weekday
-  int steps() const { return days * (86400 / replay_step_s); }
+  int steps() const { return days * replay_steps_per_day; }
   /// Steps from `begin` to t.
   int step_at(CivilTime t) const { return static_cast<int>((t.seconds - begin.seconds) / replay_step_s); }
 };
@@ -29,25 +30,27 @@ ReplayDays replay_days(const EnergyPlusTwin& twin, const Recording& recording);
 /// Measured weather of the whole days: what lies outside the measured stretch is the nearest day's.
 Weather replay_weather(const Recording& recording, const ReplayDays& days);
 
-/// What of commands.csv is not repetition: its heading, and one line a step of the replayed days.
-struct CommandText {
-  std::string heading;
-  std::vector<std::string> days;       ///< the lines of a day
-  std::vector<std::string> schedules;  ///< names of the schedules that read the file ..
-  std::vector<int> columns;            ///< .. and the 1-based column of each; equal columns are one
+/// What a replay commands: for each schedule of the model the column that holds its values, one a step of the replayed
+/// days; of equal columns there is one.
+struct ReplayCommands {
+  std::vector<std::string> schedules;
+  std::vector<std::size_t> columns;         ///< of each schedule
+  std::vector<std::vector<double>> values;  ///< column, step
 };
 
-CommandText replay_commands(const EnergyPlusTwin& twin, const Recording& recording, const ReplayDays& days,
-                            bool thermostats);
+ReplayCommands replay_commands(const EnergyPlusTwin& twin, const Recording& recording, const ReplayDays& days,
+                               bool thermostats);
 
-/// The whole calendar year: before the replayed days the first of them is repeated, after them the last, since the
-/// engine reads no shorter file.
-/// Errors: hal::InputError if the file cannot be written.
-void write_commands(const CommandText& commands, const ReplayDays& days, const std::filesystem::path& file);
-
-/// The twin's model with the replay's dates, outputs, schedules and, if asked, thermostats.
+/// The twin's model with the replay's dates, outputs and, if asked, thermostats; the commands' schedules stand still.
+/// The engine's warm-up days end by its own criterion: the days before the recording come on top of them.
 /// Errors: hal::InputError for a schedule that the model has not.
-nlohmann::json replay_model(const EnergyPlusTwin& twin, const ReplayDays& days, const CommandText& commands,
+nlohmann::json replay_model(const EnergyPlusTwin& twin, const ReplayDays& days, const ReplayCommands& commands,
                             bool thermostats);
+
+/// Lets the model's schedules follow the commands: a day that occurs, in whichever column, is one schedule of days.
+/// What never changes stays a constant.  Values reach the engine with all their digits. Errors: hal::InputError for
+/// more than 53 days where the model has holidays: its schedules have 53 places, of weeks then, and a week says nothing
+/// of which holiday.
+void follow_commands(nlohmann::json& model, const ReplayDays& days, const ReplayCommands& commands);
 
 }  // namespace airside::sim

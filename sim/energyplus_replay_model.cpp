@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 
 #include "hal/input_error.hpp"
 #include "sim/energyplus_replay_files.hpp"
@@ -48,6 +50,7 @@ void set_replay_dates(json& model, const ReplayDays& days) {
   model["RunPeriod"] = {{"Run Period", json(period)}};
   model["Timestep"] = {{"Time Step", {{"number_of_timesteps_per_hour", 3600 / replay_step_s}}}};
   model["ConvergenceLimits"] = {{"Convergence Limits", {{"minimum_system_timestep", replay_step_s / 60}}}};
+  only_object(model, "Building", "Building")["minimum_number_of_warmup_days"] = 1;
   json& control = only_object(model, "SimulationControl", "Simulation Control");
   control["run_simulation_for_sizing_periods"] = "No";
   control["run_simulation_for_weather_file_run_periods"] = "Yes";
@@ -86,7 +89,7 @@ void set_replay_outputs(json& model, const ModelNames& names, bool thermostats) 
 }
 
 /// Heat of unknown origin, one object a zone that has a column for it: 1 kW, all of it to the air, times the column.
-void add_unknown_heat(json& model, const ModelNames& names, const CommandText& commands) {
+void add_unknown_heat(json& model, const ModelNames& names, const ReplayCommands& commands) {
   const std::size_t vavs = names.interior_zones.size();
   for (std::size_t z = 0; z < vavs + names.perimeter_zones.size(); ++z) {
     const std::string schedule = heat_schedule_prefix + std::to_string(z + 1);
@@ -101,25 +104,10 @@ void add_unknown_heat(json& model, const ModelNames& names, const CommandText& c
   }
 }
 
-/// Every schedule that the commands name reads its column instead of standing still.
-void set_replay_schedules(json& model, const CommandText& commands) {
-  for (std::size_t i = 0; i < commands.schedules.size(); ++i) {
-    const std::string& name = commands.schedules[i];
-    json& constants = model["Schedule:Constant"];
-    if (!constants.is_object() || !constants.contains(name)) refuse_schedule(name);
-    json file = {{"file_name", "commands.csv"},
-                 {"column_number", commands.columns[i]},
-                 {"rows_to_skip_at_top", 1},
-                 {"number_of_hours_of_data", 8760},
-                 {"column_separator", "Comma"},
-                 {"interpolate_to_timestep", "No"},
-                 {"minutes_per_item", replay_step_s / 60},
-                 {"adjust_schedule_for_daylight_savings", "No"}};
-    if (const json& limits = constants[name]; limits.contains("schedule_type_limits_name"))
-      file["schedule_type_limits_name"] = limits["schedule_type_limits_name"];
-    constants.erase(name);
-    model["Schedule:File"][name] = std::move(file);
-  }
+void expect_schedules(const json& model, const ReplayCommands& commands) {
+  const auto constants = model.find("Schedule:Constant");
+  for (const auto& name : commands.schedules)
+    if (constants == model.end() || !constants->contains(name)) refuse_schedule(name);
 }
 
 /// The fan coils' thermostats as a program of the engine: on above setpoint + band, off below setpoint - band, off
@@ -156,16 +144,116 @@ void add_thermostats(json& model, const RoomLoopOptions& loops, const ModelNames
       {"programs", json::array({json{{"program_name", "Replay_Thermostats"}}})}};
 }
 
+constexpr const char* day_limits = "Replay Commands";
+
+/// Schedules of a model that follow columns of values, one a step of the replayed days.
+class DaySchedules {
+ public:
+  DaySchedules(json& model, const ReplayDays& days) : model_(model), days_(days) {
+    // A schedule has room for 53 parts of the year: days, or if they are more, weeks.
+    constexpr int most_parts = 53;
+    part_ = days.days <= most_parts ? 1 : 7;
+    if (part_ > 1 && model.contains("RunPeriodControl:SpecialDays") && !model["RunPeriodControl:SpecialDays"].empty())
+      throw hal::InputError("EnergyPlus replay", std::to_string(days.days) + " days, and holidays in the model",
+                            "at most 53 days with holidays", "choose a shorter stretch, or remove the holidays");
+  }
+
+  void follow(const std::string& name, const std::vector<double>& values) {
+    json& constants = model_["Schedule:Constant"];
+    const json before = constants[name];
+    if (std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end()) {
+      constants[name]["hourly_value"] = values.front();
+      return;
+    }
+    constants.erase(name);
+    json parts = json::array();
+    for (int day = 0; day < days_.days; day += part_) {
+      const std::string week = week_of(values, day);
+      if (parts.empty() || parts.back()["schedule_week_name"] != week || part_ > 1) {
+        parts.push_back({{"schedule_week_name", week}});
+        set_date(parts.back(), "start", day);
+      }
+      set_date(parts.back(), "end", std::min(day + part_, days_.days) - 1);
+    }
+    // The rest of the year is never simulated, but a schedule must have it.
+    parts.front().update({{"start_month", 1}, {"start_day", 1}});
+    parts.back().update({{"end_month", 12}, {"end_day", 31}});
+    json year = {{"schedule_weeks", std::move(parts)}};
+    if (before.contains("schedule_type_limits_name"))
+      year["schedule_type_limits_name"] = before["schedule_type_limits_name"];
+    model_["Schedule:Year"][name] = std::move(year);
+  }
+
+ private:
+  void set_date(json& part, const std::string& which, int day) const {
+    const std::int64_t year_s = civil_midnight(days_.year, 1, 1).seconds;
+    const std::string date =
+        text_of({year_s + std::int64_t{days_.first_step} * replay_step_s + std::int64_t{day} * 86400});
+    part[which + "_month"] = std::stoi(date.substr(5, 2));
+    part[which + "_day"] = std::stoi(date.substr(8, 2));
+  }
+
+  /// The name of the week that begins with a replayed day; a day alone is every day of its week.
+  std::string week_of(const std::vector<double>& values, int first) {
+    static constexpr const char* weekdays[] = {"monday", "tuesday",  "wednesday", "thursday",
+                                               "friday", "saturday", "sunday"};
+    static constexpr const char* other_days[] = {"holiday", "summerdesignday", "winterdesignday", "customday1",
+                                                 "customday2"};
+    const CivilTime begin{days_.begin.seconds + std::int64_t{first} * 86400};
+    json week;
+    std::string name = "Replay Week";
+    for (int i = 0; i < 7; ++i) {
+      const std::string day = day_of(values, std::min(first + i % part_, days_.days - 1));
+      week[weekdays[(begin.weekday() + i) % 7] + std::string("_schedule_day_name")] = day;
+      if (i < part_) name += day.substr(day.rfind(' '));
+      for (const char* other : other_days) week[other + std::string("_schedule_day_name")] = day;
+    }
+    model_["Schedule:Week:Daily"][name] = std::move(week);
+    return name;
+  }
+
+  /// The name of the schedule of a replayed day, which equal days share.
+  std::string day_of(const std::vector<double>& values, int day) {
+    const auto first = values.begin() + std::ptrdiff_t{day} * replay_steps_per_day;
+    const std::vector<double> today(first, first + replay_steps_per_day);
+    const auto [known, added] = known_.try_emplace(today, fmt::format("Replay Day {}", known_.size() + 1));
+    if (!added) return known->second;
+    json until = json::array();
+    for (std::size_t step = 1; step <= today.size(); ++step) {
+      if (step < today.size() && today[step] == today[step - 1]) continue;
+      const std::size_t minute = step * (replay_step_s / 60);
+      until.push_back(
+          {{"time", fmt::format("{:02}:{:02}", minute / 60, minute % 60)}, {"value_until_time", today[step - 1]}});
+    }
+    model_["ScheduleTypeLimits"][day_limits] = json::object();
+    model_["Schedule:Day:Interval"][known->second] = {
+        {"schedule_type_limits_name", day_limits}, {"interpolate_to_timestep", "No"}, {"data", std::move(until)}};
+    return known->second;
+  }
+
+  json& model_;
+  const ReplayDays& days_;
+  int part_ = 1;
+  std::map<std::vector<double>, std::string> known_;
+};
+
 }  // namespace
 
-json replay_model(const EnergyPlusTwin& twin, const ReplayDays& days, const CommandText& commands, bool thermostats) {
+json replay_model(const EnergyPlusTwin& twin, const ReplayDays& days, const ReplayCommands& commands,
+                  bool thermostats) {
   json model = twin.model;
   set_replay_dates(model, days);
   set_replay_outputs(model, twin.names, thermostats);
   add_unknown_heat(model, twin.names, commands);
-  set_replay_schedules(model, commands);
+  expect_schedules(model, commands);
   if (thermostats) add_thermostats(model, twin.loops, twin.names);
   return model;
+}
+
+void follow_commands(json& model, const ReplayDays& days, const ReplayCommands& commands) {
+  DaySchedules schedules(model, days);
+  for (std::size_t i = 0; i < commands.schedules.size(); ++i)
+    schedules.follow(commands.schedules[i], commands.values[commands.columns[i]]);
 }
 
 }  // namespace airside::sim

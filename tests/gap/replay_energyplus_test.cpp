@@ -16,8 +16,11 @@
 #include "sim/energyplus_install.hpp"
 #include "sim/energyplus_plant.hpp"
 #include "sim/energyplus_process.hpp"
+#include "sim/energyplus_replay_cache.hpp"
+#include "sim/energyplus_replay_files.hpp"
 #include "sim/epw.hpp"
 #include "sim/eso.hpp"
+#include "sim/merge_patch.hpp"
 
 #define AIRSIDE_NEEDS_ENGINE()                                                                  \
   if (!airside::sim::have_energyplus())                                                         \
@@ -131,31 +134,29 @@ std::string complaint(Act act) {
   return {};
 }
 
-/// Puts the fan coils' true 3-min steps into the commands of a kept folder.
-void write_true_fan_coils(const Lived& lived, const fs::path& commands) {
-  std::vector<std::string> lines;
-  std::ifstream in(commands);
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  in.close();
-  const auto fields_of = [](const std::string& line) {
-    std::vector<std::string> fields;
-    std::istringstream text(line);
-    for (std::string field; std::getline(text, field, ',');) fields.push_back(field);
-    return fields;
-  };
-  const auto headings = fields_of(lines[0]);
-  const auto fcu = std::find(headings.begin(), headings.end(), "FCU 1 On") - headings.begin();
-  const std::size_t first_line = 1 + static_cast<std::size_t>(second_of_year(lived.recording.from) / (row_s / 2));
-  for (std::size_t step = 0; step < lived.fcu_on.size(); ++step) {
-    auto fields = fields_of(lines[first_line + step]);
-    for (std::size_t i = 0; i < 5; ++i)
-      fields[static_cast<std::size_t>(fcu) + i] = lived.fcu_on[step][i] > 0 ? "1" : "0";
-    std::string& line = lines[first_line + step];
-    line.clear();
-    for (const auto& field : fields) line += (line.empty() ? "" : ",") + field;
+/// Puts the fan coils' true 3-min steps into a kept folder, by the engine's other way to have a series: a file of the
+/// whole year.  Before the recording its first day is repeated, as the replay does.
+void write_true_fan_coils(const Lived& lived, const fs::path& folder) {
+  nlohmann::json model = read_json(folder / "model.epJSON");
+  const int begin = static_cast<int>(second_of_year(lived.recording.from) / replay_step_s);
+  std::ofstream out(folder / "fan_coils.csv");
+  for (int step = 0; step < 365 * replay_steps_per_day; ++step) {
+    int at = step - begin;
+    while (at < 0) at += replay_steps_per_day;
+    const auto& on = lived.fcu_on[std::min(static_cast<std::size_t>(at), lived.fcu_on.size() - 1)];
+    for (std::size_t i = 0; i < 5; ++i) out << (i > 0 ? "," : "") << (on[i] > 0 ? 1 : 0);
+    out << '\n';
   }
-  std::ofstream out(commands);
-  for (const auto& line : lines) out << line << '\n';
+  for (int i = 1; i <= 5; ++i) {
+    const std::string name = "FCU " + std::to_string(i) + " On";
+    for (const char* type : {"Schedule:Year", "Schedule:Constant"})
+      if (model.contains(type)) model[type].erase(name);
+    model["Schedule:File"][name] = {
+        {"file_name", "fan_coils.csv"},          {"column_number", i},          {"rows_to_skip_at_top", 0},
+        {"number_of_hours_of_data", 8760},       {"column_separator", "Comma"}, {"interpolate_to_timestep", "No"},
+        {"minutes_per_item", replay_step_s / 60}};
+  }
+  std::ofstream(folder / "model.epJSON") << model;
 }
 
 /// The fan coils' true steps are put back to show that what is left of the gap is the record's: it has one sample of
@@ -189,7 +190,7 @@ TEST(EnergyPlusReplay, LivesThroughTheTwinsOwnDaysAgain) {
     }
   }
 
-  write_true_fan_coils(lived, kept.keep / "commands.csv");
+  write_true_fan_coils(lived, kept.keep);
   ASSERT_EQ(plain_energyplus(kept.keep, "weather.epw"), 0);
   const EsoFile outputs(kept.keep / "out" / "eplusout.eso");
   for (int c = 0; c < channels.mau_temp(); ++c) {
@@ -296,6 +297,105 @@ TEST(EnergyPlusReplay, EngineSeesMeasuredWeatherAtItsInstants) {
       EXPECT_NEAR(mean, mean_theirs, 0.03 * mean_theirs) << name;
     }
   }
+}
+
+TEST(EnergyPlusReplay, CommandsReachTheEngineToTheLastDigit) {
+  AIRSIDE_NEEDS_ENGINE();
+  const RunFolder folder;
+  const Recording some = first_hours(30);
+  const ReplayOptions kept{.keep = folder.path() / "kept"};
+  replay_energyplus(twin(), some, kept);
+  const ReplayDays days = replay_days(twin(), some);
+  const ReplayCommands commands = replay_commands(twin(), some, days, false);
+  nlohmann::json model = read_json(kept.keep / "model.epJSON");
+  for (const auto& name : commands.schedules)
+    model["Output:Variable"]["Of " + name] = {
+        {"key_value", name}, {"variable_name", "Schedule Value"}, {"reporting_frequency", "Timestep"}};
+  std::ofstream(kept.keep / "model.epJSON") << model;
+  ASSERT_EQ(plain_energyplus(kept.keep, "weather.epw"), 0);
+  const EsoFile seen(kept.keep / "out" / "eplusout.eso");
+  for (std::size_t i = 0; i < commands.schedules.size(); ++i)
+    EXPECT_EQ(seen.of(commands.schedules[i] + ",Schedule Value"), commands.values[commands.columns[i]])
+        << commands.schedules[i];
+}
+
+/// Schedules have 53 places: of days, or of weeks.
+TEST(EnergyPlusReplay, CommandsOfTenWeeksFitIntoTheEnginesSchedules) {
+  AIRSIDE_NEEDS_ENGINE();
+  Recording some = three_days().recording;
+  some.rows.resize(70 * rows_per_day, some.rows.back());
+  for (std::size_t i = 0; i < some.rows.size(); ++i)
+    some.rows[i].setpoint_degc = 20 + 0.001 * static_cast<double>(i / rows_per_day);
+  const ReplayDays days = replay_days(twin(), some);
+  const ReplayCommands commands = replay_commands(twin(), some, days, false);
+  nlohmann::json model = replay_model(twin(), days, commands, false);
+  follow_commands(model, days, commands);
+  const auto& parts = model["Schedule:Year"]["Supply Air Setpoint"]["schedule_weeks"];
+  ASSERT_LE(parts.size(), 53u);
+  const auto& supply = commands.values[commands.columns[0]];
+  static constexpr const char* weekdays[] = {"monday", "tuesday",  "wednesday", "thursday",
+                                             "friday", "saturday", "sunday"};
+  for (int day = 0; day < days.days; ++day) {
+    const CivilTime date{days.begin.seconds + day * 86400LL};
+    const std::string text = sim::text_of(date);
+    const int month = std::stoi(text.substr(5, 2)), of_month = std::stoi(text.substr(8, 2));
+    const nlohmann::json* week = nullptr;
+    for (const auto& part : parts) {
+      const std::pair at(month, of_month);
+      if (at >= std::pair(part["start_month"].get<int>(), part["start_day"].get<int>()) &&
+          at <= std::pair(part["end_month"].get<int>(), part["end_day"].get<int>()))
+        week = &model["Schedule:Week:Daily"][part["schedule_week_name"].get<std::string>()];
+    }
+    ASSERT_NE(week, nullptr) << text;
+    const std::string name = (*week)[std::string(weekdays[date.weekday()]) + "_schedule_day_name"];
+    const auto& last = model["Schedule:Day:Interval"][name]["data"].back();
+    EXPECT_EQ(last["time"], "24:00");
+    EXPECT_EQ(last["value_until_time"].get<double>(), supply[static_cast<std::size_t>(day) * 480 + 479]) << text;
+  }
+
+  nlohmann::json holiday = twin().model;
+  holiday["RunPeriodControl:SpecialDays"]["Feast"] = {{"start_date", "July 4"}};
+  EXPECT_NE(complaint([&] { follow_commands(holiday, days, commands); }).find("holidays"), std::string::npos);
+}
+
+TEST(EnergyPlusReplay, MemorySparesEqualRunsEvenAtTheSameTime) {
+  AIRSIDE_NEEDS_ENGINE();
+  std::atomic<int> runs{0};
+  ReplayMemory memory;
+  const ReplayOptions remembered{.engine_runs = &runs, .memory = &memory};
+  const Recording some = first_hours(4);
+  ChannelTable one, two;
+  std::thread first([&] { one = replay_energyplus(twin(), some, remembered); });
+  std::thread second([&] { two = replay_energyplus(twin(), some, remembered); });
+  first.join();
+  second.join();
+  EXPECT_EQ(runs, 1);
+  EXPECT_EQ(one, two);
+  Recording colder = some;
+  colder.rows[20].setpoint_degc -= 1;
+  EXPECT_NE(replay_energyplus(twin(), colder, remembered), one);
+  EXPECT_EQ(runs, 2);
+}
+
+TEST(EnergyPlusReplay, MemoryForgetsTheOldestAndWhatFailed) {
+  ReplayMemory memory(2);
+  std::vector<ReplayKey> keys(3);
+  for (std::size_t i = 0; i < keys.size(); ++i) keys[i].add(std::to_string(i));
+  int made = 0;
+  const auto ask = [&](std::size_t i) {
+    return memory.get(keys[i], [&] { return ++made, ChannelTable::Constant(1, 1, static_cast<double>(i)).eval(); });
+  };
+  ask(0), ask(1), ask(0);
+  EXPECT_EQ(made, 2);
+  EXPECT_EQ((*ask(2))(0, 0), 2);
+  ask(0);
+  EXPECT_EQ(made, 3);
+  ask(1);
+  EXPECT_EQ(made, 4);
+  ReplayKey other;
+  other.add("other");
+  EXPECT_THROW(memory.get(other, []() -> ChannelTable { throw std::runtime_error("no"); }), std::runtime_error);
+  EXPECT_EQ((*memory.get(other, [] { return ChannelTable::Constant(1, 1, 7.0).eval(); }))(0, 0), 7);
 }
 
 TEST(EnergyPlusReplay, CacheSparesTheEngineAndDamageIsRepaired) {

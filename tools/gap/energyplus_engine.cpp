@@ -13,9 +13,9 @@ sim::ChannelTable EnergyPlusEngine::simulate(const Changes& changes, const sim::
   twin.loops = sim::changed_loops(twin_.loops, changes);
   const sim::Recording lived = sim::changed_recording(recording, changes);
   const sim::Channels at = channels();
-  sim::ChannelTable table = sim::replay_energyplus(twin, lived, {.cache = cache_});
+  sim::ChannelTable table = sim::replay_energyplus(twin, lived, {.cache = cache_, .memory = &memory_});
   if (duties_) {
-    const auto free = sim::replay_energyplus(twin, lived, {.thermostats = true, .cache = cache_});
+    const auto free = sim::replay_energyplus(twin, lived, {.thermostats = true, .cache = cache_, .memory = &memory_});
     table.rightCols(at.fcus) = free.rightCols(at.fcus);
   } else {
     table.rightCols(at.fcus).setConstant(std::numeric_limits<double>::quiet_NaN());

@@ -2,6 +2,7 @@
 // The EnergyPlus twin as an engine of the gap workflow.
 
 #include "sim/energyplus_replay.hpp"
+#include "sim/energyplus_replay_cache.hpp"
 #include "tools/gap/engine.hpp"
 
 namespace airside::tools::gap {
@@ -23,6 +24,7 @@ class EnergyPlusEngine final : public Engine {
   std::string name_;
   std::filesystem::path cache_;
   bool duties_;
+  mutable sim::ReplayMemory memory_;
 };
 
 }  // namespace airside::tools::gap
