@@ -24,7 +24,7 @@
 namespace airside::sim {
 namespace {
 
-constexpr const char* replay_format = "airside replay 2";  ///< changes when the same inputs give another table
+constexpr const char* replay_format = "airside replay 3";  ///< changes when the same inputs give another table
 constexpr const char* repeat_command = "energyplus -w weather.epw -d out model.epJSON";
 
 /// "!IDD_Version 25.2.0 !IDD_BUILD cf7368216c", and the engine's size.

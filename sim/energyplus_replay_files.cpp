@@ -78,7 +78,7 @@ class CommandColumns {
 ReplayDays replay_days(const EnergyPlusTwin& twin, const Recording& recording) {
   check_rows(twin, recording);
   ReplayDays days;
-  days.begin = {(recording.from.day() - lead_days) * 86400};
+  days.begin = {(recording.from.day() - replay_lead_days) * 86400};
   days.days = static_cast<int>(CivilTime{recording.to().seconds - 1}.day() - days.begin.day()) + 1;
   days.first_step = static_cast<int>(second_of_year(days.begin) / replay_step_s);
   days.year = engine_year(days.begin);
@@ -92,13 +92,12 @@ Weather replay_weather(const Recording& recording, const ReplayDays& days) {
   const std::shared_ptr<const Weather> measured = measured_weather(recording);
   const auto& known = measured->records();
   const auto whole = static_cast<std::size_t>(days.steps());
-  const auto missing = static_cast<std::size_t>(measured->first_interval() - days.first_step);
+  const auto before = static_cast<std::size_t>(days.first_step - measured->first_interval());
   std::vector<WeatherRecord> records(whole);
   for (std::size_t i = 0; i < whole; ++i) {
-    std::size_t there = i;
-    while (there < missing) there += replay_steps_per_day;
-    while (there >= missing + known.size()) there -= replay_steps_per_day;
-    records[i] = known[there - missing];
+    std::size_t there = before + i;
+    while (there >= known.size()) there -= replay_steps_per_day;
+    records[i] = known[there];
   }
   return {measured->location(), measured->description(), replay_step_s, days.first_step, std::move(records)};
 }

@@ -11,6 +11,10 @@ namespace airside::sim {
 
 constexpr int replay_step_s = 180;
 constexpr int replay_steps_per_day = 86400 / replay_step_s;
+/// Days that are simulated before the recording, on top of the engine's warm-up, which repeats the first of them three
+/// times or more until its own criterion holds.
+constexpr int replay_lead_days = 2;
+static_assert(replay_lead_days < lead_days, "the measured weather reaches back so far");
 constexpr const char* heat_schedule_prefix = "Unknown Heat ";  ///< kW; followed by the 1-based zone, VAV zones first
 
 /// The whole days that a replay simulates, and where they lie in the engine's calendar of 365 days.
@@ -42,7 +46,7 @@ ReplayCommands replay_commands(const EnergyPlusTwin& twin, const Recording& reco
                                bool thermostats);
 
 /// The twin's model with the replay's dates, outputs and, if asked, thermostats; the commands' schedules stand still.
-/// The engine's warm-up days end by its own criterion: the days before the recording come on top of them.
+/// Warm-up days end by the engine's own criterion.
 /// Errors: hal::InputError for a schedule that the model has not.
 nlohmann::json replay_model(const EnergyPlusTwin& twin, const ReplayDays& days, const ReplayCommands& commands,
                             bool thermostats);

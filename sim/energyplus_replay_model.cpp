@@ -218,16 +218,26 @@ class DaySchedules {
     const std::vector<double> today(first, first + replay_steps_per_day);
     const auto [known, added] = known_.try_emplace(today, fmt::format("Replay Day {}", known_.size() + 1));
     if (!added) return known->second;
-    json until = json::array();
-    for (std::size_t step = 1; step <= today.size(); ++step) {
-      if (step < today.size() && today[step] == today[step - 1]) continue;
-      const std::size_t minute = step * (replay_step_s / 60);
-      until.push_back(
-          {{"time", fmt::format("{:02}:{:02}", minute / 60, minute % 60)}, {"value_until_time", today[step - 1]}});
-    }
     model_["ScheduleTypeLimits"][day_limits] = json::object();
-    model_["Schedule:Day:Interval"][known->second] = {
-        {"schedule_type_limits_name", day_limits}, {"interpolate_to_timestep", "No"}, {"data", std::move(until)}};
+    json schedule = {{"schedule_type_limits_name", day_limits}, {"interpolate_to_timestep", "No"}};
+    std::vector<std::size_t> ends;  // steps at whose end the value changes
+    for (std::size_t step = 1; step <= today.size(); ++step)
+      if (step == today.size() || today[step] != today[step - 1]) ends.push_back(step);
+    // The engine's time goes by the numbers and texts that it reads.
+    if (2 * ends.size() > today.size()) {
+      json& list = schedule["extensions"] = json::array();
+      for (const double value : today) list.push_back({{"value", value}});
+      schedule["minutes_per_item"] = replay_step_s / 60;
+      model_["Schedule:Day:List"][known->second] = std::move(schedule);
+    } else {
+      json& until = schedule["data"] = json::array();
+      for (const std::size_t end : ends) {
+        const std::size_t minute = end * (replay_step_s / 60);
+        until.push_back(
+            {{"time", fmt::format("{:02}:{:02}", minute / 60, minute % 60)}, {"value_until_time", today[end - 1]}});
+      }
+      model_["Schedule:Day:Interval"][known->second] = std::move(schedule);
+    }
     return known->second;
   }
 

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -54,23 +56,32 @@ void write_epw(const std::string& path, const Weather& weather, int year) {
        << weekdays[civil_midnight(year, month, day).weekday()] << "," << month_day({first}) << "," << month_day({last})
        << "\n";
 
+  fmt::memory_buffer lines;
+  std::int64_t day_begin = -1;
+  int month_of_day = 0, day_of_month = 0;
   for (std::size_t i = 0; i < weather.records().size(); ++i) {
     const WeatherRecord& r = weather.records()[i];
     const std::int64_t start = first + static_cast<std::int64_t>(i) * weather.interval_s();
-    const std::string date = text_of({start});
-    const int hour = CivilTime{start}.second_of_day() / 3600 + 1;
-    const int minute = (CivilTime{start}.second_of_day() % 3600 + weather.interval_s()) / 60;
+    const int second = CivilTime{start}.second_of_day();
+    if (start - second != day_begin) {
+      day_begin = start - second;
+      const std::string date = text_of({start});
+      month_of_day = std::stoi(date.substr(5, 2));
+      day_of_month = std::stoi(date.substr(8, 2));
+    }
     const double dew = dew_point_degc(r.outdoor_temp_degc, r.relative_humidity_pct);
-    std::snprintf(
-        line, sizeof line,
-        "%d,%d,%d,%d,%d,?9?9?9?9E0?9?9?9?9?9?9?9?9?9?9?9?9?9?9?9*9*9?9?9?9,%.2f,%.2f,%.1f,%.0f,9999,9999,%.1f,"
-        "%.2f,%.2f,%.2f,999999,999999,999999,9999,0,%.2f,5,5,9999,99999,0,%s,999,0.0000,0,88,999,%.1f,%.2f\n",
-        year, std::stoi(date.substr(5, 2)), std::stoi(date.substr(8, 2)), hour, minute, r.outdoor_temp_degc, dew,
-        r.relative_humidity_pct, r.pressure_pa, sky_radiation_w_m2(r.outdoor_temp_degc, dew), r.global_horizontal_w_m2,
-        r.direct_normal_w_m2, r.diffuse_horizontal_w_m2, r.wind_speed_m_s, r.rain > 0 ? "919999999" : "999999999",
-        r.rain > 0 ? 3.0 : 0.0, 1.0 / per_hour);
-    file << line;
+    fmt::format_to(
+        fmt::appender(lines),
+        "{},{},{},{},{},?9?9?9?9E0?9?9?9?9?9?9?9?9?9?9?9?9?9?9?9*9*9?9?9?9,{:.2f},{:.2f},{:.1f},{:.0f},9999,9999,{:.1f}"
+        ","
+        "{:.2f},{:.2f},{:.2f},999999,999999,999999,9999,0,{:.2f},5,5,9999,99999,0,{},999,0.0000,0,88,999,{:.1f},{:.2f}"
+        "\n",
+        year, month_of_day, day_of_month, second / 3600 + 1, (second % 3600 + weather.interval_s()) / 60,
+        r.outdoor_temp_degc, dew, r.relative_humidity_pct, r.pressure_pa, sky_radiation_w_m2(r.outdoor_temp_degc, dew),
+        r.global_horizontal_w_m2, r.direct_normal_w_m2, r.diffuse_horizontal_w_m2, r.wind_speed_m_s,
+        r.rain > 0 ? "919999999" : "999999999", r.rain > 0 ? 3.0 : 0.0, 1.0 / per_hour);
   }
+  file.write(lines.data(), static_cast<std::streamsize>(lines.size()));
   file.flush();
   if (!file)
     throw hal::InputError(path, "a file that cannot be written", "a writable place", "check folder, rights and space");

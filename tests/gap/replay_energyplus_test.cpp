@@ -198,7 +198,7 @@ TEST(EnergyPlusReplay, LivesThroughTheTwinsOwnDaysAgain) {
     const auto& steps = outputs.of(zones[static_cast<std::size_t>(c % 5)] + ",Zone Mean Air Temperature");
     Eigen::VectorXd gap(lived.channels.rows());
     for (Eigen::Index row = 0; row < gap.size(); ++row)
-      gap[row] = steps[static_cast<std::size_t>(lead_days * 480 + 2 * row - 1)] - lived.channels(row, c);
+      gap[row] = steps[static_cast<std::size_t>(replay_lead_days * 480 + 2 * row - 1)] - lived.channels(row, c);
     std::printf("  %-18s rms %.4f with the true steps\n", channels.name(c).c_str(), rms_after_a_day(gap));
     EXPECT_LT(rms_after_a_day(gap), c < channels.fcu_temp() ? 0.02 : 0.05) << channels.name(c);
   }
@@ -244,7 +244,7 @@ TEST(EnergyPlusReplay, KeptFolderRunByPlainEnergyPlusGivesTheSameBits) {
     EXPECT_EQ(again.series(), first.series());
     const auto& temps = again.of("Interior 3,Zone Mean Air Temperature");
     for (Eigen::Index row = 0; row < table.rows(); ++row)
-      EXPECT_EQ(table(row, 2), temps[static_cast<std::size_t>(lead_days * 480 + 2 * row - 1)]);
+      EXPECT_EQ(table(row, 2), temps[static_cast<std::size_t>(replay_lead_days * 480 + 2 * row - 1)]);
     EXPECT_EQ(table, replay_energyplus(twin(), some, {.thermostats = thermostats}));
   }
 }
@@ -265,7 +265,7 @@ TEST(EnergyPlusReplay, EngineSeesMeasuredWeatherAtItsInstants) {
   const auto& temps = seen.of("Environment,Site Outdoor Air Drybulb Temperature");
   const auto& rain = seen.of("Environment,Site Rain Status");
   for (std::size_t i = 0; i < some.rows.size(); ++i) {
-    const std::size_t step = (lead_days * 480) + 200 + 2 * i - 1;
+    const std::size_t step = (replay_lead_days * 480) + 200 + 2 * i - 1;
     EXPECT_NEAR(temps[step], some.rows[i].outdoor_temp_degc, 0.006) << "row " << i;
     EXPECT_EQ(rain[step + 1], some.rows[i].rain) << "row " << i;
   }
@@ -278,7 +278,7 @@ TEST(EnergyPlusReplay, EngineSeesMeasuredWeatherAtItsInstants) {
                            "Environment,Site Diffuse Solar Radiation Rate per Area"}) {
     const auto &ours = seen.of(name), &theirs = original.of(name);
     // The recorded days alone: before them the first day is repeated.
-    for (std::size_t day = lead_days; day < lead_days + 2; ++day) {
+    for (std::size_t day = replay_lead_days; day < replay_lead_days + 2; ++day) {
       const auto up = [day](const std::vector<double>& sun) {
         std::size_t step = day * 480;
         while (sun[step] <= 0) ++step;
@@ -287,8 +287,8 @@ TEST(EnergyPlusReplay, EngineSeesMeasuredWeatherAtItsInstants) {
       std::printf("  %s: first at minute %d, in the original %d\n", name, 3 * up(ours), 3 * up(theirs));
       EXPECT_NEAR(up(ours), up(theirs), 1) << name;
       double square = 0, mean = 0, mean_theirs = 0;
-      for (std::size_t step = day * 480 + (day == lead_days ? 200 : 0);
-           step < day * 480 + (day == lead_days ? 480 : 320); ++step) {
+      for (std::size_t step = day * 480 + (day == replay_lead_days ? 200 : 0);
+           step < day * 480 + (day == replay_lead_days ? 480 : 320); ++step) {
         square += (ours[step] - theirs[step]) * (ours[step] - theirs[step]) / 300;
         mean += ours[step] / 300;
         mean_theirs += theirs[step] / 300;
@@ -297,6 +297,31 @@ TEST(EnergyPlusReplay, EngineSeesMeasuredWeatherAtItsInstants) {
       EXPECT_NEAR(mean, mean_theirs, 0.03 * mean_theirs) << name;
     }
   }
+}
+
+/// Longer warm-up changes nothing that a sensor shows.
+TEST(EnergyPlusReplay, StartIsForgottenWhenTheRecordingBegins) {
+  AIRSIDE_NEEDS_ENGINE();
+  const RunFolder folder;
+  const ReplayOptions kept{.keep = folder.path() / "kept"};
+  replay_energyplus(twin(), first_hours(30), kept);
+  const EsoFile ours(kept.keep / "out" / "eplusout.eso");
+  nlohmann::json model = read_json(kept.keep / "model.epJSON");
+  model["Building"].begin().value()["minimum_number_of_warmup_days"] = 25;
+  std::ofstream(kept.keep / "model.epJSON") << model;
+  ASSERT_EQ(plain_energyplus(kept.keep, "weather.epw"), 0);
+  const EsoFile longer(kept.keep / "out" / "eplusout.eso");
+  double most = 0;
+  for (const auto& zones : {twin().names.interior_zones, twin().names.perimeter_zones}) {
+    for (const auto& zone : zones) {
+      const auto& a = ours.of(zone + ",Zone Mean Air Temperature");
+      const auto& b = longer.of(zone + ",Zone Mean Air Temperature");
+      for (std::size_t step = replay_lead_days * 480; step < a.size(); ++step)
+        most = std::max(most, std::abs(a[step] - b[step]));
+    }
+  }
+  std::printf("  25 days of warm-up: %.5f K at most\n", most);
+  EXPECT_LT(most, 0.005);
 }
 
 TEST(EnergyPlusReplay, CommandsReachTheEngineToTheLastDigit) {
