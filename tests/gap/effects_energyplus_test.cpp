@@ -17,8 +17,10 @@
 #include "sim/epjson_lint.hpp"
 #include "sim/epw.hpp"
 #include "sim/merge_patch.hpp"
+#include "sim/synthetic_weather.hpp"
 #include "tools/gap/energyplus_engine.hpp"
 #include "tools/gap/residual.hpp"
+#include "tools/gap/responses.hpp"
 
 #define AIRSIDE_NEEDS_ENGINE()                                                                  \
   if (!airside::sim::have_energyplus())                                                         \
@@ -243,6 +245,72 @@ TEST(EffectsOnEnergyPlus, ThermostatsAnswerWithDuty) {
     const ChannelTable response = response_of(tables[i + 1], tables[0]);
     EXPECT_TRUE(response.allFinite());
     expect_shown(ran[i], effect_named(ran[i].effect).probe[1], response, twin.channels());
+  }
+}
+
+/// An RC room that spares runs as the engine does, and counts them.
+class SparingRoom final : public tools::gap::Engine {
+ public:
+  explicit SparingRoom(bool spares) : spares_(spares) {}
+  ChannelTable simulate(const tools::gap::Changes& changes, const Recording& recording) const override {
+    ++runs;
+    return room_.simulate(changes, recording);
+  }
+  Channels channels() const override { return room_.channels(); }
+  std::array<bool, facades> has_facade() const override { return room_.has_facade(); }
+  bool can(const Effect& effect) const override { return room_.can(effect); }
+  bool spares_runs() const override { return spares_; }
+  std::string description() const override { return room_.description(); }
+  mutable int runs = 0;
+
+ private:
+  RcEngine room_{make_room()};
+  bool spares_;
+};
+
+TEST(Responses, EngineThatSparesRunsTakesParametersFromTheProbesAroundThem) {
+  const SparingRoom every(false), sparing(true);
+  const Channels five = every.channels();
+  const Recording weekend = eventful_recording(synthetic_weather(3), civil_midnight(2021, 7, 2), 3, 12, 4);
+  tools::gap::Library some;
+  for (const char* name : {"solar_gain", "vav_flow", "mixing_interior", "fcu_degraded", "gain_occupied"}) {
+    for (const EffectAt& at : places_of(effect_named(name), five, every.has_facade())) {
+      some.parameters.push_back(at);
+      some.candidates.push_back(at);
+    }
+  }
+  // Kept out of the candidates: nothing to take it from.
+  some.candidates.pop_back();
+  int done = 0;
+  const auto simulated = simulate_responses(every, some, weekend, true, 1);
+  const auto spared = simulate_responses(sparing, some, weekend, true, 1, [&done] { ++done; });
+  EXPECT_EQ(every.runs, static_cast<int>(tools::gap::runs_of(some, true)));
+  EXPECT_EQ(done, every.runs);
+  ASSERT_EQ(spared.parameters.size(), simulated.parameters.size());
+  int saved = 0;
+  for (std::size_t i = 0; i < spared.parameters.size(); ++i) {
+    const Eigen::MatrixXd& there = simulated.parameters[i].response;
+    const Eigen::MatrixXd& here = spared.parameters[i].response;
+    const std::string id = some.parameters[i].id();
+    // A fan coil's probes lie on the worse side, its parameter on the better one; twice the mixing is not twice the
+    // response.
+    if (id.starts_with("fcu_degraded") || id == "mixing_interior" || id == "gain_occupied") {
+      EXPECT_EQ(here, there) << id;
+      continue;
+    }
+    ++saved;
+    const auto temps = [&five](const Eigen::MatrixXd& x) { return x.leftCols(five.power()); };
+    std::printf("  %-18s off by %.3f of its response\n", id.c_str(),
+                (temps(here) - temps(there)).norm() / temps(there).norm());
+    EXPECT_GT(temps(there).norm(), 0) << id;
+    EXPECT_LT((temps(here) - temps(there)).norm(), 0.15 * temps(there).norm()) << id;
+  }
+  EXPECT_GT(saved, 5);
+  EXPECT_EQ(sparing.runs, every.runs - saved);
+  ASSERT_EQ(spared.candidates.size(), simulated.candidates.size());
+  for (std::size_t i = 0; i < spared.candidates.size(); ++i) {
+    EXPECT_EQ(spared.candidates[i].response, simulated.candidates[i].response);
+    EXPECT_EQ(spared.candidates[i].probe, simulated.candidates[i].probe);
   }
 }
 

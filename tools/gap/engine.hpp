@@ -23,6 +23,8 @@ class Engine {
   virtual sim::Channels channels() const = 0;
   virtual std::array<bool, sim::facades> has_facade() const = 0;
   virtual bool can(const sim::Effect& effect) const = 0;
+  /// Whether a run costs so much that what other runs tell is not simulated again.
+  virtual bool spares_runs() const { return false; }
   /// "rc room 301", for reports.
   virtual std::string description() const = 0;
 };

@@ -42,10 +42,12 @@ struct Library {
 };
 Library library_of(const Engine& engine, const std::vector<sim::Effect>& effects);
 
-/// How many runs simulate_responses() makes.
+/// How many runs simulate_responses() makes, at most; done() is called so often.
 std::size_t runs_of(const Library& library, bool with_candidates);
 
-/// Cost: runs_of() simulations on `jobs` threads.
+/// An engine that spares runs simulates no parameter whose effect's probes are simulated anyway and enclose its
+/// standard deviation: its response is the parabola's through null and both probes. Cost: runs_of() simulations on
+/// `jobs` threads, at most.
 Responses simulate_responses(const Engine& engine, const Library& library, const sim::Recording& recording,
                              bool with_candidates, int jobs, const std::function<void()>& done = {});
 
