@@ -4,6 +4,8 @@
 
 #include <cstdio>
 #include <map>
+#include <mutex>
+#include <optional>
 
 #include "hal/input_error.hpp"
 #include "sim/merge_patch.hpp"
@@ -13,6 +15,7 @@
 #include "tools/gap/case_file.hpp"
 #include "tools/gap/confusion_svg.hpp"
 #include "tools/gap/fit_command.hpp"
+#include "tools/gap/parallel.hpp"
 #include "tools/gap/patched_model.hpp"
 #include "tools/gap/score.hpp"
 #include "tools/gap/verdict_json.hpp"
@@ -50,64 +53,86 @@ struct EffectsCommand : GapOptions {
   }
 };
 
-/// Cases of one window share what effects would do in it.
-class ResponseStore {
- public:
-  ResponseStore(const std::vector<sim::Effect>& effects, int jobs) : effects_(effects), jobs_(jobs) {}
-
-  const gap::WindowResponses& of(const gap::LoadedCase& c) {
-    const std::string key = c.window.empty() ? "case " + c.name : c.window;
-    const auto found = store_.find(key);
-    if (found != store_.end()) return found->second;
-    if (c.window.empty()) store_.clear();  // nobody else will ask for it
-    const gap::Library library = gap::library_of(*c.engine, effects_);
-    Progress bar("responses of " + c.engine->description(), 2 * gap::runs_of(library, true));
-    const auto responses = [&](const gap::Window& window) {
-      return gap::simulate_responses(*c.engine, library, window.recording, true, jobs_, [&bar] { bar.advance(); });
-    };
-    auto& made = store_[key];
-    made = {responses(c.data.reference), responses(c.data.test)};
-    bar.finish();
-    return made;
-  }
-
- private:
-  const std::vector<sim::Effect>& effects_;
-  int jobs_;
-  std::map<std::string, gap::WindowResponses> store_;
-};
-
 struct RunCasesCommand : GapOptions {
   std::string folder, out = "verdicts.json", cache;
 
+  using Done = std::function<void(const fs::path&, nlohmann::json)>;
+
+  /// What effects would do in both windows of a case.
+  static gap::WindowResponses responses_of(const gap::LoadedCase& c, const std::vector<sim::Effect>& list, int threads,
+                                           const std::function<void()>& advance) {
+    const gap::Library library = gap::library_of(*c.engine, list);
+    const auto responses = [&](const gap::Window& window) {
+      return gap::simulate_responses(*c.engine, library, window.recording, true, threads, advance);
+    };
+    return {responses(c.data.reference), responses(c.data.test)};
+  }
+
   /// One bad log among hundreds of cases is a verdict too.
-  nlohmann::json verdict_on(const fs::path& path, const std::string& name, ResponseStore& store) const {
+  std::optional<gap::LoadedCase> load(const fs::path& path, const Done& done) const {
+    const std::string name = path.filename().string();
     try {
-      const gap::LoadedCase c = gap::load_case(gap::read_case(path), name, cache);
-      const gap::WindowResponses& responses = store.of(c);
-      const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses);
-      return gap::json_of(verdict, name, responses.test, c.engine->channels());
+      return gap::load_case(gap::read_case(path), name, cache);
     } catch (const gap::RefusedLog& e) {
       fmt::print(stderr, "{}: refused: {}\n", name, e.what());
-      return gap::refused_json(name, e.what());
+      done(path, gap::refused_json(name, e.what()));
+      return std::nullopt;
     }
+  }
+
+  static void judge(const fs::path& path, const gap::LoadedCase& c, const gap::WindowResponses& responses,
+                    const Done& done) {
+    const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses);
+    done(path, gap::json_of(verdict, c.name, responses.test, c.engine->channels()));
+  }
+
+  void judge_window(const std::vector<fs::path>& cases, const std::vector<sim::Effect>& list, const Done& done) const {
+    std::optional<gap::WindowResponses> shared;
+    std::size_t first = 0;
+    for (; first < cases.size() && !shared; ++first) {
+      const auto c = load(cases[first], done);
+      if (!c) continue;
+      Progress bar("responses of " + c->engine->description(),
+                   2 * gap::runs_of(gap::library_of(*c->engine, list), true));
+      shared = responses_of(*c, list, jobs, [&bar] { bar.advance(); });
+      bar.finish();
+      judge(cases[first], *c, *shared, done);
+    }
+    gap::in_parallel(cases.size() - first, jobs, [&](std::size_t i) {
+      const fs::path& path = cases[first + i];
+      if (const auto c = load(path, done)) judge(path, *c, *shared, done);
+    });
   }
 
   void run() const {
     require_writable("--out", out, false);
     const auto list = effects();
     const auto folders = gap::case_folders(folder);
-    ResponseStore store(list, jobs);
+    std::map<std::string, std::vector<fs::path>> windows;
+    std::vector<fs::path> alone;
+    for (const fs::path& path : folders) {
+      const gap::CaseDescription c = gap::read_case(path);
+      (gap::shares_responses(c) ? windows[gap::shared_window_of(c)] : alone).push_back(path);
+    }
+    std::map<fs::path, nlohmann::json> found;
+    std::mutex mutex;
+    Progress bar(fmt::format("{} cases", folders.size()), folders.size());
+    const Done done = [&](const fs::path& path, nlohmann::json verdict) {
+      const std::lock_guard lock(mutex);
+      found[path] = std::move(verdict);
+      bar.advance();
+    };
+    for (const auto& [window, cases] : windows) judge_window(cases, list, done);
+    gap::in_parallel(alone.size(), jobs, [&](std::size_t i) {
+      if (const auto c = load(alone[i], done)) judge(alone[i], *c, responses_of(*c, list, 1, {}), done);
+    });
+    bar.finish();
     nlohmann::json verdicts = nlohmann::json::array();
     std::map<std::string, int> count;
-    Progress bar(fmt::format("{} cases", folders.size()), folders.size());
     for (const fs::path& path : folders) {
-      const std::string name = path.filename().string();
-      verdicts.push_back(verdict_on(path, name, store));
+      verdicts.push_back(std::move(found[path]));
       ++count[verdicts.back()["verdict"].get<std::string>()];
-      bar.advance();
     }
-    bar.finish();
     gap::write_whole_file(out, nlohmann::json{{"format", 1}, {"verdicts", verdicts}}.dump(1) + "\n");
     if (json) {
       fmt::print("{}\n", nlohmann::json{{"cases", folders.size()}, {"verdicts", out}, {"count", count}}.dump());

@@ -207,8 +207,8 @@ struct SiteCommand : GapOptions {
     say_log(stdout, run.loaded.logs.measured);
     fmt::print("{}\n", gap::sentence_of(run));
     for (const gap::Finding& f : run.verdict.findings) {
-      fmt::print("  {}: gain {:.0f} (limit {:.0f}), {:.1f} x the next; on site: {}\n", f.at.id(), f.gain,
-                 run.verdict.gain_limit, std::min(f.margin, 999.0), f.at.effect->confirm);
+      fmt::print("  {}: gain {:.0f} (limit {:.0f}), {:.1f} x the next; on site: {}\n", f.at.id(), f.gain, f.gain_limit,
+                 std::min(f.margin, 999.0), f.at.effect->confirm);
     }
     const auto& days = j["locked_days"];
     const auto figure = [&days](const char* when, const char* what) { return days[when][what].get<double>(); };

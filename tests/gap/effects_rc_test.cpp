@@ -31,7 +31,7 @@ TEST(EffectOnRc, ShowsInItsChannelsWithThePhysicalSign) {
       const ChannelTable response = rc_response(effect, expected.place, probe);
       ASSERT_TRUE(response.allFinite()) << which;
       const ShownResponse shown = shown_in(response, five, expected.shown);
-      EXPECT_GT(shown.largest, 0.015) << which << ": no more than rounding to 0.01";
+      EXPECT_GT(shown.largest, 0.01) << which << ": no more than a sensor's resolution";
       if (expected.sign != 0) {
         EXPECT_GT(expected.sign * (probe > effect.null_value ? 1 : -1) * shown.mean, 0) << which;
       }

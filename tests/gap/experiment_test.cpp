@@ -1,5 +1,6 @@
 // Two effects that a log cannot tell apart: the proposed test must, on a room that is not the model.
 #include "tools/gap/experiment.hpp"
+#include "tools/gap/null_blocks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -54,6 +55,7 @@ struct AlikeCase {
   Window reference, test;
   Responses at_reference, at_test;
   ReferenceFit fit;
+  Nuisance nuisance;
   Changes fitted;
   std::vector<sim::EffectChange> members;  ///< the hidden one first
   double gain_hidden = 0, gain_other = 0;
@@ -80,12 +82,13 @@ struct AlikeCase {
     at_test = simulate_responses(engine, library, test.recording, true, 1);
     fit = fit_reference(engine, at_reference, reference);
     fitted = fit.changes(at_test.parameters);
+    nuisance = null_blocks(fit, at_reference, reference).nuisance;
     for (const sim::EffectAt& at : {sim::EffectAt{&effect(hidden.effect), hidden.place}, other}) fit_member(at);
   }
 
   void fit_member(const sim::EffectAt& at) {
     const auto kept = counted_bins(test.measured.rows());
-    const Metric metric(nuisance_directions(fit, at_test, kept, test.measured));
+    const Metric metric(nuisance_directions(fit, at_test, kept, test.measured, nuisance));
     const auto whiten = [&](const Eigen::MatrixXd& x) { return fit.noise.whiten(x, kept, test.measured); };
     const Eigen::MatrixXd base = binned(engine.simulate(fitted, test.recording));
     const Eigen::MatrixXd residual = test.measured - base - fit.structural(at_test);
@@ -111,7 +114,9 @@ struct AlikeCase {
   }
 
   std::vector<ExperimentProposal> propose() const {
-    return propose_experiments(engine, test, fit, at_test, members, fitted, 1);
+    ExperimentRules rules;
+    rules.nuisance = nuisance;
+    return propose_experiments(engine, test, fit, at_test, members, fitted, 1, rules);
   }
 
   /// Does the test on the true room, a week later, and returns the 2 ln likelihood by which the hidden member has
@@ -156,7 +161,7 @@ struct AlikeCase {
     done.measured = binned(table);
     const Responses at_done = simulate_responses(engine, library, done.recording, true, 1);
     const ExperimentOutcome outcome =
-        judge_experiment(engine, test, done, commands->first_row, fit, at_test, at_done, members, fitted);
+        judge_experiment(engine, test, done, commands->first_row, fit, at_test, at_done, members, fitted, nuisance);
     return outcome.both[0] - outcome.both[1] - (outcome.window[0] - outcome.window[1]);
   }
 };

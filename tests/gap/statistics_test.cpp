@@ -115,56 +115,76 @@ TEST(Metric, IsTheInverseCovarianceOfNoiseAndParameters) {
   const Eigen::VectorXd along = j.col(2);
   EXPECT_GT(metric.dot(along, along), 0);
   EXPECT_LT(metric.dot(along, along), 1.0 + 1e-12);
-  EXPECT_NEAR(cosine(metric, a, a), 1, 1e-12);
-  EXPECT_NEAR(cosine(metric, a, -a), -1, 1e-12);
+  EXPECT_NEAR(metric.squares(b)(0), metric.dot(b, b), 1e-12);
 }
 
 struct Scored {
   sim::Effect heat, cool;
   std::vector<Candidate> candidates;
-  std::vector<Eigen::VectorXd> z;
+  Eigen::MatrixXd z{200, 4};
 
   Scored() {
     heat.name = "heat", cool.name = "cool";
     for (const sim::Effect* e : {&heat, &cool}) {
       for (const double sign : {1.0, -1.0}) {
+        z.col(std::ssize(candidates)) = sign * random_matrix(200, 1, e == &heat ? 8 : 9);
         candidates.push_back({{e, 0}, sign, {}});
-        z.push_back(sign * random_matrix(200, 1, e == &heat ? 8 : 9));
       }
     }
+  }
+
+  std::vector<Score> scores(const Eigen::VectorXd& residual, const std::vector<std::size_t>& chosen = {},
+                            const Eigen::MatrixXd& j = Eigen::MatrixXd::Zero(200, 1)) const {
+    const CandidateEvidence evidence(candidates, z, Metric(j));
+    return Selection(evidence, chosen).scores(residual);
   }
 };
 
 TEST(Scores, FindTheEffectItsSizeAndItsGain) {
   const Scored s;
-  const Metric metric(Eigen::MatrixXd::Zero(200, 1));
-  const Eigen::VectorXd residual = 0.7 * s.z[3] + 0.01 * random_matrix(200, 1, 10);
-  const auto scores = score_candidates(s.candidates, s.z, metric, residual);
+  const Eigen::VectorXd residual = 0.7 * s.z.col(3) + 0.01 * random_matrix(200, 1, 10);
+  const auto scores = s.scores(residual);
   ASSERT_EQ(scores.size(), 2U) << "one a place, the better of its two directions";
   EXPECT_EQ(scores[0].candidate, 3U);
   EXPECT_NEAR(scores[0].steps, 0.7, 0.01);
-  EXPECT_NEAR(scores[0].steps_sd, 1 / s.z[3].norm(), 1e-9);
-  EXPECT_NEAR(scores[0].gain, 0.49 * s.z[3].squaredNorm(), 3);
+  EXPECT_NEAR(scores[0].steps_sd, 1 / s.z.col(3).norm(), 1e-9);
+  EXPECT_NEAR(scores[0].gain, 0.49 * s.z.col(3).squaredNorm(), 3);
   EXPECT_LT(scores[1].gain, 0.1 * scores[0].gain);
 }
 
 TEST(Scores, NothingIsGainedTheWrongWay) {
   Scored s;
   s.candidates.resize(1);  // an effect with one physical sign
-  s.z.resize(1);
-  const Metric metric(Eigen::MatrixXd::Zero(200, 1));
-  const auto scores = score_candidates(s.candidates, s.z, metric, -s.z[0]);
+  s.z.conservativeResize(Eigen::NoChange, 1);
+  const auto scores = s.scores(-s.z.col(0));
   ASSERT_EQ(scores.size(), 1U);
   EXPECT_EQ(scores[0].gain, 0);
 }
 
 TEST(Scores, AParameterThatCouldHaveDoneItTakesTheGainAway) {
   const Scored s;
-  const Eigen::VectorXd residual = s.z[0];
-  const double open = score_candidates(s.candidates, s.z, Metric(Eigen::MatrixXd::Zero(200, 1)), residual)[0].gain;
-  const double shared = score_candidates(s.candidates, s.z, Metric(Eigen::MatrixXd(s.z[0])), residual)[0].gain;
+  const Eigen::VectorXd residual = s.z.col(0);
+  const double open = s.scores(residual)[0].gain, shared = s.scores(residual, {}, s.z.col(0))[0].gain;
   EXPECT_GT(open, 100);
   EXPECT_LT(shared, 1.1);
+}
+
+TEST(Selection, IsTheMetricInWhichChosenMagnitudesAreFree) {
+  const Scored s;
+  const Eigen::MatrixXd j = random_matrix(200, 5, 11);
+  const CandidateEvidence evidence(s.candidates, s.z, Metric(j));
+  const Selection selection(evidence, {0});
+  Eigen::MatrixXd free(200, 6);
+  free << j, 1e5 * s.z.col(0);
+  const Metric expected(free);
+  const Eigen::VectorXd v = random_matrix(200, 1, 12);
+  EXPECT_LT((selection.times(v) - expected.times(v)).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_NEAR(selection.dot(2, 2), expected.dot(s.z.col(2), s.z.col(2)), 1e-5);
+  EXPECT_NEAR(selection.cosine(2, 3), -1, 1e-9);
+  const Eigen::VectorXd chosen = 3 * s.z.col(0) + 0.5 * s.z.col(2);
+  const auto scores = selection.scores(chosen);
+  EXPECT_EQ(scores[0].candidate, 2U) << "what is chosen already explains the larger part";
+  EXPECT_NEAR(scores[0].steps, 0.5, 1e-6);
 }
 
 }  // namespace

@@ -37,6 +37,9 @@ struct Stage {
     if (!with_responses) return;
     data.reference = window(real, reference, {});
     data.test = window(real, after(), {});
+    responses = {responses_in(data.reference), responses_in(data.test)};
+  }
+  Responses responses_in(const Window& w) const {
     // A part of the library, to be quick.
     Library library = library_of(engine, effects);
     std::erase_if(library.candidates, [](const sim::EffectAt& at) {
@@ -44,8 +47,7 @@ struct Stage {
                                                  "fan_power", "clock_shift",      "gain_zone",  "fcu_degraded"};
       return std::find(kept.begin(), kept.end(), at.effect->name) == kept.end();
     });
-    responses = {simulate_responses(engine, library, data.reference.recording, true, 2),
-                 simulate_responses(engine, library, data.test.recording, true, 2)};
+    return simulate_responses(engine, library, w.recording, true, 2);
   }
   MeasuredRun after() const {
     MeasuredRun run = reference;
@@ -59,7 +61,7 @@ struct Stage {
   Verdict verdict(const std::vector<Hidden>& hidden) const {
     CaseData with = data;
     with.test = window(hide(real, hidden, effects), after(), hidden);
-    return analyse(engine, with, responses);
+    return analyse(engine, with, {responses.reference, responses_in(with.test)});
   }
 };
 

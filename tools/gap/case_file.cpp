@@ -112,6 +112,12 @@ void write_case(const fs::path& folder, const CaseDescription& c) {
   }
 }
 
+bool shares_responses(const CaseDescription& c) { return c.engine == "energyplus" && !c.window.empty(); }
+
+std::string shared_window_of(const CaseDescription& c) {
+  return fmt::format("{}|{}|{}|{}|{}|{}", c.engine, c.model, fmt::join(c.patches, ","), c.weather, c.window, c.duties);
+}
+
 nlohmann::json model_of(const CaseDescription& c) {
   if (c.engine == "energyplus") {
     const sim::EnergyPlusOptions options = energyplus_options_of(c);
@@ -175,8 +181,6 @@ void require_apart(const CaseLogs& logs) {
 LoadedCase load_case(const CaseDescription& c, const std::string& name, const fs::path& cache) {
   LoadedCase loaded;
   loaded.name = name;
-  loaded.window =
-      c.window.empty() ? "" : fmt::format("{}|{}|{}|{}|{}", c.engine, c.model, c.weather, c.window, c.duties);
   const hal::TopologyCounts counts = built_in_site(c.topology).counts;
   if (c.engine == "rc") {
     loaded.engine = std::make_unique<RcEngine>(room_of(c, counts));

@@ -21,8 +21,7 @@ struct CaseLogs {
 };
 
 struct LoadedCase {
-  std::string name;    ///< the folder's
-  std::string window;  ///< cases of one window and one model share responses; empty: shares with none
+  std::string name;  ///< the folder's
   std::unique_ptr<Engine> engine;
   CaseLogs logs;
   CaseData data;
@@ -48,7 +47,7 @@ struct CaseDescription {
   std::string reference_log, measured_log;
   int reference_days = 0;  ///< > 0, without a reference log: so many days of the measured log are the reference
   std::string topology = "5vav-5fcu-2power";
-  std::string window;
+  std::string window;  ///< cases of one window and one model share responses; empty: shares with none
   bool duties = true;
 };
 
@@ -56,6 +55,13 @@ struct CaseDescription {
 CaseDescription read_case(const std::filesystem::path& folder);
 /// Writes case.json; paths are written as they stand.
 void write_case(const std::filesystem::path& folder, const CaseDescription& description);
+
+/// Whether effects may be simulated under another case's commands. A response belongs to the commands under which it
+/// was simulated: boxes and fan coils that were off at other times make another one. That is only borne where a
+/// response costs seconds.
+bool shares_responses(const CaseDescription& description);
+/// Equal for cases that share responses.
+std::string shared_window_of(const CaseDescription& c);
 
 /// The model as the user has it, before any effect: the epJSON with its patches, or the room file.
 /// Errors: hal::InputError of unreadable files and unknown names.

@@ -12,7 +12,7 @@ namespace airside::tools::gap {
 
 sim::ChannelTable RcEngine::simulate(const Changes& changes, const sim::Recording& recording) const {
   const sim::ChannelTable table =
-      sim::replay_rc(sim::changed_room(room_, changes), sim::changed_recording(recording, changes));
+      sim::replay_rc(sim::changed_room(room_, changes), sim::changed_recording(recording, changes), true, false);
   return sim::changed_sensors(table, channels(), changes);
 }
 

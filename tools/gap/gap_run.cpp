@@ -19,12 +19,13 @@ namespace {
 using nlohmann::json;
 
 /// Standard deviations of fitted parameters are of the posterior, inflated as the workflow inflates it.
-std::vector<ReferenceParameter> reference_parameters(const ReferenceFit& fit, const Responses& responses) {
+std::vector<ReferenceParameter> reference_parameters(const ReferenceFit& fit, const Nuisance& nuisance,
+                                                     const Responses& responses) {
   const Changes changes = fit.changes(responses.parameters);
   std::vector<ReferenceParameter> fitted;
   for (std::size_t i = 0; i < changes.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    const double variance = Nuisance{}.inflation * fit.covariance(k, k);
+    const double variance = nuisance.inflation * fit.covariance(k, k);
     fitted.push_back({changes[i], responses.parameters[i].prior_sd * std::sqrt(std::max(0.0, variance))});
   }
   return fitted;
@@ -125,12 +126,12 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   run.responses = {responses(data.reference), responses(data.test)};
   bar.finish();
 
-  Progress judging("fitting, comparing, checking on locked days", 3);
+  Progress judging("fitting, comparing, checking on locked days", 2);
   run.verdict = analyse(engine, data, run.responses, run.rules);
   judging.advance();
-  run.fit = fit_reference(engine, run.responses.reference, data.reference);
-  run.parameters = reference_parameters(run.fit, run.responses.test);
-  judging.advance();
+  const ReferenceFit& fit = run.verdict.fit;
+  const Nuisance& nuisance = run.verdict.nulls.nuisance;
+  run.parameters = reference_parameters(fit, nuisance, run.responses.test);
   if (!request.findings_only) {
     for (const ReferenceParameter& p : run.parameters) run.before.push_back(p.change);
   }
@@ -143,11 +144,15 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   run.residual_before = run.before.empty() ? run.residual_given : residual_of(run.before);
   run.residual_after = run.verdict.findings.empty() ? run.residual_before : residual_of(run.after);
   if (run.verdict.kind == VerdictKind::ambiguous) {
-    run.experiments = propose_experiments(engine, data.test, run.fit, run.responses.test, rivals(run),
-                                          run.fit.changes(run.responses.test.parameters), request.jobs);
+    ExperimentRules rules;
+    rules.nuisance = nuisance;
+    run.experiments = propose_experiments(engine, data.test, fit, run.responses.test, rivals(run),
+                                          fit.changes(run.responses.test.parameters), request.jobs, rules);
   } else if (run.verdict.kind == VerdictKind::unknown) {
-    run.heat = reconstruct_heat(engine, data.test, run.fit, run.responses.test,
-                                run.fit.changes(run.responses.test.parameters), request.jobs);
+    HeatRules rules;
+    rules.nuisance = nuisance;
+    run.heat = reconstruct_heat(engine, data.test, fit, run.responses.test, fit.changes(run.responses.test.parameters),
+                                request.jobs, rules);
   }
   judging.finish();
 

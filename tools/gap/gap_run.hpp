@@ -38,7 +38,6 @@ struct GapRun {
   LoadedCase loaded;
   WindowResponses responses;
   Verdict verdict;
-  ReferenceFit fit;
   std::vector<ReferenceParameter> parameters;
   Changes before, after;                        ///< to the model as given: parameters; and what was found
   Eigen::MatrixXd residual_given;               ///< of the model as given

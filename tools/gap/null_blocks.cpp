@@ -16,14 +16,23 @@ struct LeftOut {
   Eigen::MatrixXd covariance;
   Eigen::VectorXd residual;
 
-  Metric metric(const Nuisance& settings) const { return Metric(nuisance.scaled(covariance, settings)); }
+  Eigen::MatrixXd products;  // N'N of the nuisances as they stand
+  Eigen::VectorXd along;     // N'r
 };
 
+/// As by a Metric of each block, from products that do not depend on the sizes.
 double log_probability(const std::vector<LeftOut>& blocks, const Nuisance& settings) {
   double sum = 0;
   for (const LeftOut& block : blocks) {
-    const Metric metric = block.metric(settings);
-    sum -= 0.5 * (metric.dot(block.residual, block.residual) + metric.log_det());
+    const Eigen::MatrixXd root = block.nuisance.mixing(block.covariance, settings);
+    const auto lower = root.triangularView<Eigen::Lower>();
+    const Eigen::MatrixXd right = block.products * lower;
+    Eigen::MatrixXd inner = root.transpose().triangularView<Eigen::Upper>() * right;
+    inner.diagonal().array() += 1;
+    const Eigen::LLT<Eigen::MatrixXd> factor(inner);
+    const Eigen::VectorXd along = root.transpose().triangularView<Eigen::Upper>() * block.along;
+    const double log_det = 2 * factor.matrixLLT().diagonal().array().log().sum();
+    sum -= 0.5 * (block.residual.squaredNorm() - along.dot(factor.solve(along)) + log_det);
   }
   return sum;
 }
@@ -74,13 +83,18 @@ NullBlocks null_blocks(const ReferenceFit& fit, const Responses& responses, cons
 
     const Eigen::MatrixXd j = nuisance_responses(fit, responses, others, window.measured).directions;
     const Eigen::Index count = j.cols();
-    const auto normal = (j.transpose() * j + Eigen::MatrixXd::Identity(count, count)).eval().ldlt();
+    Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(count, count);
+    inner.selfadjointView<Eigen::Lower>().rankUpdate(j.transpose());
+    const Eigen::LDLT<Eigen::MatrixXd> normal(inner.selfadjointView<Eigen::Lower>());
     const Eigen::VectorXd change =
         normal.solve(j.transpose() * fit.noise.whiten(fit.residual, others, window.measured) - fit.estimate);
     block.covariance = normal.solve(Eigen::MatrixXd::Identity(count, count));
     block.nuisance = nuisance_responses(fit, responses, block.kept, window.measured).rows(block.first, block.count);
     block.residual = fit.noise.whiten(fit.residual, block.kept, window.measured).segment(block.first, block.count) -
                      block.nuisance.directions * change;
+    const Eigen::MatrixXd nuisances = block.nuisance.joined();
+    block.products = nuisances.transpose() * nuisances;
+    block.along = nuisances.transpose() * block.residual;
     blocks.push_back(std::move(block));
   }
 
@@ -91,12 +105,14 @@ NullBlocks null_blocks(const ReferenceFit& fit, const Responses& responses, cons
   if (blocks.empty()) return out;
   out.nuisance = most_probable(blocks);
   for (const LeftOut& block : blocks) {
-    const Metric metric = block.metric(out.nuisance);
-    std::vector<Eigen::VectorXd> z;
-    for (const Candidate& c : responses.candidates) {
-      z.push_back(fit.noise.whiten(c.response, block.kept, window.measured).segment(block.first, block.count));
+    Eigen::MatrixXd z(block.count, std::ssize(responses.candidates));
+    for (Eigen::Index k = 0; k < z.cols(); ++k) {
+      const Candidate& c = responses.candidates[static_cast<std::size_t>(k)];
+      z.col(k) = fit.noise.whiten(c.response, block.kept, window.measured).segment(block.first, block.count);
     }
-    for (const Score& score : score_candidates(responses.candidates, z, metric, block.residual)) {
+    const CandidateEvidence evidence(responses.candidates, std::move(z),
+                                     Metric(block.nuisance.scaled(block.covariance, out.nuisance)));
+    for (const Score& score : Selection(evidence).scores(block.residual)) {
       // The two directions of one place stand beside each other; only the better has a score.
       for (const std::size_t i : {score.candidate & ~std::size_t{1}, score.candidate | 1}) {
         out.gain[i] = std::max(out.gain[i], score.gain);
@@ -104,7 +120,8 @@ NullBlocks null_blocks(const ReferenceFit& fit, const Responses& responses, cons
       out.best_gain = std::max(out.best_gain, score.gain);
     }
     const double samples = std::max(1.0, static_cast<double>((block.residual.array() != 0).count()));
-    out.leftover = std::max(out.leftover, metric.dot(block.residual, block.residual) / samples / fit.leftover);
+    out.leftover =
+        std::max(out.leftover, evidence.metric().dot(block.residual, block.residual) / samples / fit.leftover);
   }
   return out;
 }

@@ -82,7 +82,7 @@ ReferenceFit fit_reference(const Engine& engine, const Responses& responses, con
   };
   // The first noise model is of an unfitted model: too wide and too slow. What it fits is fitted again with a better
   // one.
-  for (int iteration = 0; iteration < 4; ++iteration) {
+  for (int iteration = 0; iteration < 6; ++iteration) {
     fit.noise = noise_of(residual);
     if (iteration == 1) fit.structural_scale = scale_of(responses, fit.noise.spread());
     const auto directions = directions_of(responses, fit.structural_scale);
@@ -90,9 +90,11 @@ ReferenceFit fit_reference(const Engine& engine, const Responses& responses, con
     fit.estimate.conservativeResizeLike(Eigen::VectorXd::Zero(count));
     const Eigen::MatrixXd j = whitened(fit.noise, directions, kept, window.measured);
     const Eigen::VectorXd r = fit.noise.whiten(residual, kept, window.measured);
-    const auto normal = (j.transpose() * j + Eigen::MatrixXd::Identity(count, count)).eval().ldlt();
+    Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(count, count);
+    inner.selfadjointView<Eigen::Lower>().rankUpdate(j.transpose());
+    const Eigen::LDLT<Eigen::MatrixXd> normal(inner.selfadjointView<Eigen::Lower>());
     // The step from where the residual stands, drawn to the prior's mean, not to the last estimate.
-    fit.estimate = (fit.estimate + normal.solve(j.transpose() * r - fit.estimate)).cwiseMax(-4.0).cwiseMin(4.0);
+    fit.estimate = (fit.estimate + normal.solve(j.transpose() * r - fit.estimate)).cwiseMax(-8.0).cwiseMin(8.0);
     fit.covariance = normal.solve(Eigen::MatrixXd::Identity(count, count));
     residual = window.measured -
                binned(engine.simulate(changes_of(responses.parameters, fit.estimate), window.recording)) -

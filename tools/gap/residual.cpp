@@ -21,6 +21,33 @@ double floor_of(const sim::Channels& channels, int column) {
   return duty ? 0.05 : power ? 0.02 : 0.006;
 }
 
+double mean_of(const Eigen::VectorXd& x) {
+  double sum = 0;
+  int count = 0;
+  for (const double value : x) {
+    if (!std::isfinite(value)) continue;
+    sum += value;
+    ++count;
+  }
+  return sum / std::max(1, count);
+}
+
+double root_mean_square(const Eigen::VectorXd& x) {
+  double square = 0;
+  int count = 0;
+  for (const double value : x) {
+    if (!std::isfinite(value)) continue;
+    square += value * value;
+    ++count;
+  }
+  return std::sqrt(square / std::max(1, count));
+}
+
+/// NaN where nothing was measured.
+Eigen::MatrixXd known(const Eigen::MatrixXd& x, const Eigen::MatrixXd& measured) {
+  return (measured.array().isFinite()).select(x, std::numeric_limits<double>::quiet_NaN());
+}
+
 }  // namespace
 
 Eigen::MatrixXd binned(const sim::ChannelTable& table) {
@@ -41,38 +68,41 @@ Eigen::MatrixXd binned(const sim::ChannelTable& table) {
   return out;
 }
 
-NoiseModel NoiseModel::fit(const Eigen::MatrixXd& residual, const sim::Channels& channels) {
-  const Eigen::Index n = residual.rows(), width = residual.cols();
+NoiseModel NoiseModel::fit(const Eigen::MatrixXd& all, const sim::Channels& channels) {
+  const Eigen::Index n = all.rows(), width = all.cols();
   NoiseModel model;
+  model.duties_ = channels.fcu_duty();
   model.phi_ = Eigen::MatrixXd::Zero(width, order);
   model.spread_ = Eigen::VectorXd::Zero(width);
+  const Eigen::MatrixXd residual = model.comparable(all);
   Eigen::MatrixXd innovation = Eigen::MatrixXd::Constant(n, width, std::numeric_limits<double>::quiet_NaN());
   for (Eigen::Index c = 0; c < width; ++c) {
-    const Eigen::VectorXd x = residual.col(c);
+    // About its mean: an error that stays is not noise that happens to be slow, and a fit must not be free to leave it.
+    const Eigen::VectorXd x = residual.col(c).array() - mean_of(residual.col(c));
+    const Eigen::Index step = model.step_of(c);
     Eigen::Matrix2d a = Eigen::Matrix2d::Zero();
     Eigen::Vector2d b = Eigen::Vector2d::Zero();
-    double square = 0;
     int count = 0;
-    const auto whole = [&x](Eigen::Index t) {
-      return std::isfinite(x(t)) && std::isfinite(x(t - 1)) && std::isfinite(x(t - 2));
+    const auto whole = [&x, step](Eigen::Index t) {
+      return std::isfinite(x(t)) && std::isfinite(x(t - step)) && std::isfinite(x(t - 2 * step));
     };
-    for (Eigen::Index t = order; t < n; ++t) {
+    for (Eigen::Index t = order * step; t < n; ++t) {
       if (!whole(t)) continue;
-      const Eigen::Vector2d past(x(t - 1), x(t - 2));
+      const Eigen::Vector2d past(x(t - step), x(t - 2 * step));
       a += past * past.transpose();
       b += past * x(t);
-      square += x(t) * x(t);
       ++count;
     }
     const double lowest = floor_of(channels, static_cast<int>(c));
-    model.spread_(c) = std::max(lowest, std::sqrt(square / std::max(1, count)));
+    model.spread_(c) = std::max(lowest, root_mean_square(all.col(c)));
     if (count < 20) continue;
     // A little ridge: a channel without noise must not get a pole at one.
     const double ridge = count * lowest * lowest;
-    const Eigen::Vector2d phi = (a + ridge * Eigen::Matrix2d::Identity()).ldlt().solve(b);
+    Eigen::Vector2d phi = (a + ridge * Eigen::Matrix2d::Identity()).ldlt().solve(b);
+    phi *= std::min(1.0, std::exp(-static_cast<double>(step) / memory_bins) / std::max(1e-9, phi.sum()));
     model.phi_.row(c) = phi.transpose();
-    for (Eigen::Index t = order; t < n; ++t) {
-      if (whole(t)) innovation(t, c) = x(t) - phi(0) * x(t - 1) - phi(1) * x(t - 2);
+    for (Eigen::Index t = order * step; t < n; ++t) {
+      if (whole(t)) innovation(t, c) = x(t) - phi(0) * x(t - step) - phi(1) * x(t - 2 * step);
     }
   }
   model.scale_ = Eigen::MatrixXd::Ones(width, blocks);
@@ -101,6 +131,8 @@ NoiseModel NoiseModel::fit(const Eigen::MatrixXd& residual, const sim::Channels&
   Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(width, width);
   for (Eigen::Index i = 0; i < width; ++i) {
     for (Eigen::Index j = 0; j < i; ++j) {
+      // A duty's means are rare; what the other channels say at other times must not be counted twice.
+      if ((i < model.duties_) != (j < model.duties_)) continue;
       double sum = 0;
       int count = 0;
       for (Eigen::Index t = order; t < n; ++t) {
@@ -120,18 +152,37 @@ NoiseModel NoiseModel::fit(const Eigen::MatrixXd& residual, const sim::Channels&
   return model;
 }
 
-Eigen::VectorXd NoiseModel::whiten(const Eigen::MatrixXd& x, const std::vector<bool>& kept,
-                                   const Eigen::MatrixXd& missing) const {
-  const Eigen::Index n = x.rows(), width = x.cols();
-  Eigen::MatrixXd e = Eigen::MatrixXd::Zero(width, std::max<Eigen::Index>(0, n - order));
-  for (Eigen::Index t = order; t < n; ++t) {
-    if (!kept[static_cast<std::size_t>(t)] || !kept[static_cast<std::size_t>(t - order)]) continue;
-    for (Eigen::Index c = 0; c < width; ++c) {
-      const double value = x(t, c) - phi_(c, 0) * x(t - 1, c) - phi_(c, 1) * x(t - 2, c);
-      if (std::isfinite(value) && std::isfinite(missing(t, c)) && std::isfinite(missing(t - 1, c)) &&
-          std::isfinite(missing(t - 2, c))) {
-        e(c, t - order) = value / scale_(c, static_cast<Eigen::Index>(block_of(t)));
+Eigen::MatrixXd NoiseModel::comparable(Eigen::MatrixXd x) const {
+  for (Eigen::Index c = duties_; c < x.cols(); ++c) {
+    const Eigen::VectorXd bins = x.col(c);
+    x.col(c).setConstant(std::numeric_limits<double>::quiet_NaN());
+    for (Eigen::Index end = duty_bins; end <= x.rows(); end += duty_bins) {
+      double sum = 0;
+      int count = 0;
+      for (Eigen::Index t = end - duty_bins; t < end; ++t) {
+        if (!std::isfinite(bins(t))) continue;
+        sum += bins(t);
+        ++count;
       }
+      if (count > duty_bins / 2) x(end - 1, c) = sum / count;
+    }
+  }
+  return x;
+}
+
+Eigen::VectorXd NoiseModel::whiten(const Eigen::MatrixXd& all, const std::vector<bool>& kept,
+                                   const Eigen::MatrixXd& missing) const {
+  const Eigen::Index n = all.rows(), width = all.cols();
+  const Eigen::MatrixXd x = comparable(known(all, missing));
+  Eigen::MatrixXd e = Eigen::MatrixXd::Zero(width, std::max<Eigen::Index>(0, n - order));
+  for (Eigen::Index c = 0; c < width; ++c) {
+    const Eigen::Index step = step_of(c);
+    // A mean of several bins reaches back to the first of them.
+    const Eigen::Index reach = (order + 1) * step - 1;
+    for (Eigen::Index t = reach; t < n; ++t) {
+      if (!kept[static_cast<std::size_t>(t)] || !kept[static_cast<std::size_t>(t - reach)]) continue;
+      const double value = x(t, c) - phi_(c, 0) * x(t - step, c) - phi_(c, 1) * x(t - 2 * step, c);
+      if (std::isfinite(value)) e(c, t - order) = value / scale_(c, static_cast<Eigen::Index>(block_of(t)));
     }
   }
   const Eigen::MatrixXd unit = unit_ * e;

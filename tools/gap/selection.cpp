@@ -6,8 +6,11 @@
 
 namespace airside::tools::gap {
 
-Metric::Metric(Eigen::MatrixXd j)
-    : j_(std::move(j)), inner_(j_.transpose() * j_ + Eigen::MatrixXd::Identity(j_.cols(), j_.cols())) {}
+Metric::Metric(Eigen::MatrixXd j) : j_(std::move(j)) {
+  Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(j_.cols(), j_.cols());
+  inner.selfadjointView<Eigen::Lower>().rankUpdate(j_.transpose());
+  inner_.compute(inner.selfadjointView<Eigen::Lower>());
+}
 
 Eigen::VectorXd Metric::times(const Eigen::VectorXd& v) const { return v - j_ * inner_.solve(j_.transpose() * v); }
 
@@ -16,14 +19,30 @@ double Metric::dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
   return a.dot(b) - ja.dot(inner_.solve(jb));
 }
 
-Eigen::MatrixXd NuisanceResponses::scaled(const Eigen::MatrixXd& covariance, const Nuisance& settings) const {
-  const Eigen::Index count = directions.cols();
+Eigen::VectorXd Metric::squares(const Eigen::MatrixXd& z) const {
+  const Eigen::MatrixXd jz = j_.transpose() * z;
+  return z.colwise().squaredNorm().transpose() - jz.cwiseProduct(inner_.solve(jz)).colwise().sum().transpose();
+}
+
+Eigen::MatrixXd NuisanceResponses::joined() const {
+  Eigen::MatrixXd all(directions.rows(), directions.cols() + day_gain.cols() + day_shift.cols());
+  all << directions, day_gain, day_shift;
+  return all;
+}
+
+Eigen::MatrixXd NuisanceResponses::mixing(const Eigen::MatrixXd& covariance, const Nuisance& settings) const {
+  const Eigen::Index count = directions.cols(), gains = day_gain.cols(), shifts = day_shift.cols();
   Eigen::MatrixXd wide = settings.inflation * covariance;
   wide += settings.structural_sd * settings.structural_sd * Eigen::MatrixXd::Identity(count, count);
-  Eigen::MatrixXd j(directions.rows(), count + day_gain.cols() + day_shift.cols());
-  j << directions * Eigen::MatrixXd(wide.llt().matrixL()), settings.day_gain_sd * day_gain,
-      settings.day_shift_h * day_shift;
-  return j;
+  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(count + gains + shifts, count + gains + shifts);
+  root.topLeftCorner(count, count) = wide.llt().matrixL();
+  root.diagonal().segment(count, gains).setConstant(settings.day_gain_sd);
+  root.diagonal().tail(shifts).setConstant(settings.day_shift_h);
+  return root;
+}
+
+Eigen::MatrixXd NuisanceResponses::scaled(const Eigen::MatrixXd& covariance, const Nuisance& settings) const {
+  return joined() * mixing(covariance, settings).triangularView<Eigen::Lower>();
 }
 
 NuisanceResponses NuisanceResponses::rows(Eigen::Index first, Eigen::Index count) const {
@@ -69,28 +88,58 @@ Eigen::MatrixXd nuisance_directions(const ReferenceFit& fit, const Responses& re
   return nuisance_responses(fit, responses, kept, missing).scaled(fit.covariance, settings);
 }
 
-std::vector<Score> score_candidates(const std::vector<Candidate>& candidates,
-                                    const std::vector<Eigen::VectorXd>& whitened, const Metric& metric,
-                                    const Eigen::VectorXd& residual) {
-  const Eigen::VectorXd m_residual = metric.times(residual);
+CandidateEvidence::CandidateEvidence(const std::vector<Candidate>& candidates, Eigen::MatrixXd z, Metric metric)
+    : candidates_(candidates), z_(std::move(z)), metric_(std::move(metric)), norm_(metric_.squares(z_)) {}
+
+Selection::Selection(const CandidateEvidence& evidence, const std::vector<std::size_t>& chosen) : evidence_(evidence) {
+  const Eigen::Index count = std::ssize(chosen);
+  m_z_.resize(evidence.z_.rows(), count);
+  Eigen::MatrixXd inner(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    m_z_.col(i) = evidence.metric_.times(evidence.response(chosen[static_cast<std::size_t>(i)]));
+  cross_ = evidence.z_.transpose() * m_z_;
+  for (Eigen::Index i = 0; i < count; ++i)
+    inner.row(i) = cross_.row(static_cast<Eigen::Index>(chosen[static_cast<std::size_t>(i)]));
+  inner.diagonal().array() *= 1 + 1e-9;  // two that look the same are not refused
+  inner_.compute(inner);
+}
+
+Eigen::VectorXd Selection::times(const Eigen::VectorXd& v) const {
+  Eigen::VectorXd m_v = evidence_.metric_.times(v);
+  if (m_z_.cols() > 0) m_v -= m_z_ * inner_.solve(m_z_.transpose() * v);
+  return m_v;
+}
+
+double Selection::norm(std::size_t candidate) const {
+  const auto k = static_cast<Eigen::Index>(candidate);
+  if (m_z_.cols() == 0) return evidence_.norm_(k);
+  return evidence_.norm_(k) - cross_.row(k).dot(inner_.solve(cross_.row(k).transpose()));
+}
+
+double Selection::dot(std::size_t a, std::size_t b) const {
+  return a == b ? norm(a) : times(evidence_.response(a)).dot(evidence_.response(b));
+}
+
+double Selection::cosine(std::size_t a, std::size_t b) const {
+  const double norms = std::sqrt(norm(a) * norm(b));
+  return norms > 0 ? dot(a, b) / norms : 0;
+}
+
+std::vector<Score> Selection::scores(const Eigen::VectorXd& residual) const {
+  const Eigen::VectorXd along = evidence_.z_.transpose() * times(residual);
   std::map<std::string, Score> best;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const double norm = metric.dot(whitened[i], whitened[i]);
-    if (!(norm > 1e-6)) continue;
-    const double steps = whitened[i].dot(m_residual) / norm;
-    const Score score{i, steps > 0 ? steps * steps * norm : 0, steps, 1 / std::sqrt(norm)};
-    const auto [at, added] = best.try_emplace(candidates[i].at.id(), score);
+  for (std::size_t i = 0; i < evidence_.candidates_.size(); ++i) {
+    const double square = norm(i);
+    if (!(square > 1e-6)) continue;
+    const double steps = along(static_cast<Eigen::Index>(i)) / square;
+    const Score score{i, steps > 0 ? steps * steps * square : 0, steps, 1 / std::sqrt(square)};
+    const auto [at, added] = best.try_emplace(evidence_.candidates_[i].at.id(), score);
     if (!added && score.gain > at->second.gain) at->second = score;
   }
   std::vector<Score> scores;
   for (const auto& [id, score] : best) scores.push_back(score);
   std::sort(scores.begin(), scores.end(), [](const Score& a, const Score& b) { return a.gain > b.gain; });
   return scores;
-}
-
-double cosine(const Metric& metric, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  const double norm = std::sqrt(metric.dot(a, a) * metric.dot(b, b));
-  return norm > 0 ? metric.dot(a, b) / norm : 0;
 }
 
 }  // namespace airside::tools::gap

@@ -14,6 +14,8 @@ class Metric {
   double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
   /// M v.
   Eigen::VectorXd times(const Eigen::VectorXd& v) const;
+  /// z' M z of each column.
+  Eigen::VectorXd squares(const Eigen::MatrixXd& z) const;
   /// ln det(I + J L J').
   double log_det() const { return inner_.vectorD().array().log().sum(); }
 
@@ -36,8 +38,12 @@ struct NuisanceResponses {
   Eigen::MatrixXd day_gain;    ///< of 1 a day
   Eigen::MatrixXd day_shift;   ///< of 1 h a day
 
-  /// J of Metric.  Shape: as directions; covariance: of those, in prior units.
+  /// All, as they stand, side by side.
+  Eigen::MatrixXd joined() const;
+  /// J of Metric, joined() times mixing().  covariance: of directions, in prior units.
   Eigen::MatrixXd scaled(const Eigen::MatrixXd& covariance, const Nuisance& settings) const;
+  /// The square root of L, in blocks.
+  Eigen::MatrixXd mixing(const Eigen::MatrixXd& covariance, const Nuisance& settings) const;
   /// The same of some rows; days that have nothing there are left out.
   NuisanceResponses rows(Eigen::Index first, Eigen::Index count) const;
 };
@@ -54,14 +60,48 @@ struct Score {
   double steps_sd = 0;
 };
 
-/// Scores of all candidates, best first; of the two directions of each place only the better.
-///   g_k = (z' M r)^2 / z' M z, one-sided.
-/// Source: GAP.md, step 5.
-std::vector<Score> score_candidates(const std::vector<Candidate>& candidates,
-                                    const std::vector<Eigen::VectorXd>& whitened, const Metric& metric,
-                                    const Eigen::VectorXd& residual);
+/// The candidates' whitened responses, and what the metric makes of them.
+class CandidateEvidence {
+ public:
+  /// Shape: z: one column a candidate.
+  /// Cost: (columns of J)^2 rows + (columns of J) rows candidates multiplications, once.
+  CandidateEvidence(const std::vector<Candidate>& candidates, Eigen::MatrixXd z, Metric metric);
 
-/// cos(a, b) in the metric.
-double cosine(const Metric& metric, const Eigen::VectorXd& a, const Eigen::VectorXd& b);
+  const Metric& metric() const { return metric_; }
+  auto response(std::size_t candidate) const { return z_.col(static_cast<Eigen::Index>(candidate)); }
+
+ private:
+  friend class Selection;
+  const std::vector<Candidate>& candidates_;
+  Eigen::MatrixXd z_;
+  Metric metric_;
+  Eigen::VectorXd norm_;  // z' M z
+};
+
+/// CandidateEvidence while some candidates are in the model already, each with a magnitude that is free.
+///   M_s = M - M Z_s (Z_s' M Z_s)^-1 Z_s' M
+class Selection {
+ public:
+  explicit Selection(const CandidateEvidence& evidence, const std::vector<std::size_t>& chosen = {});
+
+  /// All candidates, best first; of the two directions of each place only the better.
+  ///   g_k = (z' M_s r)^2 / z' M_s z, one-sided.
+  /// Source: GAP.md, step 5.
+  std::vector<Score> scores(const Eigen::VectorXd& residual) const;
+  /// M_s v.
+  Eigen::VectorXd times(const Eigen::VectorXd& v) const;
+  /// z_a' M_s z_b.
+  double dot(std::size_t a, std::size_t b) const;
+  /// Of z_a and z_b in M_s.
+  double cosine(std::size_t a, std::size_t b) const;
+
+ private:
+  double norm(std::size_t candidate) const;
+
+  const CandidateEvidence& evidence_;
+  Eigen::MatrixXd m_z_;    // M Z_s
+  Eigen::MatrixXd cross_;  // Z' M Z_s
+  Eigen::LDLT<Eigen::MatrixXd> inner_;
+};
 
 }  // namespace airside::tools::gap

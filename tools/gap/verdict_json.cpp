@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hal/civil_text.hpp"
 
@@ -22,9 +23,20 @@ json place_json(const sim::EffectAt& at) {
   return mark == std::string::npos ? json(nullptr) : json(id.substr(mark + 1));
 }
 
-json finding_json(const Finding& f, const Rules& rules, double gain_limit) {
+/// Of the closest rival: the gain's excess over what it should be at least.
+double margin_over_limit(const Finding& f, const Rules& rules) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Rival& r : f.rivals) {
+    least = std::min(least, (f.gain - r.gain) / least_excess(rules, f.gain, r));
+  }
+  return least;
+}
+
+json finding_json(const Finding& f, const Rules& rules) {
   json alike = json::array();
   for (const sim::EffectAt& at : f.cannot_tell_from) alike.push_back(at.id());
+  json rivals = json::array();
+  for (const Rival& r : f.rivals) rivals.push_back({{"id", r.at.id()}, {"gain", r.gain}, {"cosine", r.cosine}});
   const sim::Effect& effect = *f.at.effect;
   const MagnitudeInterval interval = interval_of(f);
   return {{"id", f.at.id()},
@@ -38,11 +50,13 @@ json finding_json(const Finding& f, const Rules& rules, double gain_limit) {
           {"null", effect.null_value},
           {"interval", {interval.low, interval.high}},
           {"gain", f.gain},
-          {"gain_over_limit", gain_limit > 0 ? finite_json(f.gain / gain_limit) : json()},
+          {"gain_limit", f.gain_limit},
+          {"gain_over_limit", f.gain_limit > 0 ? finite_json(f.gain / f.gain_limit) : json()},
           {"margin", f.margin},
-          {"margin_over_limit", f.margin / rules.margin_ratio},
+          {"margin_over_limit", finite_json(margin_over_limit(f, rules))},
           {"same_sign_share", f.same_sign},
           {"class", alike},
+          {"rivals", rivals},
           {"why_not", f.why_not},
           {"looks_like", effect.looks_like},
           {"confirm", effect.confirm}};
@@ -61,6 +75,8 @@ json locked_json(const LockedDays& locked, const sim::Channels& channels) {
   return {{"score_before", locked.score_before},
           {"score_after", locked.score_after},
           {"score_floor", locked.score_floor},
+          {"gain", locked.gain},
+          {"predicted_gain", locked.predicted_gain},
           {"temp_rmse_before_k", locked.temp_rmse_before_k},
           {"temp_rmse_after_k", locked.temp_rmse_after_k},
           {"power_rmse_before_kw", locked.power_rmse_before_kw},
@@ -79,13 +95,14 @@ MagnitudeInterval interval_of(const Finding& f) {
 
 json json_of(const Verdict& v, const std::string& name, const Responses& responses, const sim::Channels& channels,
              const Rules& rules) {
-  json effects = json::array(), ranking = json::array(), gains = json::array(), null_gains = json::array();
-  for (const Finding& f : v.findings) effects.push_back(finding_json(f, rules, v.gain_limit));
+  json effects = json::array(), ranking = json::array(), gains = json::array(), null_gains = json::array(),
+       limits = json::array();
+  for (const Finding& f : v.findings) effects.push_back(finding_json(f, rules));
   for (std::size_t i = 0; i < v.ranking.size() && i < 10; ++i) {
     ranking.push_back(responses.candidates[v.ranking[i].candidate].at.id());
     gains.push_back(v.ranking[i].gain);
-    null_gains.push_back(v.ranking[i].candidate < v.nulls.gain.size() ? json(v.nulls.gain[v.ranking[i].candidate])
-                                                                      : json(nullptr));
+    null_gains.push_back(v.nulls.gain.at(v.ranking[i].candidate));
+    limits.push_back(gain_limit(rules, v.nulls, v.ranking[i].candidate));
   }
   return {{"case", name},
           {"verdict", text_of(v.kind)},
@@ -94,18 +111,23 @@ json json_of(const Verdict& v, const std::string& name, const Responses& respons
           {"ranking", ranking},
           {"ranking_gains", gains},
           {"ranking_gains_of_reference", null_gains},
+          {"ranking_gain_limits", limits},
           {"best_gain", v.best_gain},
           {"gain_limit", v.gain_limit},
           {"leftover", finite_json(v.leftover)},
           {"thresholds",
            {{"gain", v.gain_limit},
-            {"best_gain_of_reference", finite_json(v.nulls.best_gain)},
-            {"margin_ratio", rules.margin_ratio},
+            {"gain_anywhere", rules.gain_limit},
+            {"gain_share_of_reference", rules.null_share},
+            {"margin_share", rules.margin_share},
             {"margin_gain", rules.margin_gain},
+            {"class_ratio", rules.class_ratio},
             {"class_cosine", rules.class_cosine},
             {"same_sign_share", rules.same_sign_share},
             {"leftover", finite_json(v.leftover_limit)},
-            {"locked_gain_share", rules.locked_gain}}},
+            {"locked_gain_share", rules.locked_share_gained},
+            {"locked_gain", rules.locked_gain},
+            {"locked_gain_share_of_predicted", rules.locked_gain_share}}},
           {"locked", locked_json(v.locked, channels)}};
 }
 

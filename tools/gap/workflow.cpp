@@ -32,32 +32,41 @@ class Analysis {
         fit_(fit_reference(engine, responses.reference, data.reference)),
         kept_(train_bins()),
         nulls_(null_blocks(fit_, responses.reference, data.reference)),
-        nuisance_(nuisance_directions(fit_, responses.test, kept_, data.test.measured, nulls_.nuisance)),
-        metric_(nuisance_),
+        evidence_(responses.test.candidates, whitened_candidates(),
+                  Metric(nuisance_directions(fit_, responses.test, kept_, data.test.measured, nulls_.nuisance))),
         structural_(fit_.structural(responses.test)),
-        parameters_(fit_.changes(responses.test.parameters)) {
-    for (const Candidate& c : responses.test.candidates) whitened_.push_back(whiten(c.response));
-  }
+        parameters_(fit_.changes(responses.test.parameters)) {}
 
   Verdict run() {
     Verdict verdict;
-    verdict.gain_limit = limit();
+    verdict.fit = fit_;
     verdict.nulls = nulls_;
     Refit now{{}, residual_of({}), 0};
-    now.distance = distance(now.residual);
+    now.distance = unexplained_ = distance(now.residual);
     verdict.residual_before = now.residual;
-    verdict.ranking = score_candidates(responses_.test.candidates, whitened_, metric_, whiten(now.residual));
-    verdict.best_gain = verdict.ranking.empty() ? 0 : verdict.ranking.front().gain;
+    verdict.ranking = Selection(evidence_).scores(whiten(now.residual));
+    if (!verdict.ranking.empty()) {
+      verdict.best_gain = verdict.ranking.front().gain;
+      verdict.gain_limit = limit(verdict.ranking.front().candidate);
+    }
     while (std::ssize(now.chosen) < rules_.most_effects) {
       const auto next = better(now);
       if (!next) break;
       now = *next;
     }
+    verdict.findings = findings_of(now);
+    for (auto weak = weak_finding(now, verdict.findings); weak; weak = weak_finding(now, verdict.findings)) {
+      auto fewer = now.chosen;
+      fewer.erase(fewer.begin() + *weak);
+      now = refit(fewer);
+      verdict.findings = findings_of(now);
+    }
     verdict.residual_after = now.residual;
+    more_needed_ = std::ssize(now.chosen) == rules_.most_effects && better(now).has_value();
     verdict.leftover = now.distance / samples() / fit_.leftover;
     const double explained = (distance(verdict.residual_before) - now.distance) / samples() / fit_.leftover;
     verdict.leftover_limit = rules_.leftover_limit + rules_.shape_share * explained;
-    for (std::size_t i = 0; i < now.chosen.size(); ++i) verdict.findings.push_back(finding(now, i));
+    if (!verdict.findings.empty()) verdict.gain_limit = verdict.findings.front().gain_limit;
     judge(verdict);
     return verdict;
   }
@@ -79,9 +88,15 @@ class Analysis {
     return std::max(1.0, static_cast<double>((r.array() != 0).count()));
   }
   Eigen::VectorXd whiten(const Eigen::MatrixXd& x) const { return fit_.noise.whiten(x, kept_, data_.test.measured); }
+  Eigen::MatrixXd whitened_candidates() const {
+    const auto& candidates = responses_.test.candidates;
+    Eigen::MatrixXd z((bins() - NoiseModel::order) * data_.test.measured.cols(), std::ssize(candidates));
+    for (Eigen::Index k = 0; k < z.cols(); ++k) z.col(k) = whiten(candidates[static_cast<std::size_t>(k)].response);
+    return z;
+  }
   double distance(const Eigen::MatrixXd& residual) const {
     const Eigen::VectorXd r = whiten(residual);
-    return metric_.dot(r, r);
+    return evidence_.metric().dot(r, r);
   }
   const Candidate& candidate(const Chosen& c) const { return responses_.test.candidates[c.candidate]; }
   double magnitude(const Chosen& c) const {
@@ -96,65 +111,109 @@ class Analysis {
     return data_.test.measured - binned(engine_.simulate(changes, data_.test.recording)) - structural_;
   }
 
-  /// Gauss-Newton on the magnitudes with real simulations; responses are those of the probes, scaled.
+  /// Gauss-Newton on the magnitudes with real simulations. Responses begin as those of the probes; what each simulation
+  /// shows of how they bend is put into them (Broyden's update), so that an effect that saturates is met all the same.
   Refit refit(const std::vector<Chosen>& chosen) const {
     Refit best{chosen, residual_of(chosen), 0};
     best.distance = distance(best.residual);
+    if (chosen.empty()) return best;
     Refit now = best;
-    for (int iteration = 0; iteration < 3; ++iteration) {
-      const Eigen::Index n = std::ssize(now.chosen);
-      Eigen::MatrixXd normal(n, n);
-      Eigen::VectorXd right(n);
-      const Eigen::VectorXd r = metric_.times(whiten(now.residual));
-      for (Eigen::Index i = 0; i < n; ++i) {
-        const auto& zi = whitened_[now.chosen[static_cast<std::size_t>(i)].candidate];
-        right(i) = zi.dot(r);
-        for (Eigen::Index k = 0; k <= i; ++k) {
-          normal(i, k) = normal(k, i) = metric_.dot(zi, whitened_[now.chosen[static_cast<std::size_t>(k)].candidate]);
-        }
-      }
-      const Eigen::VectorXd step = (normal + 1e-9 * Eigen::MatrixXd::Identity(n, n)).ldlt().solve(right);
+    Eigen::VectorXd r = whiten(now.residual);
+    const Eigen::Index n = std::ssize(chosen);
+    Eigen::MatrixXd z(r.size(), n);
+    for (Eigen::Index i = 0; i < n; ++i) z.col(i) = evidence_.response(chosen[static_cast<std::size_t>(i)].candidate);
+    for (int iteration = 0; iteration < 4; ++iteration) {
+      Eigen::MatrixXd m_z(z.rows(), n);
+      for (Eigen::Index i = 0; i < n; ++i) m_z.col(i) = evidence_.metric().times(z.col(i));
+      const Eigen::MatrixXd normal = m_z.transpose() * z + 1e-9 * Eigen::MatrixXd::Identity(n, n);
+      const Eigen::VectorXd wanted = normal.ldlt().solve(m_z.transpose() * r);
+      Eigen::VectorXd step(n);
       double largest = 0;
       for (Eigen::Index i = 0; i < n; ++i) {
         Chosen& c = now.chosen[static_cast<std::size_t>(i)];
-        c.steps = std::max(0.0, c.steps + std::clamp(step(i), -2.0, 2.0));
+        const double before = c.steps;
+        c.steps = std::max(0.0, c.steps + std::clamp(wanted(i), -2.0, 2.0));
+        step(i) = c.steps - before;
         largest = std::max(largest, std::abs(step(i)) / std::max(0.3, c.steps));
       }
+      if (largest < 0.01) break;
       now.residual = residual_of(now.chosen);
       now.distance = distance(now.residual);
+      const Eigen::VectorXd next = whiten(now.residual);
+      z += (r - next - z * step) * step.transpose() / step.squaredNorm();
+      r = next;
       if (now.distance < best.distance) best = now;
       if (largest < 0.03) break;
     }
     return best;
   }
 
-  /// The model with one more effect, the best of the few most likely ones by real simulation.
+  /// The model with one more effect, the best of the few most likely ones by real simulation. One that its own limit
+  /// keeps out is no candidate here, but stays a rival of whatever gets in.
   std::optional<Refit> better(const Refit& now) const {
-    const auto scores = scores_beside(now);
-    if (scores.empty() || scores.front().gain < limit()) return std::nullopt;
     std::optional<Refit> best;
     std::size_t tried = 0;
-    for (const Score& score : scores) {
-      if (tried >= 4 || score.gain < 0.5 * scores.front().gain) break;
-      if (already(now, score.candidate)) continue;
+    double first_gain = 0;
+    for (const Score& score : beside(now, now.chosen.size()).scores(whiten(now.residual))) {
+      const double least = limit(score.candidate) + shape_error(now, score.candidate);
+      if (score.gain < least || already(now, score.candidate)) continue;
+      if (tried == 0) first_gain = score.gain;
+      if (tried >= 4 || score.gain < 0.5 * first_gain) break;
       ++tried;
       auto chosen = now.chosen;
       chosen.push_back({score.candidate, score.steps});
       Refit trial = refit(chosen);
+      if (now.distance - trial.distance < least) continue;
       if (!best || trial.distance < best->distance) best = std::move(trial);
     }
-    if (!best || now.distance - best->distance < limit()) return std::nullopt;
+    if (!best) return std::nullopt;
     // Backward: an effect that the others have made superfluous goes.
     for (std::size_t i = 0; best->chosen.size() > 1 && i + 1 < best->chosen.size(); ++i) {
       auto fewer = best->chosen;
+      const std::size_t dropped = fewer[i].candidate;
       fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
       Refit trial = refit(fewer);
-      if (trial.distance - best->distance < limit()) return trial;
+      if (trial.distance - best->distance < limit(dropped)) return trial;
     }
     return best;
   }
 
-  double limit() const { return rules_.gain_limit + rules_.null_share * nulls_.best_gain; }
+  double limit(std::size_t candidate) const { return gain_limit(rules_, nulls_, candidate); }
+
+  std::vector<Finding> findings_of(const Refit& now) const {
+    std::vector<Finding> findings;
+    for (std::size_t i = 0; i < now.chosen.size(); ++i) findings.push_back(finding(now, i));
+    return findings;
+  }
+
+  /// The least of those that are neither sure nor large beside the others: more likely their shape than an effect.
+  std::optional<std::ptrdiff_t> weak_finding(const Refit& now, const std::vector<Finding>& findings) const {
+    if (findings.size() < 2) return std::nullopt;
+    const auto least = std::min_element(findings.begin(), findings.end(),
+                                        [](const Finding& a, const Finding& b) { return a.gain < b.gain; });
+    const double large = rules_.further_share * (unexplained_ - now.distance);
+    if (least->why_not.empty() || least->gain >= std::max(large, least->gain_limit)) return std::nullopt;
+    return least - findings.begin();
+  }
+
+  /// What the chosen effects' own wrong shape may look like: a share of what they explain, as far as they show in the
+  /// channels in which the candidate shows.
+  double shape_error(const Refit& now, std::size_t candidate) const {
+    const Eigen::VectorXd own = channel_norms(candidate);
+    double overlap = 0;
+    for (const Chosen& c : now.chosen) {
+      const Eigen::VectorXd other = channel_norms(c.candidate);
+      const double norms = own.norm() * other.norm();
+      if (norms > 0) overlap = std::max(overlap, own.dot(other) / norms);
+    }
+    return rules_.further_share * overlap * overlap * std::max(0.0, unexplained_ - now.distance);
+  }
+
+  Eigen::VectorXd channel_norms(std::size_t candidate) const {
+    const Eigen::Index width = data_.test.measured.cols();
+    const Eigen::VectorXd z = evidence_.response(candidate);
+    return Eigen::Map<const Eigen::MatrixXd>(z.data(), width, z.size() / width).rowwise().norm();
+  }
 
   bool already(const Refit& now, std::size_t candidate) const {
     return std::any_of(now.chosen.begin(), now.chosen.end(), [&](const Chosen& c) {
@@ -162,42 +221,35 @@ class Analysis {
     });
   }
 
-  std::vector<Score> scores_beside(const Refit& now) const {
-    return score_candidates(responses_.test.candidates, whitened_, beside(now, now.chosen.size()),
-                            whiten(now.residual));
-  }
-
-  /// The metric in which the chosen effects' magnitudes are free, but for number `left_out`.
-  Metric beside(const Refit& now, std::size_t left_out) const {
-    Eigen::MatrixXd j = nuisance_;
+  /// The chosen effects' magnitudes are free, but for number `left_out`.
+  Selection beside(const Refit& now, std::size_t left_out) const {
+    std::vector<std::size_t> others;
     for (std::size_t i = 0; i < now.chosen.size(); ++i) {
-      if (i == left_out) continue;
-      j.conservativeResize(Eigen::NoChange, j.cols() + 1);
-      j.col(j.cols() - 1) = 1e3 * whitened_[now.chosen[i].candidate];
+      if (i != left_out) others.push_back(now.chosen[i].candidate);
     }
-    return Metric(std::move(j));
+    return Selection(evidence_, others);
   }
 
   Finding finding(const Refit& now, std::size_t i) const {
     const Chosen& c = now.chosen[i];
     const Candidate& chosen = candidate(c);
-    const Metric metric = beside(now, i);
-    const Eigen::VectorXd& z = whitened_[c.candidate];
+    const Selection selection = beside(now, i);
     Finding f;
     f.at = chosen.at;
     f.magnitude = magnitude(c);
-    const double norm = metric.dot(z, z);
+    const double norm = selection.dot(c.candidate, c.candidate);
     f.sd = std::abs(chosen.probe - chosen.at.effect->null_value) / std::sqrt(std::max(1e-12, norm));
     auto others = now.chosen;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const Refit without = refit(others);
     f.gain = without.distance - now.distance;
-    f.same_sign = same_sign(metric, z, whiten(without.residual));
-    const double rival = add_rivals(f, without, metric, z);
+    f.same_sign = same_sign(selection, c.candidate, whiten(without.residual));
+    const double rival = add_rivals(f, without, selection, c.candidate);
     f.margin = rival > 0 ? f.gain / rival : 1e9;
-    if (f.gain < limit())
+    f.gain_limit = limit(c.candidate);
+    if (f.gain < f.gain_limit)
       f.why_not = "its gain is within the noise";
-    else if (f.margin < rules_.margin_ratio || f.gain - rival < rules_.margin_gain)
+    else if (f.gain < rival + rules_.margin_gain)
       f.why_not = "another effect explains nearly as much";
     else if (!f.cannot_tell_from.empty())
       f.why_not = "effects of one class: the data cannot tell them apart";
@@ -208,37 +260,48 @@ class Analysis {
 
   /// Every other effect in its stead, the likely ones by real simulation: who does nearly as well joins the class.
   /// Returns the gain of the best that does not look the same.
-  double add_rivals(Finding& f, const Refit& without, const Metric& metric, const Eigen::VectorXd& z) const {
-    const auto scores = score_candidates(responses_.test.candidates, whitened_, metric, whiten(without.residual));
+  double add_rivals(Finding& f, const Refit& without, const Selection& selection, std::size_t found) const {
+    const auto scores = selection.scores(whiten(without.residual));
     double best = 0;
     int tried = 0;
+    std::vector<sim::EffectAt> nearly;
     for (const Score& s : scores) {
       const Candidate& other = responses_.test.candidates[s.candidate];
       if (other.at.id() == f.at.id() || already(without, s.candidate)) continue;
       if (++tried > rules_.rivals) break;
       auto chosen = without.chosen;
       chosen.push_back({s.candidate, s.steps});
-      const double gain = without.distance - refit(chosen).distance;
-      const bool alike = std::abs(cosine(metric, z, whitened_[s.candidate])) > rules_.class_cosine;
-      const bool near = f.gain < rules_.margin_ratio * gain || f.gain - gain < rules_.margin_gain;
-      if ((alike || near) && gain > 0.2 * f.gain) f.cannot_tell_from.push_back(other.at);
-      if (!alike) best = std::max(best, gain);
+      const Rival rival{other.at, without.distance - refit(chosen).distance, selection.cosine(found, s.candidate)};
+      f.rivals.push_back(rival);
+      const bool alike = std::abs(rival.cosine) > rules_.class_cosine;
+      if (!alike) best = std::max(best, rival.gain);
+      if (rival.gain < 0.2 * f.gain) continue;
+      if (alike || f.gain - rival.gain < least_excess(rules_, f.gain, rival)) f.cannot_tell_from.push_back(other.at);
+      if (f.gain < rules_.class_ratio * rival.gain) nearly.push_back(other.at);
+    }
+    // Once it is a class, all that do nearly as well are in it.
+    if (!f.cannot_tell_from.empty()) {
+      for (const sim::EffectAt& at : nearly) {
+        const bool listed = std::any_of(f.cannot_tell_from.begin(), f.cannot_tell_from.end(),
+                                        [&at](const sim::EffectAt& other) { return other.id() == at.id(); });
+        if (!listed) f.cannot_tell_from.push_back(at);
+      }
     }
     return best;
   }
 
-  double same_sign(const Metric& metric, const Eigen::VectorXd& z, const Eigen::VectorXd& r) const {
-    const Eigen::VectorXd m = metric.times(r);
+  double same_sign(const Selection& selection, std::size_t candidate, const Eigen::VectorXd& r) const {
+    const Eigen::VectorXd m = selection.times(r);
+    const auto z = evidence_.response(candidate);
     const Eigen::Index width = data_.test.measured.cols(), block = 2 * bins_per_day * width;
-    const double all = z.squaredNorm();
-    int blocks = 0, agree = 0;
+    double all = 0, agree = 0;
     for (Eigen::Index at = 0; at < z.size(); at += block) {
       const Eigen::Index n = std::min(block, z.size() - at);
-      if (z.segment(at, n).squaredNorm() < 0.03 * all) continue;
-      ++blocks;
-      if (z.segment(at, n).dot(m.segment(at, n)) > 0) ++agree;
+      const double told = z.segment(at, n).squaredNorm();
+      all += told;
+      if (z.segment(at, n).dot(m.segment(at, n)) > 0) agree += told;
     }
-    return blocks > 0 ? static_cast<double>(agree) / blocks : 1;
+    return all > 0 ? agree / all : 1;
   }
 
   void judge(Verdict& v) const {
@@ -253,8 +316,15 @@ class Analysis {
     const bool sure =
         std::all_of(v.findings.begin(), v.findings.end(), [](const Finding& f) { return f.why_not.empty(); });
     compare_locked(v);
-    const bool helps = v.locked.score_after <= (1 - rules_.locked_gain) * v.locked.score_before;
-    if (rest) {
+    // Of a small effect the error falls by little, even where what falls is clearly its own.
+    const double enough = std::max(rules_.locked_gain, rules_.locked_gain_share * v.locked.predicted_gain);
+    const bool helps = v.locked.score_after <= (1 - rules_.locked_share_gained) * v.locked.score_before ||
+                       (v.locked.score_after < v.locked.score_before && v.locked.gain >= enough);
+    if (more_needed_) {
+      v.kind = VerdictKind::unknown;
+      v.reason =
+          fmt::format("after {} effects another would still gain: something else is missing", rules_.most_effects);
+    } else if (rest) {
       v.kind = VerdictKind::unknown;
       v.reason = fmt::format("the best effects leave {:.2f} times the noise: something else is missing", v.leftover);
     } else if (sure && helps) {
@@ -297,18 +367,29 @@ class Analysis {
     locked.temp_rmse_after_k = group(locked.rmse_after, 0, channels.mau_temp() + 1);
     locked.power_rmse_before_kw = group(locked.rmse_before, channels.power(), channels.fcu_duty());
     locked.power_rmse_after_kw = group(locked.rmse_after, channels.power(), channels.fcu_duty());
-    // Where the findings act: channels that they move by more than a third of the noise.
+    // Where the findings act: the channel that they move most, in units of its noise, and those moved half as much.
     const Eigen::MatrixXd moved = (v.residual_before - v.residual_after).middleRows(first, n);
-    double before = 0, after = 0, affected = 0;
+    Eigen::VectorXd share = Eigen::VectorXd::Zero(width);
     for (Eigen::Index c = 0; c < width; ++c) {
-      const double noise = fit_.noise.spread()(c);
       double square = 0;
       for (Eigen::Index t = 0; t < n; ++t) square += std::isfinite(moved(t, c)) ? moved(t, c) * moved(t, c) : 0;
-      if (std::sqrt(square / static_cast<double>(n)) < 0.33 * noise) continue;
+      share(c) = std::sqrt(square / static_cast<double>(n)) / fit_.noise.spread()(c);
+    }
+    double before = 0, after = 0, affected = 0;
+    for (Eigen::Index c = 0; c < width; ++c) {
+      if (share(c) < 0.5 * share.maxCoeff()) continue;
+      const double noise = fit_.noise.spread()(c);
       before += std::pow(locked.rmse_before(c) / noise, 2);
       after += std::pow(locked.rmse_after(c) / noise, 2);
       affected += 1;
     }
+    std::vector<bool> days(static_cast<std::size_t>(bins()), false);
+    std::fill(days.begin() + first, days.end(), true);
+    const auto square = [&](const Eigen::MatrixXd& residual) {
+      return fit_.noise.whiten(residual, days, data_.test.measured).squaredNorm();
+    };
+    locked.gain = square(v.residual_before) - square(v.residual_after);
+    locked.predicted_gain = square(v.residual_before - v.residual_after);
     locked.score_before = std::sqrt(before);
     locked.score_after = std::sqrt(after);
     locked.score_floor = std::sqrt(affected);
@@ -321,14 +402,22 @@ class Analysis {
   ReferenceFit fit_;
   std::vector<bool> kept_;
   NullBlocks nulls_;
-  Eigen::MatrixXd nuisance_;
-  Metric metric_;
+  CandidateEvidence evidence_;
   Eigen::MatrixXd structural_;
   Changes parameters_;
-  std::vector<Eigen::VectorXd> whitened_;
+  double unexplained_ = 0;  // r' M r of the unpatched model
+  bool more_needed_ = false;
 };
 
 }  // namespace
+
+double gain_limit(const Rules& rules, const NullBlocks& nulls, std::size_t candidate) {
+  return rules.gain_limit + rules.null_share * nulls.gain[candidate];
+}
+
+double least_excess(const Rules& rules, double gain, const Rival& rival) {
+  return std::max(rules.margin_gain, rules.margin_share * gain * (1 - rival.cosine * rival.cosine));
+}
 
 const char* text_of(VerdictKind kind) {
   constexpr const char* names[] = {"none", "named", "ambiguous", "unknown"};

@@ -76,9 +76,9 @@ std::string heat_map_svg(const HeatMap& map) {
   return svg + "\n" + cells + "</svg>\n";
 }
 
-std::string rank_svg(const std::vector<RankBar>& bars, double limit, const std::string& limit_name) {
-  double most = limit;
-  for (const RankBar& bar : bars) most = std::max(most, std::isfinite(bar.value) ? bar.value : 0);
+std::string rank_svg(const std::vector<RankBar>& bars, const std::string& limit_name) {
+  double most = 0;
+  for (const RankBar& bar : bars) most = std::max({most, std::isfinite(bar.value) ? bar.value : 0, bar.limit});
   const double per_gain = (rank_width - rank_left - 80) / std::max(1e-9, most);
   const double bottom = rank_top + rank_line * static_cast<double>(bars.size());
   std::string svg = fmt::format(
@@ -88,20 +88,23 @@ std::string rank_svg(const std::vector<RankBar>& bars, double limit, const std::
   double y = rank_top;
   for (const RankBar& bar : bars) {
     const double length = std::isfinite(bar.value) ? std::max(0.0, bar.value) * per_gain : 0;
+    const double limit = bar.limit * per_gain;
     svg += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\" style=\"font-size:13px\">{}</text>",
                        rank_left - 10, y + rank_line / 2 + 4, escape_markup(bar.name));
     svg += fmt::format("<rect class=\"{}\" x=\"{}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{}\"/>",
                        bar.found ? "found" : "other", rank_left, y + 4, std::max(1.0, length), rank_line - 8);
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" style=\"font-size:13px\">{}</text>\n", rank_left + length + 7,
+    svg += fmt::format("<line class=\"limit\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\"/>",
+                       rank_left + limit, y + 1, y + rank_line - 1);
+    // A number right of its bar, and of the limit where that would cross it.
+    const double end = limit > length && limit < length + 50 ? limit : length;
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" style=\"font-size:13px\">{}</text>\n", rank_left + end + 7,
                        y + rank_line / 2 + 4, number_text(bar.value, bar.value < 10 ? 1 : 0));
     y += rank_line;
   }
-  const double x = rank_left + limit * per_gain;
-  svg += fmt::format("<line class=\"limit\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2:.1f}\"/>", x, rank_top - 6,
-                     bottom);
-  svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"{}\" style=\"font-size:13px\">{} {}</text>", x,
-                     rank_top - 11, x > 0.8 * rank_width ? "end" : "middle", escape_markup(limit_name),
-                     number_text(limit, 0));
+  svg += fmt::format("<line class=\"limit\" x1=\"{0}\" x2=\"{0}\" y1=\"{1}\" y2=\"{2}\"/>", rank_left, rank_top - 18,
+                     rank_top - 4);
+  svg += fmt::format("<text x=\"{}\" y=\"{}\" style=\"font-size:13px\">{}</text>", rank_left + 8, rank_top - 7,
+                     escape_markup(limit_name));
   return svg + "\n</svg>\n";
 }
 

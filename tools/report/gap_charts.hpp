@@ -34,10 +34,11 @@ std::string heat_map_svg(const HeatMap& map);
 struct RankBar {
   std::string name;
   double value = 0;
+  double limit = 0;    ///< marked across the bar
   bool found = false;  ///< one of those that the report is about
 };
 
-/// Bars from the left, one below the other, with a line at `limit`.
-std::string rank_svg(const std::vector<RankBar>& bars, double limit, const std::string& limit_name);
+/// Bars from the left, one below the other; `limit_name` says what the marks are.
+std::string rank_svg(const std::vector<RankBar>& bars, const std::string& limit_name);
 
 }  // namespace airside::tools

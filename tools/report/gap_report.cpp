@@ -112,9 +112,9 @@ class GapReport {
     ReportTable table;
     table.title = run_.verdict.kind == gap::VerdictKind::named ? "What is missing" : "What might be missing";
     table.note = fmt::format(
-        "Gain: twice the logarithm of the likelihood that the effect adds, {:.0f} and less is noise. Margin: that gain "
-        "over the gain of the best other explanation. Signs: share of two-day blocks that ask for the same direction.",
-        run_.verdict.gain_limit);
+        "Gain: twice the logarithm of the likelihood that the effect adds; up to its limit it is noise. Margin: that "
+        "gain "
+        "over the gain of the best other explanation. Signs: share of two-day blocks that ask for the same direction.");
     table.row_header = "effect";
     table.prose = true;
     for (const char* name : {"magnitude, 95 % interval", "gain", "margin", "signs", "cannot be told from", "looks like",
@@ -359,10 +359,10 @@ class GapReport {
       const std::string id = run_.responses.test.candidates[score.candidate].at.id();
       const bool is_found = std::any_of(run_.verdict.findings.begin(), run_.verdict.findings.end(),
                                         [&id](const gap::Finding& f) { return f.at.id() == id; });
-      bars.push_back({id, score.gain, is_found});
+      bars.push_back({id, score.gain, gap::gain_limit(run_.rules, run_.verdict.nulls, score.candidate), is_found});
     }
     if (bars.empty()) return;
-    pictures.svg.push_back(rank_svg(bars, run_.verdict.gain_limit, "limit"));
+    pictures.svg.push_back(rank_svg(bars, "limit of each effect"));
     input_.blocks.push_back(pictures);
   }
 
