@@ -85,6 +85,9 @@ struct EffectChange {
 /// that its target cannot take, a placeholder that the place does not fill, bounds that do not hold null and probes.
 std::vector<Effect> load_effects(const std::filesystem::path& folder);
 
+/// `effects` without "sun_differs": the weather file's sun was measured on the site itself.
+std::vector<Effect> with_sun_on_site(std::vector<Effect> effects);
+
 /// sim/effects beside the models.
 std::filesystem::path find_effects();
 

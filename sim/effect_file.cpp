@@ -320,6 +320,11 @@ Effect read_effect(const std::filesystem::path& path) {
 
 }  // namespace
 
+std::vector<Effect> with_sun_on_site(std::vector<Effect> effects) {
+  std::erase_if(effects, [](const Effect& effect) { return effect.name == "sun_differs"; });
+  return effects;
+}
+
 std::vector<Effect> load_effects(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   std::error_code failed;

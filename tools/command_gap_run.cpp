@@ -26,7 +26,7 @@ struct SiteCommand : GapOptions {
   std::string site_path, measured, reference, twin, plant, room, weather, out = "gap-report", apply, keep_run, cache;
   std::vector<std::string> patches;
   int reference_days = 0;
-  bool best_guess = false, findings_only = false, no_duties = false;
+  bool best_guess = false, findings_only = false, no_duties = false, sun_on_site = false;
 
   /// All options, so that a subcommand can refuse them.
   std::vector<CLI::Option*> add_to(CLI::App& c) {
@@ -49,6 +49,7 @@ struct SiteCommand : GapOptions {
     c.add_flag("--best-guess", best_guess, "patch the twin with an ambiguous verdict too");
     c.add_flag("--findings-only", findings_only, "the twin keeps its own parameters: add only what was found");
     c.add_flag("--no-duties", no_duties, "leave the fan coils' duties out, which need a second run each on EnergyPlus");
+    c.add_flag("--sun-on-site", sun_on_site, "the weather file's sun was measured on the site: it is not in doubt");
     c.add_option("--keep-run", keep_run, "folder for the patched twin's run, which plain energyplus repeats");
     c.add_option("--cache", cache, "folder of finished EnergyPlus runs (default: OUT/runs)");
     std::vector<CLI::Option*> options;
@@ -155,7 +156,7 @@ struct SiteCommand : GapOptions {
     const gap::GapRequest asked = request();
     require_writable("--out", out, true);
     if (!apply.empty()) require_writable("--apply", apply, false);
-    const auto list = effects();
+    const auto list = sun_on_site ? sim::with_sun_on_site(effects()) : effects();
     try {
       finish(gap::run_gap(asked, list));
     } catch (const gap::RefusedLog& e) {

@@ -52,7 +52,8 @@ struct Houses {
         // Heaters at constant power of temperature until the 29th, then pulses.
         reference(house_window(o5, day_of(8, 26), day_of(8, 30), day_of(9, 14))),
         house(fit_house(reference, 2)),
-        effects(sim::load_effects(sim::find_effects())) {
+        // The sun was measured beside the houses.
+        effects(sim::with_sun_on_site(sim::load_effects(sim::find_effects()))) {
     for (const sim::Effect& e : house_effects()) effects.push_back(e);
     library = library_of(house.engine, effects);
   }

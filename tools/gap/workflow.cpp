@@ -49,7 +49,8 @@ class Analysis {
       verdict.best_gain = verdict.ranking.front().gain;
       verdict.gain_limit = limit(verdict.ranking.front().candidate);
     }
-    while (std::ssize(now.chosen) < rules_.most_effects) {
+    // Backward deletion may give back what forward selection took: the rounds are counted.
+    for (int round = 0; round < 2 * rules_.most_effects && std::ssize(now.chosen) < rules_.most_effects; ++round) {
       const auto next = better(now);
       if (!next) break;
       now = *next;
