@@ -62,6 +62,15 @@ class Analysis {
       now = refit(fewer);
       verdict.findings = findings_of(now);
     }
+    // One effect after another: what the last one adds must help on days that nobody looked at.
+    while (now.chosen.size() > 1) {
+      auto fewer = now.chosen;
+      fewer.pop_back();
+      Refit without = refit(fewer);
+      if (locked_square(now.residual) < locked_square(without.residual)) break;
+      now = std::move(without);
+      verdict.findings = findings_of(now);
+    }
     verdict.residual_after = now.residual;
     more_needed_ = std::ssize(now.chosen) == rules_.most_effects && better(now).has_value();
     verdict.leftover = now.distance / samples() / fit_.leftover;
@@ -98,6 +107,12 @@ class Analysis {
   double distance(const Eigen::MatrixXd& residual) const {
     const Eigen::VectorXd r = whiten(residual);
     return evidence_.metric().dot(r, r);
+  }
+  /// Of the locked days, parameters as fitted.
+  double locked_square(const Eigen::MatrixXd& residual) const {
+    std::vector<bool> days(static_cast<std::size_t>(bins()), false);
+    std::fill(days.begin() + locked_from(), days.end(), true);
+    return fit_.noise.whiten(residual, days, data_.test.measured).squaredNorm();
   }
   const Candidate& candidate(const Chosen& c) const { return responses_.test.candidates[c.candidate]; }
   double magnitude(const Chosen& c) const {
@@ -384,13 +399,8 @@ class Analysis {
       after += std::pow(locked.rmse_after(c) / noise, 2);
       affected += 1;
     }
-    std::vector<bool> days(static_cast<std::size_t>(bins()), false);
-    std::fill(days.begin() + first, days.end(), true);
-    const auto square = [&](const Eigen::MatrixXd& residual) {
-      return fit_.noise.whiten(residual, days, data_.test.measured).squaredNorm();
-    };
-    locked.gain = square(v.residual_before) - square(v.residual_after);
-    locked.predicted_gain = square(v.residual_before - v.residual_after);
+    locked.gain = locked_square(v.residual_before) - locked_square(v.residual_after);
+    locked.predicted_gain = locked_square(v.residual_before - v.residual_after);
     locked.score_before = std::sqrt(before);
     locked.score_after = std::sqrt(after);
     locked.score_floor = std::sqrt(affected);
