@@ -77,6 +77,7 @@ struct SiteCommand : GapOptions {
     if (findings_only) text += " --findings-only";
     if (best_guess) text += " --best-guess";
     if (no_duties) text += " --no-duties";
+    if (sun_on_site) text += " --sun-on-site";
     add("--out", out);
     return text;
   }

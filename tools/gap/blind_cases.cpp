@@ -19,6 +19,7 @@
 #include "sim/synthetic_weather.hpp"
 #include "tools/gap/blind_site.hpp"
 #include "tools/gap/case_file.hpp"
+#include "tools/gap/parallel.hpp"
 
 namespace airside::tools::gap {
 
@@ -352,7 +353,7 @@ void make_blind_cases(const BlindPlan& plan, const std::vector<sim::Effect>& eff
   nlohmann::json answers = {{"format", 1}, {"seed", plan.seed}, {"cases", nlohmann::json::object()}};
   const std::vector<int> order = in_order_of_name(plan);
   std::mutex mutex;
-  on_threads(order.size(), plan.jobs, [&](std::size_t n) {
+  in_parallel(order.size(), plan.jobs, [&](std::size_t n) {
     const int i = order[n];
     const PlannedCase c = planned_case(plan, i);
     const std::string name = fmt::format("case-{:04}", n + 1);

@@ -1,16 +1,14 @@
 #include "tools/gap/blind_site.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
-#include <mutex>
-#include <thread>
 
 #include "sim/epw.hpp"
 #include "sim/rc_replay.hpp"
 #include "sim/rc_room_file.hpp"
 #include "tools/gap/log_window.hpp"
+#include "tools/gap/parallel.hpp"
 
 namespace airside::tools::gap {
 
@@ -164,7 +162,7 @@ class EnergyPlusSite final : public BlindSite {
 
   void prepare(const std::vector<BlindWindow>& windows) override {
     for (const BlindWindow& w : windows) prepared_[w];
-    on_threads(windows.size(), setup_.jobs, [&](std::size_t i) {
+    in_parallel(windows.size(), setup_.jobs, [&](std::size_t i) {
       const BlindWindow& w = windows[i];
       Prepared& p = prepared_.at(w);
       p.room = energyplus_measured_room(setup_.twin, room_seed(w), w.feedback);
@@ -234,28 +232,6 @@ class EnergyPlusSite final : public BlindSite {
 };
 
 }  // namespace
-
-void on_threads(std::size_t count, int jobs, const std::function<void(std::size_t)>& work) {
-  std::atomic<std::size_t> next{0};
-  std::mutex mutex;
-  std::exception_ptr failure;
-  const auto loop = [&] {
-    for (std::size_t i = next++; i < count; i = next++) {
-      try {
-        work(i);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (!failure) failure = std::current_exception();
-        next = count;
-      }
-    }
-  };
-  std::vector<std::thread> threads;
-  for (int i = 1; i < jobs; ++i) threads.emplace_back(loop);
-  loop();
-  for (auto& thread : threads) thread.join();
-  if (failure) std::rethrow_exception(failure);
-}
 
 std::unique_ptr<BlindSite> make_rc_site(const BlindSetup& setup) { return std::make_unique<RcSite>(setup); }
 std::unique_ptr<BlindSite> make_energyplus_site(const BlindSetup& setup) {

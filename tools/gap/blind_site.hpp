@@ -69,9 +69,6 @@ class BlindSite {
   Kinds kinds_;
 };
 
-/// work(0 .. count-1) on `jobs` threads.  Errors: the first that was thrown, after all threads have ended.
-void on_threads(std::size_t count, int jobs, const std::function<void(std::size_t)>& work);
-
 std::unique_ptr<BlindSite> make_rc_site(const BlindSetup& setup);
 std::unique_ptr<BlindSite> make_energyplus_site(const BlindSetup& setup);
 

@@ -1,12 +1,10 @@
 #include "tools/gap/engine.hpp"
 
-#include <atomic>
-#include <exception>
 #include <mutex>
 #include <numeric>
-#include <thread>
 
 #include "sim/rc_replay.hpp"
+#include "tools/gap/parallel.hpp"
 
 namespace airside::tools::gap {
 
@@ -24,27 +22,12 @@ std::array<bool, sim::facades> RcEngine::has_facade() const {
 std::vector<sim::ChannelTable> simulate_all(const Engine& engine, const std::vector<Task>& tasks, int jobs,
                                             const std::function<void()>& done) {
   std::vector<sim::ChannelTable> tables(tasks.size());
-  std::atomic<std::size_t> next{0};
   std::mutex mutex;
-  std::exception_ptr failure;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < tasks.size(); i = next++) {
-      try {
-        tables[i] = engine.simulate(tasks[i].changes, *tasks[i].recording);
-        const std::lock_guard lock(mutex);
-        if (done) done();
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (!failure) failure = std::current_exception();
-        next = tasks.size();
-      }
-    }
-  };
-  std::vector<std::thread> threads;
-  for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
-  work();
-  for (auto& thread : threads) thread.join();
-  if (failure) std::rethrow_exception(failure);
+  in_parallel(tasks.size(), jobs, [&](std::size_t i) {
+    tables[i] = engine.simulate(tasks[i].changes, *tasks[i].recording);
+    const std::lock_guard lock(mutex);
+    if (done) done();
+  });
   return tables;
 }
 

@@ -24,10 +24,10 @@ struct ReferenceFit {
   Eigen::MatrixXd structural(const Responses& responses) const;
 };
 
-/// Gauss-Newton with the prior, three times, each followed by a real simulation; the noise model is fitted to what
+/// Gauss-Newton with the prior, six times, each followed by a real simulation; the noise model is fitted to what
 /// remains.
 ///   d = (J'J + I)^-1 J' r, J and r whitened.
-/// Errors: as simulate.  Cost: three simulations beside the responses.  Source: GAP.md, step 2.
+/// Errors: as simulate.  Cost: six simulations beside the responses.  Source: GAP.md, step 2.
 ReferenceFit fit_reference(const Engine& engine, const Responses& responses, const Window& window);
 
 /// Bins that count: not the first day, which remembers an unknown start.
