@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/input_error.hpp"
 #include "tools/command.hpp"
 #include "tools/command_gap.hpp"
 #include "tools/gap/retrain.hpp"
@@ -10,51 +11,44 @@ namespace airside::tools {
 
 namespace {
 
-struct RetrainCommand {
+struct RetrainCommand : GapOptions {
   gap::RetrainPlan plan;
-  bool json = false;
+  std::string twin, patched, measured, preset = "product";
+  std::vector<std::string> changes;
 
   void run() const {
-    Progress bar(fmt::format("2 twins x {} seeds", plan.seeds), gap::retrain_steps(plan));
-    const auto runs = gap::retrain(plan, [&bar] { bar.advance(); });
+    const auto list = changes.empty() ? std::vector<sim::Effect>{} : effects();
+    const gap::RetrainPlan planned = whole_plan(list);
+    Progress bar(fmt::format("2 twins x {} seeds", planned.seeds), gap::retrain_steps(planned));
+    const gap::Retraining retraining = gap::retrain(planned, [&bar] { bar.advance(); });
     bar.finish();
-    nlohmann::json j = {
-        {"plant", plan.plant},   {"twin", plan.twin}, {"patched", plan.patched},        {"measured", plan.measured},
-        {"preset", plan.preset}, {"days", plan.days}, {"runs", nlohmann::json::array()}};
-    int lower = 0;
-    for (const gap::RetrainRun& run : runs) {
-      j["seeds"].push_back(run.seed);
-      j["runs"].push_back({{"seed", run.seed}, {"before", facts(run.before)}, {"after", facts(run.after)}});
-      if (run.after.dae_degc < run.before.dae_degc) ++lower;
-    }
-    j["seeds_with_lower_dae"] = lower;
-    if (!json) fmt::print("{:<10} {:>21} {:>21}\n", "first days", "weights of the twin", "of the patched twin");
-    const auto row = [&](const char* name, const char* key, double Metrics::*figure) {
-      std::vector<double> before, after;
-      for (const gap::RetrainRun& run : runs) {
-        before.push_back(run.before.*figure);
-        after.push_back(run.after.*figure);
-      }
-      const Spread b = spread_of(before), a = spread_of(after);
-      j["before"][key] = {{"mean", b.mean}, {"sd", b.sd}};
-      j["after"][key] = {{"mean", a.mean}, {"sd", a.sd}};
-      if (!json) fmt::print("{:<10} {:>12.3f} +- {:.3f} {:>13.3f} +- {:.3f}\n", name, b.mean, b.sd, a.mean, a.sd);
-    };
-    row("DAE, K", "dae_degc", &Metrics::dae_degc);
-    row("ME, K", "me_degc", &Metrics::me_degc);
-    row("DARV, K", "darv_degc", &Metrics::darv_degc);
-    row("day 1, K", "day1_dae_degc", &Metrics::day1_dae_degc);
-    if (json) {
-      fmt::print("{}\n", j.dump());
-    } else {
-      fmt::print("DAE is lower with the patched twin's weights on {} of {} seeds\n", lower, runs.size());
-    }
+    if (json)
+      fmt::print("{}\n", gap::json_of(retraining).dump());
+    else
+      fmt::print("{}{}\n", gap::text_of(retraining), gap::sentence_of(retraining));
   }
 
-  static nlohmann::json facts(const Metrics& m) {
-    nlohmann::json daily = nlohmann::json::array();
-    for (const DayMetrics& d : m.days) daily.push_back(d.dae_degc);
-    return {{"dae_degc", m.dae_degc}, {"me_degc", m.me_degc}, {"darv_degc", m.darv_degc}, {"daily_dae_degc", daily}};
+  gap::RetrainPlan whole_plan(const std::vector<sim::Effect>& list) const {
+    gap::RetrainPlan p = plan;
+    p.jobs = jobs;
+    p.twin = gap::parse_retrain_room(twin);
+    p.patched = gap::parse_retrain_room(patched);
+    p.measured = gap::parse_retrain_room(measured);
+    p.site = built_in_site("5vav-5fcu-2power",
+                           preset == "paper" ? hal::ControllerPreset::paper : hal::ControllerPreset::product);
+    if (patched.empty() == changes.empty()) {
+      throw hal::InputError("--patched", changes.empty() ? "no patched twin" : "--effect beside it",
+                            "one of the two: a room, or effects to add to the twin",
+                            "give --patched ROOM, or --effect ID=MAGNITUDE as often as needed");
+    }
+    if (changes.empty()) return p;
+    const sim::Channels channels{p.site.counts.vavs, p.site.counts.fcus, p.site.counts.powers};
+    p.patched = p.twin;
+    for (const std::string& text : changes) {
+      p.patched.changes.push_back(gap::parse_change(text, list, channels, p.plant));
+    }
+    p.measured.changes = p.patched.changes;
+    return p;
   }
 };
 
@@ -66,14 +60,17 @@ void add_gap_retrain(CLI::App& gap) {
   CLI::App* c = gap.add_subcommand(
       "retrain",
       "pretrain on the twin and on the patched twin, and run both sets of weights on a simulated measured room.\n"
-      "A room is a name (301), a file (room.json), or 301+patch.json with merge patches (EnergyPlus).");
+      "A room is a name (301), a file (room.json, twin.epJSON), or 301+patch.json with merge patches (EnergyPlus).");
   c->add_option("--plant", plan.plant, "rc or energyplus")
       ->check(CLI::IsMember({"rc", "energyplus"}))
       ->capture_default_str();
-  c->add_option("--twin", plan.twin, "the room as it was modelled")->required();
-  c->add_option("--patched", plan.patched, "the room with what the workflow added")->required();
-  c->add_option("--measured", plan.measured, "the room in which the effect is real")->required();
-  c->add_option("--preset", plan.preset, "product or paper")
+  c->add_option("--twin", self->twin, "the room as it was modelled")->required();
+  c->add_option("--patched", self->patched, "the room with what the workflow added");
+  c->add_option("--effect", self->changes,
+                "instead of --patched: ID=MAGNITUDE, added to the twin and true in the measured room");
+  c->add_option("--measured", self->measured, "the room in which the effect is real")->required();
+  c->add_option("--weather", plan.weather, "EPW of a year (default: made up for rc, Tampa for EnergyPlus)");
+  c->add_option("--preset", self->preset, "product or paper")
       ->check(CLI::IsMember({"product", "paper"}))
       ->capture_default_str();
   c->add_option("--seeds", plan.seeds, "how many")->check(CLI::Range(1, 100))->capture_default_str();
@@ -85,8 +82,9 @@ void add_gap_retrain(CLI::App& gap) {
       ->check(CLI::Range(0, 60))
       ->capture_default_str();
   c->add_option("--days", plan.days, "controlled days")->check(CLI::Range(1, 60))->capture_default_str();
-  c->add_option("--jobs", plan.jobs, "child processes at a time")->check(CLI::Range(1, 256))->capture_default_str();
-  c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
+  self->add_effects(*c);
+  self->add_jobs(*c);
+  self->add_json(*c);
   c->callback([self] { self->run(); });
 }
 

@@ -72,7 +72,9 @@ std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& 
         "choose a room of the site's shape, or another topology in the site file");
   }
   if (choice.weekends) room.occupancy_weekend_factor = 0.1;
-  auto weather = choice.weather.empty() ? sim::synthetic_weather(weather_seed(choice.room, choice.seed))
+  room = sim::changed_room(std::move(room), choice.changes);
+  const std::string& weather_of = choice.weather_of.empty() ? choice.room : choice.weather_of;
+  auto weather = choice.weather.empty() ? sim::synthetic_weather(weather_seed(weather_of, choice.seed))
                                         : sim::read_epw(choice.weather);
   return std::make_unique<sim::RcPlant>(std::move(room), std::move(weather), start, choice.seed,
                                         site.settings.expert_off_degc);
@@ -98,6 +100,11 @@ std::unique_ptr<sim::PlantModel> make_energyplus(const PlantChoice& choice, cons
   options.seed = choice.seed;
   options.initial_setpoint_degc = site.settings.expert_off_degc;
   if (choice.weekends) options.rooms.weekends = true;
+  options.rooms = sim::changed_loops(options.rooms, choice.changes);
+  if (!choice.changes.empty() && !choice.changes_in_model) {
+    const auto composed = sim::compose_model(options, sim::find_energyplus().schema);
+    options.patches.push_back({"effects", sim::model_patch(composed, options.names, choice.changes)});
+  }
   return std::make_unique<sim::EnergyPlusPlant>(options);
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "airside/civil_time.hpp"
+#include "sim/effect.hpp"
 #include "sim/plant_model.hpp"
 #include "tools/site.hpp"
 
@@ -22,6 +23,11 @@ struct PlantChoice {
   std::string start = "2021-07-01";
   std::uint64_t seed = 1;  ///< of people, outages and sensor noise
   bool weekends = false;   ///< Saturday and Sunday nearly empty
+
+  // No options: for comparisons of rooms that differ in an effect and in nothing else.
+  std::string weather_of;                  ///< rc without `weather`: the room whose made-up year it is; empty: its own
+  std::vector<sim::EffectChange> changes;  ///< to the room; the effects must outlive the choice
+  bool changes_in_model = false;  ///< EnergyPlus: model and patches have them already, the loops beside lack them
 };
 
 /// Adds --plant, --room, --twin, --patch, --weather, --start, --seed, --weekends to a command.
