@@ -25,8 +25,9 @@ namespace fs = std::filesystem;
 struct SiteCommand : GapOptions {
   std::string site_path, measured, reference, twin, plant, room, weather, out = "gap-report", apply, keep_run, cache;
   std::vector<std::string> patches;
-  int reference_days = 0;
-  bool best_guess = false, findings_only = false, no_duties = false, sun_on_site = false;
+  std::string measured_room;
+  int reference_days = 0, seeds = 5, pretrain_days = 31, control_days = 7;
+  bool best_guess = false, findings_only = false, no_duties = false, sun_on_site = false, retrain = false;
 
   /// All options, so that a subcommand can refuse them.
   std::vector<CLI::Option*> add_to(CLI::App& c) {
@@ -51,6 +52,25 @@ struct SiteCommand : GapOptions {
     c.add_flag("--no-duties", no_duties, "leave the fan coils' duties out, which need a second run each on EnergyPlus");
     c.add_flag("--sun-on-site", sun_on_site, "the weather file's sun was measured on the site: it is not in doubt");
     c.add_option("--keep-run", keep_run, "folder for the patched twin's run, which plain energyplus repeats");
+    CLI::Option* retrains = c.add_flag("--retrain", retrain,
+                                       "pretrain on the twin and on the patched twin, and run both sets of weights on "
+                                       "the measured room: what the patch is worth to the controller");
+    c.add_option("--measured-room", measured_room,
+                 "with --retrain: the simulated room that plays the measured one, since a log cannot answer to other "
+                 "setpoints: a name, a file, or 301+patch.json (default: the patched twin, and labelled so)")
+        ->needs(retrains);
+    c.add_option("--seeds", seeds, "with --retrain: how many")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str()
+        ->needs(retrains);
+    c.add_option("--pretrain-days", pretrain_days, "with --retrain: on each twin")
+        ->check(CLI::Range(2, 364))
+        ->capture_default_str()
+        ->needs(retrains);
+    c.add_option("--control-days", control_days, "with --retrain: days controlled in the measured room")
+        ->check(CLI::Range(1, 60))
+        ->capture_default_str()
+        ->needs(retrains);
     c.add_option("--cache", cache, "folder of finished EnergyPlus runs (default: OUT/runs)");
     std::vector<CLI::Option*> options;
     for (CLI::Option* o : c.get_options()) {
@@ -78,6 +98,13 @@ struct SiteCommand : GapOptions {
     if (best_guess) text += " --best-guess";
     if (no_duties) text += " --no-duties";
     if (sun_on_site) text += " --sun-on-site";
+    if (retrain) {
+      text += " --retrain";
+      add("--measured-room", measured_room);
+      add("--seeds", std::to_string(seeds));
+      add("--pretrain-days", std::to_string(pretrain_days));
+      add("--control-days", std::to_string(control_days));
+    }
     add("--out", out);
     return text;
   }
@@ -120,8 +147,34 @@ struct SiteCommand : GapOptions {
     }
   }
 
+  Site the_site() const { return site_path.empty() ? built_in_site() : load_site(site_path); }
+
+  gap::RetrainRequest retrain_request() const {
+    gap::RetrainRequest r;
+    r.site = the_site();
+    if (!measured_room.empty()) r.measured = gap::parse_retrain_room(measured_room);
+    r.seeds = seeds;
+    r.pretrain_days = pretrain_days;
+    r.days = control_days;
+    r.jobs = jobs;
+    return r;
+  }
+
+  /// Before an hour of simulations ends with a room that does not exist.
+  void check_rooms(const gap::GapRequest& asked) const {
+    const gap::RetrainPlan plan = gap::retrain_plan(asked.source, retrain_request());
+    gap::check_retrain_room(plan, plan.twin);
+    if (plan.measured.room.empty()) return;
+    try {
+      gap::check_retrain_room(plan, plan.measured);
+    } catch (const hal::InputError& e) {
+      throw hal::InputError(e.place() == "--room" ? "--measured-room " + measured_room : e.place(), e.found(),
+                            e.expected(), e.remedy());
+    }
+  }
+
   gap::GapRequest request() const {
-    const Site site = site_path.empty() ? built_in_site() : load_site(site_path);
+    const Site site = the_site();
     gap::GapRequest r;
     r.site = site.file.name;
     r.command = again();
@@ -157,6 +210,7 @@ struct SiteCommand : GapOptions {
     const gap::GapRequest asked = request();
     require_writable("--out", out, true);
     if (!apply.empty()) require_writable("--apply", apply, false);
+    if (retrain) check_rooms(asked);
     const auto list = sun_on_site ? sim::with_sun_on_site(effects()) : effects();
     try {
       finish(gap::run_gap(asked, list));
@@ -167,11 +221,12 @@ struct SiteCommand : GapOptions {
     }
   }
 
-  void finish(const gap::GapRun& run) const {
+  void finish(gap::GapRun run) const {
     const fs::path folder = out;
-    nlohmann::json j = gap::json_of(run);
+    nlohmann::json j;
     j["report"] = (folder / "index.html").string();
-    std::vector<std::string> files{j["report"]};
+    std::vector<std::string> files{j["report"], (folder / "gap.json").string()};
+    fs::path patched_file = folder / "twin-patch.json";
     if (run.patched) {
       const std::string ledger = gap::ledger_of(run).dump(1) + "\n";
       const auto write = [&files](const fs::path& file, const std::string& text) {
@@ -185,12 +240,25 @@ struct SiteCommand : GapOptions {
         j["applied"] = write(apply, run.patched->after.dump(1) + "\n");
         write(apply + ".ledger.json", ledger);
       }
+      if (retrain && run.request.source.engine == "rc") {
+        patched_file = apply;
+        if (apply.empty()) patched_file = write(folder / "patched-room.json", run.patched->after.dump(1) + "\n");
+      }
     }
     if (!keep_run.empty()) gap::keep_patched_run(run, keep_run);
-    write_report(folder / "index.html", make_gap_report(run));
-    files.push_back((folder / "gap.json").string());
     j["files"] = files;
-    gap::write_whole_file(folder / "gap.json", j.dump(1) + "\n");
+    const auto write_findings = [&] {
+      j.update(gap::json_of(run));
+      gap::write_whole_file(folder / "gap.json", gap::readable_text(j));
+      write_report(folder / "index.html", make_gap_report(run));
+    };
+    write_findings();
+    if (retrain && run.patched) {  // a pretraining that dies leaves the verdict
+      gap::RetrainRequest r = retrain_request();
+      r.patched_file = patched_file;
+      gap::retrain_patched(run, r);
+      write_findings();
+    }
     if (json)
       fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     else
@@ -201,6 +269,11 @@ struct SiteCommand : GapOptions {
                             run.verdict.findings.empty()
                                 ? "the twin was left as it is"
                                 : "the twin was left as it is; --best-guess patches it anyway");
+    }
+    if (retrain && !run.patched) {
+      throw hal::InputError(
+          "--retrain", fmt::format("the verdict {}", gap::text_of(run.verdict.kind)), "a patched twin to pretrain on",
+          run.verdict.findings.empty() ? "nothing has to be learned again" : "--best-guess patches the twin anyway");
     }
   }
 
@@ -220,6 +293,7 @@ struct SiteCommand : GapOptions {
         days["days"].get<int>(), figure("before", "temp_rmse_k"), figure("after", "temp_rmse_k"),
         figure("before", "power_rmse_kw"), figure("after", "power_rmse_kw"), figure("given", "temp_rmse_k"),
         figure("given", "power_rmse_kw"));
+    if (run.retraining) fmt::print("{}{}\n", gap::text_of(*run.retraining), gap::sentence_of(*run.retraining));
     for (const auto& file : j["files"]) fmt::print("{}\n", file.get<std::string>());
   }
 };

@@ -7,6 +7,7 @@
 
 #include "hal/civil_text.hpp"
 #include "hal/input_error.hpp"
+#include "sim/epw.hpp"
 #include "sim/merge_patch.hpp"
 #include "tools/gap/energyplus_engine.hpp"
 #include "tools/gap/verdict_json.hpp"
@@ -97,6 +98,38 @@ json model_json(const GapRun& run, const Eigen::MatrixXd& residual) {
           {"channels", by_channel}};
 }
 
+/// Half-hour means of every channel, whether measured or not.
+json after_curve_json(const GapRun& run) {
+  const sim::Channels at = run.channels();
+  json channels;
+  for (int c = 0; c < at.count(); ++c) {
+    json values = json::array();
+    for (const double x : run.simulated_after.col(c)) values.push_back(finite_json(std::round(x * 1e4) / 1e4));
+    channels[at.name(c)] = {{"unit", at.unit(c)}, {"values", std::move(values)}};
+  }
+  return {{"from", hal::civil_text(run.loaded.data.test.recording.from)},
+          {"step_s", 86400 / bins_per_day},
+          {"channels", std::move(channels)}};
+}
+
+void append_readable(const json& j, const std::string& margin, std::string& text) {
+  const bool deep = j.is_object() || std::any_of(j.begin(), j.end(), [](const json& x) { return x.is_structured(); });
+  if (!j.is_structured() || j.empty() || !deep) {
+    text += j.dump(-1, ' ', false, json::error_handler_t::replace);
+    return;
+  }
+  const std::string inner = margin + " ";
+  text += j.is_object() ? "{" : "[";
+  const char* comma = "\n";
+  for (const auto& [key, value] : j.items()) {
+    text += comma + inner;
+    if (j.is_object()) text += json(key).dump(-1, ' ', false, json::error_handler_t::replace) + ": ";
+    append_readable(value, inner, text);
+    comma = ",\n";
+  }
+  text += "\n" + margin + (j.is_object() ? "}" : "]");
+}
+
 json period_json(const Window& window) {
   return {{"from", hal::civil_text(window.recording.from)},
           {"to", hal::civil_text(window.recording.to())},
@@ -137,12 +170,14 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   }
   run.after = run.before;
   for (const Finding& f : run.verdict.findings) run.after.push_back({f.at, f.magnitude});
-  const auto residual_of = [&](const Changes& changes) -> Eigen::MatrixXd {
-    return data.test.measured - binned(engine.simulate(changes, data.test.recording));
+  const auto curve_of = [&](const Changes& changes) -> Eigen::MatrixXd {
+    return changes.empty() ? run.responses.test.base : binned(engine.simulate(changes, data.test.recording));
   };
+  const Eigen::MatrixXd simulated_before = curve_of(run.before);
+  run.simulated_after = run.verdict.findings.empty() ? simulated_before : curve_of(run.after);
   run.residual_given = data.test.measured - run.responses.test.base;
-  run.residual_before = run.before.empty() ? run.residual_given : residual_of(run.before);
-  run.residual_after = run.verdict.findings.empty() ? run.residual_before : residual_of(run.after);
+  run.residual_before = data.test.measured - simulated_before;
+  run.residual_after = data.test.measured - run.simulated_after;
   if (run.verdict.kind == VerdictKind::ambiguous) {
     ExperimentRules rules;
     rules.nuisance = nuisance;
@@ -244,6 +279,8 @@ json json_of(const GapRun& run) {
                                {"sd", finite_json(p.sd)},
                                {"unit", p.change.at.effect->unit}});
   }
+  j["after_curve"] = after_curve_json(run);
+  j["retraining"] = run.retraining ? json_of(*run.retraining) : json();
   j["patched"] = run.patched.has_value();
   if (run.patched) {
     j["digest_before"] = model_digest(run.patched->before);
@@ -251,6 +288,67 @@ json json_of(const GapRun& run) {
   }
   j["command"] = run.request.command;
   return j;
+}
+
+std::string readable_text(const json& j) {
+  std::string text;
+  append_readable(j, "", text);
+  return text + "\n";
+}
+
+RetrainPlan retrain_plan(const CaseDescription& source, const RetrainRequest& request) {
+  RetrainPlan plan;
+  plan.site = request.site;
+  plan.plant = source.engine;
+  plan.twin = {source.model, source.engine == "rc" ? std::vector<std::string>{} : source.patches, {}};
+  if (source.engine == "rc") {
+    plan.patched.room = request.patched_file.string();
+  } else {
+    plan.patched = plan.twin;
+    plan.patched.patches.push_back(request.patched_file.string());
+  }
+  plan.measured = request.measured;
+  plan.seeds = request.seeds;
+  plan.pretrain_days = request.pretrain_days;
+  plan.days = request.days;
+  plan.jobs = request.jobs;
+  if (sim::read_epw(source.weather, {.whole_year = false, .from = {}, .to = {}})->covers_year()) {
+    plan.weather = source.weather;
+  }
+  return plan;
+}
+
+void retrain_patched(GapRun& run, const RetrainRequest& request) {
+  const PatchedModel& patched = run.patched.value();
+  RetrainPlan plan = retrain_plan(run.request.source, request);
+  plan.patched.changes_in_model = true;
+  const bool energyplus = run.request.source.engine == "energyplus";
+  if (energyplus) plan.patched.changes = run.after;
+  const bool stand_in = plan.measured.room.empty();
+  if (stand_in) plan.measured = plan.patched;
+  Progress bar(fmt::format("pretraining on 2 twins x {} seeds", plan.seeds), retrain_steps(plan));
+  run.retraining = retrain(plan, [&bar] { bar.advance(); });
+  bar.finish();
+  run.retraining->stand_in = stand_in;
+  std::vector<std::string>& remarks = run.retraining->remarks;
+  if (stand_in) {
+    remarks.push_back(
+        "The patched twin plays the measured room, since none was given: this is what the patch is worth to the "
+        "controller if it is the whole truth.");
+  }
+  std::string beside;
+  for (const PatchedChange& change : patched.changes) {
+    for (const std::string& line : change.beside) {
+      if (energyplus && line.starts_with("loop ")) continue;
+      beside += (beside.empty() ? "" : "; ") + line;
+    }
+  }
+  if (!beside.empty()) remarks.push_back("No model holds these, so nothing was pretrained on them: " + beside + ".");
+  if (plan.weather.empty()) {
+    remarks.push_back(std::string("The weather file does not hold a whole year: both twins and the measured room lived "
+                                  "in ") +
+                      (energyplus ? "Tampa's weather." : "made-up weather."));
+  }
 }
 
 void keep_patched_run(const GapRun& run, const std::filesystem::path& folder) {

@@ -12,6 +12,7 @@
 #include "tools/gap/flux.hpp"
 #include "tools/gap/model_error.hpp"
 #include "tools/gap/patched_model.hpp"
+#include "tools/gap/retrain.hpp"
 
 namespace airside::tools::gap {
 
@@ -43,9 +44,11 @@ struct GapRun {
   Eigen::MatrixXd residual_given;               ///< of the model as given
   Eigen::MatrixXd residual_before;              ///< with fitted parameters
   Eigen::MatrixXd residual_after;               ///< and with what was found
+  Eigen::MatrixXd simulated_after;              ///< the curve of the model with what was found
   std::vector<ExperimentProposal> experiments;  ///< ambiguous: tests that tell the candidates apart, best first
   std::optional<UnknownHeat> heat;              ///< unknown: what is missing in each zone
   std::optional<PatchedModel> patched;          ///< named, or asked for
+  std::optional<Retraining> retraining;         ///< asked for: what the patch is worth to the controller
 
   sim::Channels channels() const { return loaded.engine->channels(); }
   /// First bin of the days that were locked away.
@@ -66,6 +69,24 @@ nlohmann::json ledger_of(const GapRun& run);
 
 /// What --json prints.
 nlohmann::json json_of(const GapRun& run);
+
+/// JSON for people who open the file: a key a line, a list of mere values on one.
+std::string readable_text(const nlohmann::json& j);
+
+/// What is asked of a retraining after the workflow.
+struct RetrainRequest {
+  Site site = built_in_site();
+  RetrainRoom measured;                ///< empty: the patched twin plays it
+  std::filesystem::path patched_file;  ///< rc: the patched room; EnergyPlus: the merge patch
+  int seeds = 5, pretrain_days = 31, days = 7, jobs = 1;
+};
+
+/// Both twins, from the files that hold them, and the measured room.
+RetrainPlan retrain_plan(const CaseDescription& source, const RetrainRequest& request);
+
+/// Pretrains again and sets `run.retraining`.  Progress goes to standard error.
+/// Errors: std::bad_optional_access without a patched model; as retrain().
+void retrain_patched(GapRun& run, const RetrainRequest& request);
 
 /// The patched model's run over the measured period, in a folder in which plain `energyplus` repeats it.
 /// Errors: hal::InputError for an engine that is not EnergyPlus.

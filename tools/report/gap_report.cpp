@@ -71,6 +71,7 @@ class GapReport {
     add_locked_days();
     add_guideline();
     add_ledger();
+    add_retraining();
     add_facts();
     return std::move(input_);
   }
@@ -105,6 +106,11 @@ class GapReport {
     change("temperatures, locked days", 0, at_.mau_temp() + 1, "K");
     change("powers, locked days", at_.power(), at_.fcu_duty(), "kW");
     input_.figures.push_back({number_text(v.leftover, 2), "x", "left over, of the noise", "1 is a right model"});
+    if (run_.retraining) {
+      const gap::RetrainSpread s = gap::spread_of(*run_.retraining, &Metrics::dae_degc);
+      input_.figures.push_back({number_text(s.after.mean, 3), "K", "DAE, weights of the patched twin",
+                                number_text(s.before.mean, 3) + " with weights of the twin"});
+    }
   }
 
   void add_findings() {
@@ -475,6 +481,54 @@ class GapReport {
                             false});
     }
     input_.blocks.push_back(table);
+  }
+
+  /// What the patch is worth to the controller.
+  void add_retraining() {
+    if (!run_.retraining) return;
+    const gap::Retraining& r = *run_.retraining;
+    const std::string measured =
+        r.stand_in ? "the patched twin in the measured room's stead" : "room " + gap::text_of(r.plan.measured);
+    ReportTable table;
+    table.title = "What that is worth to the controller";
+    table.note = fmt::format(
+        "{}. Pretrained for {} days on the twin and on the patched twin, then put on {} for {} days, {} seeds, mean ± "
+        "standard deviation over seeds. DAE: mean |room mean - target| in working hours; ME: its worst day; DARV: "
+        "unrest of the setpoint.",
+        gap::sentence_of(r), r.plan.pretrain_days, measured, r.plan.days, r.runs.size());
+    for (const std::string& remark : r.remarks) table.note += " " + remark;
+    table.row_header = "weights of";
+    TableRow before{"the twin", {}, SeriesRole::plain, true}, after{"the patched twin", {}, SeriesRole::main, true},
+        change{"change, seed by seed", {}, SeriesRole::reference, false},
+        lower{"seeds lower", {}, SeriesRole::reference, false};
+    for (const gap::RetrainFigure& f : gap::retrain_figures()) {
+      const gap::RetrainSpread s = gap::spread_of(r, f.figure);
+      table.columns.push_back({f.title, "K", 3, true});
+      before.cells.push_back({s.before.mean, s.before.sd, ""});
+      after.cells.push_back({s.after.mean, s.after.sd, ""});
+      change.cells.push_back({s.change.mean, s.change.sd, ""});
+      lower.cells.push_back(text_cell(fmt::format("{} of {}", r.seeds_lower(f.figure), r.runs.size())));
+    }
+    table.rows = {before, after, change, lower};
+    input_.blocks.push_back(table);
+
+    BarChart chart;
+    chart.title = "DAE day by day, with weights of either twin";
+    chart.note = fmt::format("On {}; whiskers: standard deviation over {} seeds.", measured, r.runs.size());
+    chart.unit = "K";
+    chart.decimals = 3;
+    BarGroup twin{"weights of the twin", {}, {}, SeriesRole::plain},
+        patched{"weights of the patched twin", {}, {}, SeriesRole::main};
+    for (std::size_t day = 0; day < static_cast<std::size_t>(r.plan.days); ++day) {
+      const gap::RetrainSpread s = gap::daily_dae(r, day);
+      chart.categories.push_back(fmt::format("day {}", day + 1));
+      twin.y.push_back(s.before.mean);
+      twin.spread.push_back(s.before.sd);
+      patched.y.push_back(s.after.mean);
+      patched.spread.push_back(s.after.sd);
+    }
+    chart.groups = {twin, patched};
+    input_.blocks.push_back(chart);
   }
 
   static std::string edits_text(const std::vector<gap::ModelEdit>& edits) {
