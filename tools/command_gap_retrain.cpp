@@ -13,12 +13,13 @@ namespace {
 
 struct RetrainCommand : GapOptions {
   gap::RetrainPlan plan;
-  std::string twin, patched, measured, preset = "product";
+  std::string twin, patched, measured, site_path, preset;
   std::vector<std::string> changes;
 
   void run() const {
     const auto list = changes.empty() ? std::vector<sim::Effect>{} : effects();
     const gap::RetrainPlan planned = whole_plan(list);
+    gap::check_retrain_rooms(planned);
     Progress bar(fmt::format("2 twins x {} seeds", planned.seeds), gap::retrain_steps(planned));
     const gap::Retraining retraining = gap::retrain(planned, [&bar] { bar.advance(); });
     bar.finish();
@@ -34,8 +35,10 @@ struct RetrainCommand : GapOptions {
     p.twin = gap::parse_retrain_room(twin);
     p.patched = gap::parse_retrain_room(patched);
     p.measured = gap::parse_retrain_room(measured);
-    p.site = built_in_site("5vav-5fcu-2power",
-                           preset == "paper" ? hal::ControllerPreset::paper : hal::ControllerPreset::product);
+    p.site = site_path.empty() ? built_in_site() : load_site(site_path);
+    if (!preset.empty()) {
+      p.site = with_preset(p.site, preset == "paper" ? hal::ControllerPreset::paper : hal::ControllerPreset::product);
+    }
     if (patched.empty() == changes.empty()) {
       throw hal::InputError("--patched", changes.empty() ? "no patched twin" : "--effect beside it",
                             "one of the two: a room, or effects to add to the twin",
@@ -70,9 +73,9 @@ void add_gap_retrain(CLI::App& gap) {
                 "instead of --patched: ID=MAGNITUDE, added to the twin and true in the measured room");
   c->add_option("--measured", self->measured, "the room in which the effect is real")->required();
   c->add_option("--weather", plan.weather, "EPW of a year (default: made up for rc, Tampa for EnergyPlus)");
-  c->add_option("--preset", self->preset, "product or paper")
-      ->check(CLI::IsMember({"product", "paper"}))
-      ->capture_default_str();
+  c->add_option("--site", self->site_path, "site file: topology, target, hours, settings");
+  c->add_option("--preset", self->preset, "product or paper (default: the site's, else product)")
+      ->check(CLI::IsMember({"product", "paper"}));
   c->add_option("--seeds", plan.seeds, "how many")->check(CLI::Range(1, 100))->capture_default_str();
   c->add_option("--first-seed", plan.first_seed, "the others follow it")->capture_default_str();
   c->add_option("--pretrain-days", plan.pretrain_days, "on each twin")

@@ -271,9 +271,11 @@ struct SiteCommand : GapOptions {
                                 : "the twin was left as it is; --best-guess patches it anyway");
     }
     if (retrain && !run.patched) {
-      throw hal::InputError(
-          "--retrain", fmt::format("the verdict {}", gap::text_of(run.verdict.kind)), "a patched twin to pretrain on",
-          run.verdict.findings.empty() ? "nothing has to be learned again" : "--best-guess patches the twin anyway");
+      throw hal::InputError("--retrain", fmt::format("the verdict {}", gap::text_of(run.verdict.kind)),
+                            "a patched twin to pretrain on",
+                            !run.verdict.findings.empty()                ? "--best-guess patches the twin anyway"
+                            : run.verdict.kind == gap::VerdictKind::none ? "nothing has to be learned again"
+                                                                         : "what is missing has no name yet");
     }
   }
 

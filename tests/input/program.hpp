@@ -32,7 +32,7 @@ inline std::string text_of_file(const fs::path& path) {
 
 /// Runs `program` of the build with `words` in `folder`; output goes by way of files in `scratch`.
 inline Outcome run_program(const std::string& program, std::vector<std::string> words, const fs::path& folder,
-                           const fs::path& scratch) {
+                           const fs::path& scratch, unsigned limit_s = 60) {
   words.insert(words.begin(), std::string(AIRSIDE_BIN_DIR) + "/" + program);
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -46,7 +46,7 @@ inline Outcome run_program(const std::string& program, std::vector<std::string> 
         chdir(folder.c_str()) != 0) {
       _exit(126);
     }
-    alarm(60);  // a program that hangs is killed, which is no exit code 1
+    alarm(limit_s);  // a program that hangs is killed, which is no exit code 1
     execv(arguments[0], arguments.data());
     _exit(127);
   }

@@ -326,6 +326,7 @@ void retrain_patched(GapRun& run, const RetrainRequest& request) {
   if (energyplus) plan.patched.changes = run.after;
   const bool stand_in = plan.measured.room.empty();
   if (stand_in) plan.measured = plan.patched;
+  check_retrain_rooms(plan);
   Progress bar(fmt::format("pretraining on 2 twins x {} seeds", plan.seeds), retrain_steps(plan));
   run.retraining = retrain(plan, [&bar] { bar.advance(); });
   bar.finish();

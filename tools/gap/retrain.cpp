@@ -187,10 +187,13 @@ void check_retrain_room(const RetrainPlan& plan, const RetrainRoom& room) {
   (void)make_plant(choice_of(plan, room, 1, false), plan.site, 1);
 }
 
+void check_retrain_rooms(const RetrainPlan& plan) {
+  for (const RetrainRoom* room : {&plan.twin, &plan.patched, &plan.measured}) check_retrain_room(plan, *room);
+}
+
 std::size_t retrain_steps(const RetrainPlan& plan) { return 2 * static_cast<std::size_t>(plan.seeds); }
 
 Retraining retrain(const RetrainPlan& plan, const std::function<void()>& done) {
-  for (const RetrainRoom* room : {&plan.twin, &plan.patched, &plan.measured}) check_retrain_room(plan, *room);
   const auto seed_of = [&plan](std::size_t i) { return static_cast<std::uint64_t>(plan.first_seed) + i / 2; };
   const auto texts = run_children(
       retrain_steps(plan), plan.jobs,

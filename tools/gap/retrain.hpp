@@ -76,10 +76,12 @@ sim::EffectChange parse_change(const std::string& text, const std::vector<sim::E
 /// Makes the room and throws it away.
 /// Errors: hal::InputError for a room that does not exist or has not the site's shape.
 void check_retrain_room(const RetrainPlan& plan, const RetrainRoom& room);
+/// All three.
+void check_retrain_rooms(const RetrainPlan& plan);
 
 /// Pretrains on both twins and runs both sets of weights on the measured room, without fine-tuning on its log: what
 /// the twin says is all that the controller knows when it starts. Both twins have the same weather, people and seeds.
-/// Errors: hal::InputError for rooms that do not exist, before anything is computed.
+/// Errors: std::runtime_error of a child; check_retrain_rooms() says before what is wrong with a room.
 /// Cost: 2 * seeds pretrainings and runs, `jobs` at a time in child processes.
 Retraining retrain(const RetrainPlan& plan, const std::function<void()>& done);
 
