@@ -18,6 +18,7 @@
 #include "tools/gap/parallel.hpp"
 #include "tools/gap/patched_model.hpp"
 #include "tools/gap/score.hpp"
+#include "tools/gap/shared_responses.hpp"
 #include "tools/gap/verdict_json.hpp"
 
 namespace airside::tools {
@@ -55,10 +56,11 @@ struct EffectsCommand : GapOptions {
 
 struct RunCasesCommand : GapOptions {
   std::string folder, out = "verdicts.json", cache;
+  bool all_own = false;
 
   using Done = std::function<void(const fs::path&, nlohmann::json)>;
 
-  /// What effects would do in both windows of a case.
+  /// What effects would do in both windows of a case, by its own commands alone.
   static gap::WindowResponses responses_of(const gap::LoadedCase& c, const std::vector<sim::Effect>& list, int threads,
                                            const std::function<void()>& advance) {
     const gap::Library library = gap::library_of(*c.engine, list);
@@ -86,21 +88,23 @@ struct RunCasesCommand : GapOptions {
     done(path, gap::json_of(verdict, c.name, responses.test, c.engine->channels()));
   }
 
-  void judge_window(const std::vector<fs::path>& cases, const std::vector<sim::Effect>& list, const Done& done) const {
-    std::optional<gap::WindowResponses> shared;
-    std::size_t first = 0;
-    for (; first < cases.size() && !shared; ++first) {
-      const auto c = load(cases[first], done);
-      if (!c) continue;
-      Progress bar("responses of " + c->engine->description(),
-                   2 * gap::runs_of(gap::library_of(*c->engine, list), true));
-      shared = responses_of(*c, list, jobs, [&bar] { bar.advance(); });
-      bar.finish();
-      judge(cases[first], *c, *shared, done);
+  /// Cases of one window and model share what their recordings allow.
+  void judge_window(const std::vector<fs::path>& paths, const std::vector<sim::Effect>& list, const Done& done) const {
+    std::vector<std::pair<fs::path, gap::LoadedCase>> cases;
+    for (const fs::path& path : paths) {
+      if (auto c = load(path, done)) cases.emplace_back(path, std::move(*c));
     }
-    gap::in_parallel(cases.size() - first, jobs, [&](std::size_t i) {
-      const fs::path& path = cases[first + i];
-      if (const auto c = load(path, done)) judge(path, *c, *shared, done);
+    if (cases.empty()) return;
+    std::vector<const gap::CaseData*> data;
+    for (const auto& [path, c] : cases) data.push_back(&c.data);
+    const gap::LoadedCase& usual = cases[gap::most_usual(data)].second;
+    const gap::Library library = gap::library_of(*usual.engine, list);
+    Progress bar("responses of " + usual.engine->description(), 2 * gap::runs_of(library, true));
+    const gap::SharedWindows shared(*usual.engine, library, usual.data, jobs, [&bar] { bar.advance(); });
+    bar.finish();
+    gap::in_parallel(cases.size(), jobs, [&](std::size_t i) {
+      const auto& [path, c] = cases[i];
+      judge(path, c, shared.of(*c.engine, c.data, {}, 1), done);
     });
   }
 
@@ -112,7 +116,7 @@ struct RunCasesCommand : GapOptions {
     std::vector<fs::path> alone;
     for (const fs::path& path : folders) {
       const gap::CaseDescription c = gap::read_case(path);
-      (gap::shares_responses(c) ? windows[gap::shared_window_of(c)] : alone).push_back(path);
+      (gap::shares_responses(c) && !all_own ? windows[gap::shared_window_of(c)] : alone).push_back(path);
     }
     std::map<fs::path, nlohmann::json> found;
     std::mutex mutex;
@@ -147,12 +151,25 @@ struct BlindCommand : GapOptions {
   int cases = 20;
   std::uint64_t seed = 1;
   std::string folder = "blind", key = "blind-key.json", room = "301", engine = "rc", cache;
-  int days = 14;
+  int days = 14, window = 0;
+  double ratio = 0;
+  std::string only;
+  std::vector<std::string> kinds;
   bool rough = false;
 
   void run() const {
     const auto list = effects();
     gap::BlindPlan plan = gap::plan_of(cases, seed);
+    if (!only.empty()) {
+      const std::map<std::string, int gap::BlindPlan::*> sets{{"single", &gap::BlindPlan::single},
+                                                              {"null", &gap::BlindPlan::null},
+                                                              {"outside", &gap::BlindPlan::outside},
+                                                              {"pair", &gap::BlindPlan::pairs}};
+      for (const auto& [set, count] : sets) plan.*count = set == only ? cases : 0;
+    }
+    plan.window = window;
+    plan.ratio = ratio;
+    plan.kinds = kinds;
     plan.twin = room;
     plan.days = days;
     plan.jobs = jobs;
@@ -237,6 +254,13 @@ void add_gap(CLI::App& app) {
                 "what measures: rc, energyplus, or mixed: every fourth case of each set by EnergyPlus")
       ->check(CLI::IsMember({"rc", "energyplus", "mixed"}))
       ->capture_default_str();
+  c->add_option("--only", blind->only, "one set alone: single, null, outside or pair")
+      ->check(CLI::IsMember({"single", "null", "outside", "pair"}));
+  c->add_option("--hide", blind->kinds, "effects that are hidden, by turns; else all")->delimiter(',');
+  c->add_option("--ratio", blind->ratio, "of every single effect to the noise; else 0.5, 1 and 3 by turns")
+      ->check(CLI::Range(0.1, 20.0));
+  c->add_option("--window", blind->window, "all cases in this stretch of weather, 1 to 5; else in all by turns")
+      ->check(CLI::Range(1, 5));
   c->add_flag("--rough", blind->rough, "sizes by a table of noise instead of fits: quick, not exact");
   c->add_option("--cache", blind->cache, "folder of finished EnergyPlus runs, used again");
   c->add_option("--key", blind->key, "file for the answers, outside that folder")->capture_default_str();
@@ -250,6 +274,7 @@ void add_gap(CLI::App& app) {
   c->add_option("folder", cases->folder, "folder of cases")->required();
   c->add_option("-o,--out", cases->out, "file for the verdicts")->capture_default_str();
   c->add_option("--cache", cases->cache, "folder of finished EnergyPlus runs, used again");
+  c->add_flag("--all-own", cases->all_own, "share nothing: every response under the case's own commands");
   cases->add_effects(*c);
   cases->add_jobs(*c);
   cases->add_json(*c);

@@ -103,7 +103,7 @@ double MeasuredOperator::setpoint_degc(CivilTime t, const std::vector<double>& s
   integral_degc_ = std::clamp(integral_degc_ + 5.0 * 0.3 * (25.25 - mean), 20.0, 26.0);
   if (run_.feedback) return two_decimals(integral_degc_);
   const auto quarter = t.seconds / (6 * 3600);  // the schedule steps four times a day
-  return two_decimals(20.5 + 4.0 * sim::draw_uniform(run_.seed, draw_schedule, 0, quarter));
+  return two_decimals(20.5 + 4.0 * sim::draw_uniform(run_.commands(), draw_schedule, 0, quarter));
 }
 
 WrongSensors::WrongSensors(std::vector<sim::EffectChange> changes, CivilTime log_start)
@@ -169,7 +169,7 @@ hal::LogRow measured_row(const sim::Sensors& shown, CivilTime t, double setpoint
   row.setpoint_degc = setpoint_degc;
   row.supply_temp_degc = shown.supply_temp_degc;
   for (std::size_t i = 0; i < row.value.size() && run.missing_share > 0; ++i) {
-    if (sim::draw_uniform(run.seed, draw_missing, i, t.seconds) < run.missing_share) {
+    if (sim::draw_uniform(run.commands(), draw_missing, i, t.seconds) < run.missing_share) {
       row.value[i] = std::numeric_limits<double>::quiet_NaN();
     }
   }

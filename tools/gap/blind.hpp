@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,10 @@ struct MeasuredRun {
   std::uint64_t seed = 1;    ///< of people, outages, noise
   bool feedback = true;      ///< the setpoint holds the rooms at target, boxes modulate; else a varied schedule
   double missing_share = 0;  ///< of values that never arrive
+  /// Of what is commanded and of what never arrives; none: `seed`. Runs that share it share their commands, as far as
+  /// no feedback makes them.
+  std::optional<std::uint64_t> command_seed = std::nullopt;
+  std::uint64_t commands() const { return command_seed.value_or(seed); }
 };
 
 /// Days that a measured room has lived before its log begins.

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -52,13 +53,15 @@ struct Sized {
 
 struct MadeCase {
   std::vector<Sized> hidden;
+  ShownLive live;
   std::vector<Sized> not_reached;  ///< what was tried before: it cannot show so much, or never so little
 };
 
 /// By nothing but numbers, so that any case can be made alone.
 PlannedCase planned_case(const BlindPlan& plan, int i) {
   PlannedCase c;
-  c.window = {i % window_count, i / window_count % 2 == 0};
+  c.window = plan.window > 0 ? BlindWindow{plan.window - 1, i % 2 == 0}
+                             : BlindWindow{i % window_count, i / window_count % 2 == 0};
   int at = i;
   const auto belongs = [&at](int count) {
     if (at < count) return true;
@@ -66,7 +69,7 @@ PlannedCase planned_case(const BlindPlan& plan, int i) {
     return false;
   };
   c.set = belongs(plan.single) ? "single" : belongs(plan.null) ? "null" : belongs(plan.outside) ? "outside" : "pair";
-  if (c.set == "single") c.ratio = wanted_ratios[at / window_count % 3];
+  if (c.set == "single") c.ratio = plan.ratio > 0 ? plan.ratio : wanted_ratios[at / window_count % 3];
   if (c.set == "pair") c.ratio = 3;
   c.energyplus = plan.engine == BlindEngine::energyplus || (plan.engine == BlindEngine::mixed && at % 4 == 3);
   c.turn = plan.engine != BlindEngine::mixed ? at : c.energyplus ? at / 4 : at - at / 4;
@@ -94,6 +97,11 @@ class Generator {
     for (const auto& [energyplus, some] : wanted) {
       auto& site = energyplus ? energyplus_ : rc_;
       site = energyplus ? make_energyplus_site(setup()) : make_rc_site(setup());
+      for (const std::string& kind : plan.kinds) {
+        if (!site->kinds().contains(kind))
+          throw hal::InputError("the effect " + kind, "that nobody can hide there", "one of airside gap effects",
+                                "name another");
+      }
       site->prepare({some.begin(), some.end()});
     }
   }
@@ -107,7 +115,7 @@ class Generator {
     if (c.set == "outside") {
       // A fan coil that hardly runs hides its dial: other places are tried until one shows.
       for (int t = 0; t < 8; ++t) {
-        const Hidden h = outside_effect(site, i, c.turn, t);
+        const Hidden h = outside_effect(site, i, c, t);
         const Sized one{h, site.shown(h, c.window)};
         if (made.hidden.empty()) made.hidden.push_back(one);
         if (one.shown.ratio > made.hidden.front().shown.ratio) made.hidden.front() = one;
@@ -116,7 +124,9 @@ class Generator {
     }
     std::vector<Hidden> hidden;
     for (const Sized& one : made.hidden) hidden.push_back(one.hidden);
-    write(c, folder_ / name, site.live(hidden, c.window, seed_of(i)), site.counts());
+    const BlindLogs logs = site.live(hidden, c.window, seed_of(i));
+    if (c.window.feedback && !hidden.empty()) made.live = site.shown_live(logs, c.window, seed_of(i));
+    write(c, folder_ / name, logs, site.counts());
     return made;
   }
 
@@ -158,6 +168,8 @@ class Generator {
     description.reference_log = "reference.csv";
     description.measured_log = "measured.csv";
     description.window = fmt::format("{}{}", c.window.number + 1, c.window.feedback ? "f" : "s");
+    // Fan coils that a schedule drives say nothing of thermostats.
+    description.duties = !c.energyplus || c.window.feedback;
     const auto log = [&](const std::string& file, const std::vector<hal::LogRow>& rows) {
       hal::LogWriter writer((folder / file).string(), counts, false);
       for (const hal::LogRow& row : rows) writer.append(row);
@@ -181,9 +193,7 @@ class Generator {
     constexpr int most_tries = 8;
     std::vector<Sized> tried;
     for (int t = 0; t < most_tries; ++t) {
-      auto kind = site.kinds().begin();
-      std::advance(kind, kind_of_turn(turn + t, std::ssize(site.kinds())));
-      const auto& places = kind->second;
+      const auto& places = places_of_turn(site, turn + t);
       const sim::EffectAt at = places[static_cast<std::size_t>(lot(i, draw, static_cast<int>(places.size())))];
       const int first = uniform(i, draw_magnitude) < 0.5 ? 0 : 1;
       for (const int which : {first, 1 - first}) {
@@ -205,6 +215,15 @@ class Generator {
     made.not_reached.insert(made.not_reached.end(), tried.begin(), tried.end());
   }
 
+  const std::vector<sim::EffectAt>& places_of_turn(const BlindSite& site, int turn) const {
+    auto kind = site.kinds().begin();
+    if (plan_.kinds.empty())
+      std::advance(kind, kind_of_turn(turn, std::ssize(site.kinds())));
+    else
+      kind = site.kinds().find(plan_.kinds[static_cast<std::size_t>(turn) % plan_.kinds.size()]);
+    return kind->second;
+  }
+
   /// In an order in which a small set too sees every sort of kind: neighbours in the alphabet are alike.
   std::ptrdiff_t kind_of_turn(int turn, std::ptrdiff_t kinds) const {
     std::ptrdiff_t stride = 17;
@@ -223,17 +242,22 @@ class Generator {
     const auto fixed = fixed_magnitude(e.name);
     Sized one{{e.name, at.place, fixed.value_or(probe)}, {}};
     one.shown = site.shown(one.hidden, c.window);
-    // Responses are nearly linear; where it is cheap, two more runs make up for what is not.
-    for (int again = 0; !fixed && again < (site.asks_again() ? 3 : 1) && one.shown.ratio > 1e-6; ++again) {
-      const double wanted = c.ratio / one.shown.ratio;
+    // Responses are nearly linear; where they are not, what was too little and too much enclose the size.
+    double too_little = 0, too_much = std::numeric_limits<double>::infinity();  // from null
+    for (int again = 0; !fixed && again < 6 && (one.shown.ratio > 1e-6 || again > 0); ++again) {
+      const double wanted = c.ratio / std::max(1e-9, one.shown.ratio);
       if (std::abs(wanted - 1) < 0.02) break;
       double& m = one.hidden.magnitude;
-      double next = std::clamp(e.null_value + wanted * (m - e.null_value), e.low, e.high);
+      const double from_null = std::abs(m - e.null_value);
+      (wanted > 1 ? too_little : too_much) = from_null;
+      double share = wanted;
+      if (from_null * share <= too_little || from_null * share >= too_much)
+        share = (too_little + std::min(too_much, 2 * from_null)) / 2 / from_null;
+      double next = std::clamp(e.null_value + share * (m - e.null_value), e.low, e.high);
       if (e.name == "clock_shift") next = whole_rows(next);
-      if (next == m) break;
-      one.shown.ratio *= (next - e.null_value) / (m - e.null_value);
+      if (next == m || next == e.null_value) break;
       m = next;
-      if (site.asks_again()) one.shown = site.shown(one.hidden, c.window);
+      one.shown = site.shown(one.hidden, c.window);
     }
     return one;
   }
@@ -244,8 +268,13 @@ class Generator {
     return (rows == 0 ? 1 : rows) * row_s / 3600;
   }
 
-  Hidden outside_effect(const BlindSite& site, int i, int turn, int attempt) const {
-    const std::string& kind = outside_kinds()[static_cast<std::size_t>(turn) % outside_kinds().size()];
+  Hidden outside_effect(const BlindSite& site, int i, const PlannedCase& c, int attempt) const {
+    const auto kind_at = [](int turn) {
+      return outside_kinds()[static_cast<std::size_t>(turn) % outside_kinds().size()];
+    };
+    int turn = c.turn;
+    while (!site.has_outside(kind_at(turn), c.window)) ++turn;
+    const std::string kind = kind_at(turn);
     const int places = site.outside_places(kind);
     const double sign = (uniform(i, draw_sign) < 0.5) == (attempt % 2 == 0) ? -1 : 1,
                  share = uniform(i, draw_magnitude);
@@ -311,6 +340,8 @@ nlohmann::json key_entry(const PlannedCase& c, const MadeCase& made, const std::
                           {"window", c.window.number},
                           {"ratio", c.ratio},
                           {"hidden", key_of(made.hidden, effects)}};
+  for (const auto& [kind, shown] : made.live)
+    entry["live"][kind] = {{"ratio", shown.ratio}, {"channel", shown.channel}};
   if (!made.not_reached.empty()) entry["not_reached"] = key_of(made.not_reached, effects);
   return entry;
 }

@@ -23,6 +23,9 @@ struct BlindPlan {
   int days = 14;             ///< of the reference, and of the measured period
   int jobs = 2;
   BlindEngine engine = BlindEngine::rc;
+  int window = 0;                       ///< all cases in this one, 1 ..; 0: in all by turns
+  double ratio = 0;                     ///< of single effects; 0: 0.5, 1 and 3 by turns
+  std::vector<std::string> kinds = {};  ///< effects that are hidden, by turns; empty: all
   bool rough = false;           ///< sizes by a table of noise instead of fits to reference periods: quick, not exact
   std::filesystem::path cache;  ///< of finished EnergyPlus runs; empty: none
   int total() const { return single + null + outside + pairs; }
@@ -40,8 +43,7 @@ int blind_steps(const BlindPlan& plan);
 /// Names, order and times of the files say nothing of what they hold. The same plan gives the same bytes.
 /// Errors: hal::InputError if the folder is not empty or cannot be written, or the engine is not there.
 /// Cost: an RC case 1 s and a window 20 s; an EnergyPlus case 10 s and a window 10 s, and 5 min for each way of
-/// control;
-///   on one core.
+/// control; on one core.
 void make_blind_cases(const BlindPlan& plan, const std::vector<sim::Effect>& effects,
                       const std::filesystem::path& folder, const std::filesystem::path& key,
                       const std::function<void()>& done = {});

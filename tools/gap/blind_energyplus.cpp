@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 
 #include "sim/energyplus_plant.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-enum BuiltDraw : std::uint64_t { draw_power_noise = 731, draw_door };
+enum BuiltDraw : std::uint64_t { draw_power_noise = 731, draw_door, draw_box_off, draw_fan_coil };
 
 constexpr std::int64_t built_day_s = 86400;
 constexpr double power_noise_share = 0.01;
@@ -97,6 +98,57 @@ Json heater_schedule() {
   }
   until(1440, 0);
   return compact_schedule(std::move(data));
+}
+
+std::string placed(std::string pattern, int place) {
+  const auto mark = pattern.find('#');
+  if (mark != std::string::npos) pattern.replace(mark, 1, std::to_string(place + 1));
+  return pattern;
+}
+
+/// Days of the engine in which `on` holds by a clock that runs ahead.
+Json schedule_of(const std::function<bool(CivilTime)>& on, CivilTime begin, CivilTime to, std::int64_t ahead_s) {
+  Json data = Json::array();
+  for (CivilTime day = begin; day < to; day.seconds += built_day_s) {
+    const std::string date = sim::text_of(day);
+    data.push_back(fmt::format("Through: {}/{}", std::stoi(date.substr(5, 2)), std::stoi(date.substr(8, 2))));
+    data.push_back("For: AllDays");
+    for (int row = 0; row < rows_per_day; ++row) {
+      const bool now = on({day.seconds + row * row_s + ahead_s});
+      if (row + 1 < rows_per_day && on({day.seconds + (row + 1) * row_s + ahead_s}) == now) continue;
+      const int minute = (row + 1) * static_cast<int>(row_s / 60);
+      data.push_back(fmt::format("Until: {:02}:{:02}", minute / 60, minute % 60));
+      data.push_back(now ? 1 : 0);
+    }
+  }
+  for (const char* rest : {"Through: 12/31", "For: AllDays", "Until: 24:00"}) data.push_back(rest);
+  data.push_back(1);
+  return compact_schedule(std::move(data));
+}
+
+/// Objects that would follow the plant's schedule follow the window's instead; what is stuck stays so.
+void follow(Json& model, const char* type, const std::string& name, const std::string& plant, const Json& schedule) {
+  Json& followed = model[type][name]["availability_schedule_name"];
+  if (followed != plant) return;
+  followed = "Built " + plant;
+  model["Schedule:Compact"]["Built " + plant] = schedule;
+}
+
+void follow_window(Json& model, const sim::ModelNames& names, const MeasuredRun& run, CivilTime begin, CivilTime to,
+                   std::int64_t ahead_s) {
+  const WindowCommands commands(run);
+  for (int v = 0; v < std::ssize(names.interior_zones); ++v) {
+    const Json schedule = schedule_of([&](CivilTime t) { return commands.box_on(v, t); }, begin, to, ahead_s);
+    follow(model, "AirTerminal:SingleDuct:VAV:NoReheat", names.interior_zones[static_cast<std::size_t>(v)] + " VAV",
+           placed(names.vav_on_schedule, v), schedule);
+  }
+  for (int f = 0; !run.feedback && f < std::ssize(names.perimeter_zones); ++f) {
+    const Json schedule = schedule_of([&](CivilTime t) { return commands.fan_coil_on(f, t); }, begin, to, ahead_s);
+    const std::string zone = names.perimeter_zones[static_cast<std::size_t>(f)];
+    const std::string plant = placed(names.fcu_on_schedule, f);
+    follow(model, "ZoneHVAC:FourPipeFanCoil", zone + " Fan Coil", plant, schedule);
+    follow(model, "Fan:SystemModel", zone + " Supply Fan", plant, schedule);
+  }
 }
 
 std::string zone_at(const sim::ModelNames& names, int place) {
@@ -223,6 +275,21 @@ EnergyPlusRoom hide(EnergyPlusRoom room, const std::vector<Hidden>& hidden, cons
   return room;
 }
 
+bool WindowCommands::box_on(int vav, CivilTime t) const {
+  const auto lot = [&](std::int64_t what) {
+    return sim::draw_uniform(seed_, draw_box_off, static_cast<std::uint64_t>(vav), 3 * t.day() + what);
+  };
+  if (lot(0) >= 0.1) return true;
+  const int from = 8 * 60 + 6 * static_cast<int>(90 * lot(1)), minutes = 36 + 6 * static_cast<int>(10 * lot(2));
+  return t.minute_of_day() < from || t.minute_of_day() >= from + minutes;
+}
+
+bool WindowCommands::fan_coil_on(int fcu, CivilTime t) const {
+  const int hour = t.minute_of_day() / 60;
+  return hour >= 7 && hour < 20 &&
+         sim::draw_uniform(seed_, draw_fan_coil, static_cast<std::uint64_t>(fcu), 24 * t.day() + hour) < 0.54;
+}
+
 std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesystem::path& weather,
                                  const MeasuredRun& run) {
   // A clock that runs ahead shows what was there before; rows stay on the log's grid.
@@ -232,7 +299,10 @@ std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesyst
   sim::EnergyPlusOptions options = room.options;
   options.weather = weather;
   options.seed = sim::draw_bits(room.seed, draw_built, 999, static_cast<std::int64_t>(run.seed)) >> 16;
-  options.patches.push_back({"built room", patch_between(room.twin, built_model(room, options.rooms))});
+  options.rooms.vav_off_per_day = 0;  // the window's commands say when
+  Json built = built_model(room, options.rooms);
+  follow_window(built, options.names, run, begin, to, ahead_s);
+  options.patches.push_back({"built room", patch_between(room.twin, built)});
   options.days = static_cast<int>((to.seconds - 1) / built_day_s - begin.day()) + 1;
   const std::string date = sim::text_of(begin);
   options.start_month = std::stoi(date.substr(5, 2));
@@ -240,6 +310,7 @@ std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesyst
   options.initial_setpoint_degc = 23;
 
   sim::EnergyPlusPlant plant(options);
+  const WindowCommands commands(run);
   MeasuredOperator operated(run);
   WrongSensors wrong(room.sensors, run.start);
   std::vector<hal::LogRow> rows;
@@ -256,8 +327,11 @@ std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesyst
     if (starts_cycle(t)) plant.set_setpoint(setpoint = operated.setpoint_degc(t, shown.room_temp_degc));
     plant.advance_to({t.seconds - ahead_s + row_s / 2});
     // Commands are logged as they hold from now on.
-    shown.vav_on = plant.sensors().vav_on;
     shown.fcu_on = plant.sensors().fcu_on;
+    for (int v = 0; v < std::ssize(shown.vav_on); ++v)
+      shown.vav_on[static_cast<std::size_t>(v)] = commands.box_on(v, t) ? 1 : 0;
+    for (int f = 0; !run.feedback && f < std::ssize(shown.fcu_on); ++f)
+      shown.fcu_on[static_cast<std::size_t>(f)] = commands.fan_coil_on(f, t) ? 1 : 0;
     plant.advance_to({t.seconds - ahead_s + row_s});
     if (!(t < run.start)) rows.push_back(measured_row(shown, t, setpoint, run));
   }

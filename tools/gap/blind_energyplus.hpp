@@ -39,6 +39,19 @@ EnergyPlusRoom hide(EnergyPlusRoom room, const std::vector<Hidden>& hidden, cons
 /// conductive, furniture heavier instead of more, boxes open less instead of being smaller, windows lie under eaves.
 nlohmann::json built_model(const EnergyPlusRoom& room, sim::RoomLoopOptions& loops);
 
+/// What no thermostat commands, by the log's clock and the run's command seed alone, so that cases of one window are
+/// commanded alike: every box off for 36 to 90 min of one day in ten, and without feedback fan coils that run in 54 %
+/// of the hours from 7 to 20.
+class WindowCommands {
+ public:
+  explicit WindowCommands(const MeasuredRun& run) : seed_(run.commands()) {}
+  bool box_on(int vav, CivilTime t) const;
+  bool fan_coil_on(int fcu, CivilTime t) const;
+
+ private:
+  std::uint64_t seed_;
+};
+
 /// What that room logs.  `weather`: EPW.
 /// Errors: as EnergyPlusPlant.  Cost: one child process, about 2 s and 0.15 s a day.
 std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesystem::path& weather,

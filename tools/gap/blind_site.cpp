@@ -24,6 +24,7 @@ MeasuredRun reference_run(const BlindSetup& setup, const BlindWindow& w, std::ui
 MeasuredRun run_after(MeasuredRun run) {
   run.start.seconds += run.days * site_day_s;
   run.seed += 1;
+  if (run.command_seed) *run.command_seed += 1;
   return run;
 }
 
@@ -68,6 +69,35 @@ Shown shown_most(const Eigen::MatrixXd& response, const Eigen::VectorXd& noise, 
   return most;
 }
 
+/// "room_temp", "fcu_temp", "mau_temp", "power", "fcu_duty". Duties as means of 3 h: when a thermostat switches is
+/// chance.
+ShownLive shown_by_kind(const Eigen::MatrixXd& difference, const Eigen::VectorXd& noise, const sim::Channels& c) {
+  ShownLive kinds;
+  const auto add = [&](const char* kind, int from, int count) {
+    Shown& most = kinds[kind] = {};
+    for (int k = from; k < from + count; ++k) {
+      const Eigen::Index step = k >= c.fcu_duty() ? 6 : 1;
+      double square = 0;
+      int means = 0;
+      for (Eigen::Index b = bins_per_day; b + step <= difference.rows(); b += step) {
+        const double mean = difference.col(k).segment(b, step).mean();
+        if (!std::isfinite(mean)) continue;
+        square += mean * mean;
+        ++means;
+      }
+      const double sd = noise(k) > 0 ? noise(k) : rough_noise(c)(k);
+      const double ratio = means > 0 ? std::sqrt(square / means) / sd : 0;
+      if (ratio > most.ratio) most = {ratio, c.name(k)};
+    }
+  };
+  add("room_temp", 0, c.rooms);
+  add("fcu_temp", c.fcu_temp(), c.fcus);
+  add("mau_temp", c.mau_temp(), 1);
+  add("power", c.power(), c.powers);
+  add("fcu_duty", c.fcu_duty(), c.fcus);
+  return kinds;
+}
+
 class RcSite final : public BlindSite {
  public:
   explicit RcSite(const BlindSetup& setup) : setup_(setup), twin_(sim::load_room(setup.twin)), engine_(twin_) {
@@ -102,8 +132,6 @@ class RcSite final : public BlindSite {
     const sim::ChannelTable with = sim::replay_rc(hide(p.room, {h}, *setup_.effects), p.reference.recording);
     return shown_most(binned(with - p.own), p.noise, engine_.channels(), true);
   }
-
-  bool asks_again() const override { return true; }
 
   int outside_places(const std::string& kind) const override {
     return kind == "fcu_dial" ? twin_.fcus : kind == "odd_heater" || kind == "escape_door" ? twin_.zones() : 0;
@@ -166,8 +194,7 @@ class EnergyPlusSite final : public BlindSite {
       const BlindWindow& w = windows[i];
       Prepared& p = prepared_.at(w);
       p.room = energyplus_measured_room(setup_.twin, room_seed(w), w.feedback);
-      p.rows =
-          measure(p.room, setup_.weather[static_cast<std::size_t>(w.number)], reference_run(setup_, w, room_seed(w)));
+      p.rows = measure(p.room, weather_file(w), commanded(w, room_seed(w)));
       p.reference = window_of(p.rows, engine_.channels(), weather_[static_cast<std::size_t>(w.number)], "blind");
       p.base = binned(engine_.simulate({}, p.reference.recording));
     });
@@ -192,18 +219,29 @@ class EnergyPlusSite final : public BlindSite {
                       false);
   }
 
-  bool asks_again() const override { return false; }
-
   int outside_places(const std::string& kind) const override {
     const sim::Channels c = engine_.channels();
     return kind == "odd_heater" || kind == "escape_door" ? c.rooms + c.fcus : 0;
   }
 
+  /// Fan coils that follow a schedule have no dial.
+  bool has_outside(const std::string& kind, const BlindWindow& w) const override {
+    return kind != "fcu_dial" || w.feedback;
+  }
+
+  ShownLive shown_live(const BlindLogs& logs, const BlindWindow& w, std::uint64_t seed) const override {
+    const Prepared& p = prepared_.at(w);
+    const auto without = measure(p.room, weather_file(w), run_after(commanded(w, seed)));
+    const auto table = [&](const std::vector<hal::LogRow>& rows) {
+      return window_of(rows, engine_.channels(), weather_[static_cast<std::size_t>(w.number)], "blind").measured;
+    };
+    return shown_by_kind(table(logs.measured) - table(without), p.noise, engine_.channels());
+  }
+
   BlindLogs live(const std::vector<Hidden>& hidden, const BlindWindow& w, std::uint64_t seed) const override {
     const Prepared& p = prepared_.at(w);
-    MeasuredRun run = run_after(reference_run(setup_, w, seed));
-    return {p.rows, measure(hide(p.room, hidden, *setup_.effects, seed),
-                            setup_.weather[static_cast<std::size_t>(w.number)], run)};
+    return {p.rows,
+            measure(hide(p.room, hidden, *setup_.effects, seed), weather_file(w), run_after(commanded(w, seed)))};
   }
 
  private:
@@ -215,13 +253,25 @@ class EnergyPlusSite final : public BlindSite {
     Eigen::VectorXd noise;
   };
 
+  const std::filesystem::path& weather_file(const BlindWindow& w) const {
+    return setup_.weather[static_cast<std::size_t>(w.number)];
+  }
+
+  /// People and noise are the case's, commands the window's.
+  MeasuredRun commanded(const BlindWindow& w, std::uint64_t seed) const {
+    MeasuredRun run = reference_run(setup_, w, seed);
+    run.command_seed = room_seed(w);
+    return run;
+  }
+
   std::uint64_t room_seed(const BlindWindow& w) const {
     return setup_.seed * 1'000'003 + 500'000 + static_cast<std::uint64_t>(w.number) * 2;
   }
 
   Eigen::VectorXd fitted_noise(const Window& window) const {
     const Library library = library_of(engine_, *setup_.effects);
-    const Responses responses = simulate_responses(engine_, library, window.recording, false, setup_.jobs);
+    // With the candidates, as the workflow does it, whose runs these are: a cache spares them there.
+    const Responses responses = simulate_responses(engine_, library, window.recording, true, setup_.jobs);
     return fit_reference(engine_, responses, window).noise.spread();
   }
 

@@ -47,6 +47,10 @@ struct Shown {
   std::string channel;
 };
 
+/// How far it shows where control answers it: of the measured log less the same room's log without it, by kind of
+/// channel. Empty: the site cannot tell.
+using ShownLive = std::map<std::string, Shown>;
+
 class BlindSite {
  public:
   virtual ~BlindSite() = default;
@@ -58,10 +62,14 @@ class BlindSite {
   virtual void prepare(const std::vector<BlindWindow>& windows) = 0;
   /// Thread-safe after prepare().  NaN: this site cannot tell.
   virtual Shown shown(const Hidden& hidden, const BlindWindow& window) const = 0;
-  /// Whether shown() costs so little that it may be asked again for a better size.
-  virtual bool asks_again() const = 0;
   /// Places of an outside kind; 0: it is at no place.
   virtual int outside_places(const std::string& kind) const = 0;
+  /// Whether a room that is run so can have this outside kind.
+  virtual bool has_outside(const std::string& /*kind*/, const BlindWindow& /*window*/) const { return true; }
+  /// Thread-safe after prepare(). `logs`: what live() made of it.
+  virtual ShownLive shown_live(const BlindLogs& /*logs*/, const BlindWindow& /*window*/, std::uint64_t /*seed*/) const {
+    return {};
+  }
   /// Thread-safe after prepare().
   virtual BlindLogs live(const std::vector<Hidden>& hidden, const BlindWindow& window, std::uint64_t seed) const = 0;
 

@@ -47,7 +47,7 @@ struct CaseDescription {
   std::string reference_log, measured_log;
   int reference_days = 0;  ///< > 0, without a reference log: so many days of the measured log are the reference
   std::string topology = "5vav-5fcu-2power";
-  std::string window;  ///< cases of one window and one model share responses; empty: shares with none
+  std::string window;  ///< cases of one window and one model may share responses; empty: shares with none
   bool duties = true;
 };
 
@@ -56,11 +56,10 @@ CaseDescription read_case(const std::filesystem::path& folder);
 /// Writes case.json; paths are written as they stand.
 void write_case(const std::filesystem::path& folder, const CaseDescription& description);
 
-/// Whether effects may be simulated under another case's commands. A response belongs to the commands under which it
-/// was simulated: boxes and fan coils that were off at other times make another one. That is only borne where a
-/// response costs seconds.
+/// Whether it is worth asking what cases may share, which SharedWindows decides by their recordings: where a response
+/// costs a second.
 bool shares_responses(const CaseDescription& description);
-/// Equal for cases that share responses.
+/// Equal for cases that may share responses.
 std::string shared_window_of(const CaseDescription& c);
 
 /// The model as the user has it, before any effect: the epJSON with its patches, or the room file.

@@ -1,5 +1,6 @@
 #include "tools/gap/engine.hpp"
 
+#include <algorithm>
 #include <mutex>
 #include <numeric>
 
@@ -7,6 +8,11 @@
 #include "tools/gap/parallel.hpp"
 
 namespace airside::tools::gap {
+
+bool only_on_sensors(const std::vector<sim::EffectOp>& ops) {
+  return !ops.empty() && std::all_of(ops.begin(), ops.end(),
+                                     [](const sim::EffectOp& op) { return op.on == sim::EffectOp::On::sensor; });
+}
 
 sim::ChannelTable RcEngine::simulate(const Changes& changes, const sim::Recording& recording) const {
   const sim::ChannelTable table =

@@ -15,6 +15,9 @@ namespace airside::tools::gap {
 
 using Changes = std::vector<sim::EffectChange>;
 
+/// Whether every change is one to a sensor, and there is one.
+bool only_on_sensors(const std::vector<sim::EffectOp>& ops);
+
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -23,6 +26,9 @@ class Engine {
   virtual sim::Channels channels() const = 0;
   virtual std::array<bool, sim::facades> has_facade() const = 0;
   virtual bool can(const sim::Effect& effect) const = 0;
+  /// Whether the effect changes what sensors show and nothing else: the run is that of the model as it is, and
+  /// sim::changed_sensors() of its table is all there is to simulate.
+  virtual bool only_shows(const sim::Effect& /*effect*/) const { return false; }
   /// Whether a run costs so much that what other runs tell is not simulated again.
   virtual bool spares_runs() const { return false; }
   /// "rc room 301", for reports.
@@ -36,6 +42,7 @@ class RcEngine final : public Engine {
   sim::Channels channels() const override { return {room_.vavs, room_.fcus, room_.powers}; }
   std::array<bool, sim::facades> has_facade() const override;
   bool can(const sim::Effect& effect) const override { return effect.on_rc; }
+  bool only_shows(const sim::Effect& e) const override { return e.rc.empty() && only_on_sensors(e.common); }
   std::string description() const override { return "rc room " + room_.name; }
   const sim::RcRoom& room() const { return room_; }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 namespace airside::tools::gap {
 
@@ -54,59 +55,67 @@ std::size_t runs_of(const Library& library, bool with_candidates) {
   return 1 + library.parameters.size() + (with_candidates ? 2 * library.candidates.size() : 0);
 }
 
+Eigen::MatrixXd shown_response(const Engine& engine, const sim::ChannelTable& base, const sim::EffectChange& change) {
+  return binned(sim::changed_sensors(base, engine.channels(), std::span(&change, 1))) - binned(base);
+}
+
+Eigen::MatrixXd response_between_probes(const Library& library, const sim::EffectAt& at,
+                                        const std::vector<Candidate>& candidates, const sim::Channels& channels) {
+  const auto place = enclosing_candidate(library, at);
+  if (!place) return {};
+  return interpolated(*at.effect, candidates[2 * *place].response, candidates[2 * *place + 1].response, channels);
+}
+
 Responses simulate_responses(const Engine& engine, const Library& library, const sim::Recording& recording,
                              bool with_candidates, int jobs, const std::function<void()>& done) {
-  std::vector<Task> tasks{{{}, &recording}};
-  const auto add = [&](const sim::EffectAt& at, double magnitude) {
-    tasks.push_back({{{at, magnitude}}, &recording});
-    return tasks.size() - 1;
-  };
-  constexpr std::size_t later = 0;
-  const bool spares = with_candidates && engine.spares_runs();
-  std::vector<std::size_t> task_of;
-  for (const sim::EffectAt& at : library.parameters) {
-    const bool waits = spares && enclosing_candidate(library, at);
-    task_of.push_back(waits ? later : add(at, at.effect->null_value + at.effect->prior_sd));
-  }
-  if (with_candidates) {
-    for (const sim::EffectAt& at : library.candidates) {
-      for (const double probe : at.effect->probe) add(at, probe);
-    }
-  }
-  const std::size_t first_candidate = tasks.size() - (with_candidates ? 2 * library.candidates.size() : 0);
-  std::vector<sim::ChannelTable> tables = simulate_all(engine, tasks, jobs, done);
-
+  const sim::ChannelTable base = engine.simulate({}, recording);
+  if (done) done();
   Responses out;
-  out.base = binned(tables[0]);
-  const auto response = [&](std::size_t task) -> Eigen::MatrixXd { return binned(tables[task]) - out.base; };
+  out.base = binned(base);
+  // Each change is either known from the base or a task; responses are put where they belong as tasks end.
+  std::vector<Task> tasks;
+  std::vector<Eigen::MatrixXd*> places;
+  const auto ask = [&](const sim::EffectAt& at, double magnitude, Eigen::MatrixXd& response) {
+    if (engine.only_shows(*at.effect)) {
+      response = shown_response(engine, base, {at, magnitude});
+      if (done) done();
+      return;
+    }
+    tasks.push_back({{{at, magnitude}}, &recording});
+    places.push_back(&response);
+  };
+  const auto simulate = [&] {
+    const std::vector<sim::ChannelTable> tables = simulate_all(engine, tasks, jobs, done);
+    for (std::size_t i = 0; i < tables.size(); ++i) *places[i] = binned(tables[i]) - out.base;
+    tasks.clear();
+    places.clear();
+  };
+
+  for (const sim::EffectAt& at : library.parameters) out.parameters.push_back({at, at.effect->prior_sd, {}});
   if (with_candidates) {
-    std::size_t task = first_candidate;
     for (const sim::EffectAt& at : library.candidates) {
-      for (const double probe : at.effect->probe) out.candidates.push_back({at, probe, response(task++)});
+      for (const double probe : at.effect->probe) out.candidates.push_back({at, probe, {}});
     }
   }
-  std::vector<std::size_t> bent;
-  std::vector<Task> again;
-  for (std::size_t i = 0; i < library.parameters.size(); ++i) {
-    const sim::EffectAt& at = library.parameters[i];
-    Parameter parameter{at, at.effect->prior_sd, {}};
-    if (task_of[i] != later) {
-      parameter.response = response(task_of[i]);
-    } else {
-      const std::size_t probe = 2 * *enclosing_candidate(library, at);
-      parameter.response = interpolated(*at.effect, out.candidates[probe].response, out.candidates[probe + 1].response,
-                                        engine.channels());
-      if (parameter.response.size() > 0) {
-        if (done) done();
-      } else {
-        bent.push_back(i);
-        again.push_back({{{at, at.effect->null_value + at.effect->prior_sd}}, &recording});
-      }
-    }
-    out.parameters.push_back(std::move(parameter));
+  const bool spares = with_candidates && engine.spares_runs();
+  const auto waits = [&](const Parameter& p) {
+    return spares && !engine.only_shows(*p.at.effect) && enclosing_candidate(library, p.at);
+  };
+  const auto ask_parameter = [&](Parameter& p) { ask(p.at, p.at.effect->null_value + p.prior_sd, p.response); };
+  for (Parameter& p : out.parameters) {
+    if (!waits(p)) ask_parameter(p);
   }
-  tables = simulate_all(engine, again, jobs, done);
-  for (std::size_t k = 0; k < bent.size(); ++k) out.parameters[bent[k]].response = response(k);
+  for (Candidate& c : out.candidates) ask(c.at, c.probe, c.response);
+  simulate();
+  for (Parameter& p : out.parameters) {
+    if (!waits(p)) continue;
+    p.response = response_between_probes(library, p.at, out.candidates, engine.channels());
+    if (p.response.size() == 0)
+      ask_parameter(p);
+    else if (done)
+      done();
+  }
+  simulate();
   return out;
 }
 

@@ -42,12 +42,22 @@ struct Library {
 };
 Library library_of(const Engine& engine, const std::vector<sim::Effect>& effects);
 
-/// How many runs simulate_responses() makes, at most; done() is called so often.
+/// How many responses simulate_responses() makes, the model's own run included; done() is called so often.
 std::size_t runs_of(const Library& library, bool with_candidates);
 
-/// An engine that spares runs simulates no parameter whose effect's probes are simulated anyway and enclose its
-/// standard deviation: its response is the parabola's through null and both probes. Cost: runs_of() simulations on
-/// `jobs` threads, at most.
+/// What sensors show of a change that Engine::only_shows(): `base` is the run of the model as it is.
+/// Shape: bins x channels.
+Eigen::MatrixXd shown_response(const Engine& engine, const sim::ChannelTable& base, const sim::EffectChange& change);
+
+/// The response to one prior standard deviation of a parameter whose effect's probes are simulated and enclose it: the
+/// parabola's through null and both. Empty where there are none, or these are no line.
+/// `candidates`: two a place of the library, in its order.
+Eigen::MatrixXd response_between_probes(const Library& library, const sim::EffectAt& at,
+                                        const std::vector<Candidate>& candidates, const sim::Channels& channels);
+
+/// Effects that only_shows() cost no run. An engine that spares runs simulates no parameter whose effect's probes are
+/// simulated anyway and enclose its standard deviation: its response is the parabola's through null and both probes.
+/// Cost: runs_of() simulations on `jobs` threads, at most.
 Responses simulate_responses(const Engine& engine, const Library& library, const sim::Recording& recording,
                              bool with_candidates, int jobs, const std::function<void()>& done = {});
 
