@@ -338,13 +338,24 @@ void retrain_patched(GapRun& run, const RetrainRequest& request) {
         "controller if it is the whole truth.");
   }
   std::string beside;
-  for (const PatchedChange& change : patched.changes) {
-    for (const std::string& line : change.beside) {
+  int corrections = 0;
+  for (std::size_t i = 0; i < patched.changes.size(); ++i) {
+    for (const std::string& line : patched.changes[i].beside) {
       if (energyplus && line.starts_with("loop ")) continue;
-      beside += (beside.empty() ? "" : "; ") + line;
+      if (i < run.before.size()) {
+        ++corrections;
+      } else {
+        beside += (beside.empty() ? "" : "; ") + line;
+      }
     }
   }
-  if (!beside.empty()) remarks.push_back("No model holds these, so nothing was pretrained on them: " + beside + ".");
+  if (!beside.empty())
+    remarks.push_back("Found, but held by no model, so nothing was pretrained on it: " + beside + ".");
+  if (corrections > 0) {
+    remarks.push_back(fmt::format(
+        "{} fitted corrections of sensors, clock or weather are not in the patched twin either: the ledger lists them.",
+        corrections));
+  }
   if (plan.weather.empty()) {
     remarks.push_back(std::string("The weather file does not hold a whole year: both twins and the measured room lived "
                                   "in ") +
