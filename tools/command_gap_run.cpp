@@ -255,7 +255,7 @@ struct SiteCommand : GapOptions {
     write_findings();
     if (retrain && run.patched) {  // a pretraining that dies leaves the verdict
       gap::RetrainRequest r = retrain_request();
-      r.patched_file = patched_file;
+      r.patched_file = std::move(patched_file);
       gap::retrain_patched(run, r);
       write_findings();
     }

@@ -39,8 +39,8 @@ TEST(GapCommand, NamesWhatIsHiddenReportsPatchesTheRoomAndTakesThePatchBack) {
   // The curve that the page draws as measured minus simulated; nothing is measured of a value that never came.
   const json& curve = j["after_curve"];
   EXPECT_EQ(curve["from"], "2021-07-09T00:00:00");
-  ASSERT_EQ(curve["channels"]["room_temp_2_degc"]["values"].size(), 8U * 48);
-  for (const json& value : curve["channels"]["room_temp_2_degc"]["values"]) EXPECT_NEAR(value.get<double>(), 25, 8);
+  ASSERT_EQ(curve["channels"]["room_temp_2_degc"].size(), 8U * 48);
+  for (const json& value : curve["channels"]["room_temp_2_degc"]) EXPECT_NEAR(value.get<double>(), 25, 8);
   for (const auto& file : j["files"]) EXPECT_TRUE(fs::exists(desk.path(file.get<std::string>()))) << file;
 
   // The page: whole, on its own, with everything that was promised.

@@ -98,14 +98,14 @@ json model_json(const GapRun& run, const Eigen::MatrixXd& residual) {
           {"channels", by_channel}};
 }
 
-/// Half-hour means of every channel, whether measured or not.
+/// Half-hour means of every channel, whether measured or not. Units are in the names.
 json after_curve_json(const GapRun& run) {
   const sim::Channels at = run.channels();
   json channels;
   for (int c = 0; c < at.count(); ++c) {
     json values = json::array();
     for (const double x : run.simulated_after.col(c)) values.push_back(finite_json(std::round(x * 1e4) / 1e4));
-    channels[at.name(c)] = {{"unit", at.unit(c)}, {"values", std::move(values)}};
+    channels[at.name(c)] = std::move(values);
   }
   return {{"from", hal::civil_text(run.loaded.data.test.recording.from)},
           {"step_s", 86400 / bins_per_day},
