@@ -121,9 +121,15 @@ struct RunCasesCommand : GapOptions {
     std::map<fs::path, nlohmann::json> found;
     std::mutex mutex;
     Progress bar(fmt::format("{} cases", folders.size()), folders.size());
+    std::map<std::string, int> count;
     const Done done = [&](const fs::path& path, nlohmann::json verdict) {
       const std::lock_guard lock(mutex);
+      ++count[verdict["verdict"].get<std::string>()];
       found[path] = std::move(verdict);
+      // What is known is kept if the run is ended.
+      nlohmann::json verdicts = nlohmann::json::array();
+      for (const auto& [name, one] : found) verdicts.push_back(one);
+      gap::write_whole_file(out, nlohmann::json{{"format", 1}, {"verdicts", verdicts}}.dump(1) + "\n");
       bar.advance();
     };
     for (const auto& [window, cases] : windows) judge_window(cases, list, done);
@@ -131,13 +137,6 @@ struct RunCasesCommand : GapOptions {
       if (const auto c = load(alone[i], done)) judge(alone[i], *c, responses_of(*c, list, 1, {}), done);
     });
     bar.finish();
-    nlohmann::json verdicts = nlohmann::json::array();
-    std::map<std::string, int> count;
-    for (const fs::path& path : folders) {
-      verdicts.push_back(std::move(found[path]));
-      ++count[verdicts.back()["verdict"].get<std::string>()];
-    }
-    gap::write_whole_file(out, nlohmann::json{{"format", 1}, {"verdicts", verdicts}}.dump(1) + "\n");
     if (json) {
       fmt::print("{}\n", nlohmann::json{{"cases", folders.size()}, {"verdicts", out}, {"count", count}}.dump());
       return;

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-enum BuiltDraw : std::uint64_t { draw_power_noise = 731, draw_door, draw_box_off, draw_fan_coil };
+enum BuiltDraw : std::uint64_t { draw_power_noise = 731, draw_door, draw_box_off, draw_fan_coil, draw_mau };
 
 constexpr std::int64_t built_day_s = 86400;
 constexpr double power_noise_share = 0.01;
@@ -149,6 +149,32 @@ void follow_window(Json& model, const sim::ModelNames& names, const MeasuredRun&
     follow(model, "ZoneHVAC:FourPipeFanCoil", zone + " Fan Coil", plant, schedule);
     follow(model, "Fan:SystemModel", zone + " Supply Fan", plant, schedule);
   }
+}
+
+/// No make-up air unit holds its setpoint: its outlet wanders by as much as the RC rooms' does.
+void wander_mau(Json& model, std::uint64_t seed, CivilTime begin, CivilTime to) {
+  constexpr double sd_k = 0.35, memory_s = 2700;
+  constexpr int step_min = 12;
+  const char* schedule = "MAU Setpoint";
+  if (!model["Schedule:Constant"].contains(schedule)) return;
+  const double usual = model["Schedule:Constant"][schedule].value("hourly_value", 0.0);
+  const Json limits = model["Schedule:Constant"][schedule].value("schedule_type_limits_name", Json("Any Number"));
+  model["Schedule:Constant"].erase(schedule);
+  Json data = Json::array();
+  for (CivilTime day = begin; day < to; day.seconds += built_day_s) {
+    const std::string date = sim::text_of(day);
+    data.push_back(fmt::format("Through: {}/{}", std::stoi(date.substr(5, 2)), std::stoi(date.substr(8, 2))));
+    data.push_back("For: AllDays");
+    for (int minute = step_min; minute <= 24 * 60; minute += step_min) {
+      data.push_back(fmt::format("Until: {:02}:{:02}", minute / 60, minute % 60));
+      const double now_s = static_cast<double>(day.seconds) + 60.0 * minute;
+      data.push_back(std::round(100 * (usual + sd_k * sim::draw_course(seed, draw_mau, 0, now_s, memory_s))) / 100);
+    }
+  }
+  for (const char* rest : {"Through: 12/31", "For: AllDays", "Until: 24:00"}) data.push_back(rest);
+  data.push_back(usual);
+  model["Schedule:Compact"][schedule] = compact_schedule(std::move(data));
+  model["Schedule:Compact"][schedule]["schedule_type_limits_name"] = limits;
 }
 
 std::string zone_at(const sim::ModelNames& names, int place) {
@@ -302,6 +328,7 @@ std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesyst
   options.rooms.vav_off_per_day = 0;  // the window's commands say when
   Json built = built_model(room, options.rooms);
   follow_window(built, options.names, run, begin, to, ahead_s);
+  wander_mau(built, run.seed, begin, to);
   options.patches.push_back({"built room", patch_between(room.twin, built)});
   options.days = static_cast<int>((to.seconds - 1) / built_day_s - begin.day()) + 1;
   const std::string date = sim::text_of(begin);
