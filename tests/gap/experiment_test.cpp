@@ -81,7 +81,7 @@ struct AlikeCase {
     at_reference = simulate_responses(engine, library, reference.recording, true, 1);
     at_test = simulate_responses(engine, library, test.recording, true, 1);
     fit = fit_reference(engine, at_reference, reference);
-    fitted = fit.changes(at_test.parameters);
+    fitted = fit.changes();
     nuisance = null_blocks(fit, at_reference, reference).nuisance;
     for (const sim::EffectAt& at : {sim::EffectAt{&effect(hidden.effect), hidden.place}, other}) fit_member(at);
   }

@@ -100,7 +100,7 @@ struct HeatCase {
     const Responses at_test = simulate_responses(engine, library, test.recording, whole_library, 1);
     const ReferenceFit fit = fit_reference(engine, at_reference, reference);
     leftover = fit.leftover;
-    found = reconstruct_heat(engine, test, fit, at_test, fit.changes(at_test.parameters), 1);
+    found = reconstruct_heat(engine, test, fit, at_test, fit.changes(), 1);
   }
 
   /// Mean of a zone's heat over the bins on all days but the first for which `when` holds.

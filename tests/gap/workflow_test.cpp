@@ -14,6 +14,7 @@
 #include "tools/gap/blind.hpp"
 #include "tools/gap/case_file.hpp"
 #include "tools/gap/log_window.hpp"
+#include "tools/gap/refit.hpp"
 
 namespace airside::tools::gap {
 namespace {
@@ -82,6 +83,23 @@ TEST(Window, HoldsCommandsOverAGapAndMeasuresNothingInIt) {
   EXPECT_THROW(window_of(rows, s.engine.channels(), s.weather, "log"), hal::InputError);
 }
 
+TEST(Window, IsNoEvidenceOfTheSupplyWhileTheCoilIsAtItsLimit) {
+  const Stage s(false);
+  Window w = window_of(measure(s.real, s.weather, {sim::civil_midnight(2021, 7, 1), 2, 1, false, 0}),
+                       s.engine.channels(), s.weather, "log");
+  const int supply = s.engine.channels().supply_temp();
+  for (sim::RecordedRow& row : w.recording.rows) row.setpoint_degc = 21;
+  w.measured.col(supply).setConstant(21.1);
+  w.measured.col(supply).segment(30, 3).setConstant(22);
+  w.measured(60, supply) = 22;    // a setpoint that fell
+  w.measured(70, supply) = 20.2;  // one that rose
+  const Window counted = evidence_of(w, s.engine.channels());
+  for (Eigen::Index b = 0; b < counted.measured.rows(); ++b) {
+    EXPECT_EQ(std::isnan(counted.measured(b, supply)), b >= 30 && b < 33) << "bin " << b;
+  }
+  EXPECT_TRUE(counted.measured.leftCols(supply).isApprox(w.measured.leftCols(supply)));
+}
+
 TEST(Reference, FitLowersTheResidualKnowsItsNoiseAndJudgesItsOwnDays) {
   const Stage s(true);
   const ReferenceFit fit = fit_reference(s.engine, s.responses.reference, s.data.reference);
@@ -127,6 +145,39 @@ TEST(Workflow, NamesWhatIsHiddenAndNothingElse) {
   std::vector<std::string> ids{two.findings[0].at.id(), two.findings[1].at.id()};
   std::sort(ids.begin(), ids.end());
   EXPECT_EQ(ids, (std::vector<std::string>{"fan_power", "room_sensor_bias@1"}));
+}
+
+TEST(Refit, FollowsParametersThatMoveAndMagnitudesThatBend) {
+  const Stage s(true);
+  const ReferenceFit fit = fit_reference(s.engine, s.responses.reference, s.data.reference);
+  // Measured: the fitted model with one parameter moved and a box at seven tenths, without noise.
+  const auto& parameters = s.responses.test.parameters;
+  const auto moved_at =
+      static_cast<Eigen::Index>(std::find_if(parameters.begin(), parameters.end(),
+                                             [](const Parameter& p) { return p.at.effect->name == "gain_occupied"; }) -
+                                parameters.begin());
+  const auto& candidates = s.responses.test.candidates;
+  const auto box = static_cast<std::size_t>(
+      std::find_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.at.id() == "vav_flow@3"; }) -
+      candidates.begin());
+  Eigen::VectorXd moved = Eigen::VectorXd::Zero(std::ssize(parameters));
+  moved(moved_at) = 0.5;
+  Changes truth = fit.changes(moved);
+  truth.push_back({candidates[box].at, 0.7});
+  Window test = s.data.test;
+  test.measured =
+      binned(s.engine.simulate(truth, test.recording)) + fit.structural(s.responses.test);  // as the model expects it
+
+  const Refitter refitter(s.engine, test, s.responses.test, fit, {}, counted_bins(test.measured.rows()), 1);
+  const Eigen::VectorXd still = Eigen::VectorXd::Zero(moved.size());
+  const Refit none = refitter.refit({}, refitter.tangent(), still);
+  const Refit linear = refitter.refit({{box, 0.2}}, refitter.tangent(), still);
+  const Refit whole = refitter.about_itself(linear);
+  EXPECT_LT(linear.distance, 0.1 * none.distance);
+  EXPECT_LE(whole.distance, linear.distance + 1);
+  EXPECT_NEAR(refitter.magnitude(whole.chosen[0]), 0.7, 0.03);
+  EXPECT_GT(whole.moved(moved_at), 0.1) << "people's share of the heat is not the reference's";
+  EXPECT_LT(whole.moved(moved_at), 1.0);
 }
 
 TEST(CaseFile, SaysWhichKeyIsWrong) {

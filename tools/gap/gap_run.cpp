@@ -22,7 +22,7 @@ using nlohmann::json;
 /// Standard deviations of fitted parameters are of the posterior, inflated as the workflow inflates it.
 std::vector<ReferenceParameter> reference_parameters(const ReferenceFit& fit, const Nuisance& nuisance,
                                                      const Responses& responses) {
-  const Changes changes = fit.changes(responses.parameters);
+  const Changes changes = fit.changes();
   std::vector<ReferenceParameter> fitted;
   for (std::size_t i = 0; i < changes.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -160,7 +160,7 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   bar.finish();
 
   Progress judging("fitting, comparing, checking on locked days", 2);
-  run.verdict = analyse(engine, data, run.responses, run.rules);
+  run.verdict = analyse(engine, data, run.responses, run.rules, request.jobs);
   judging.advance();
   const ReferenceFit& fit = run.verdict.fit;
   const Nuisance& nuisance = run.verdict.nulls.nuisance;
@@ -182,11 +182,11 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
     ExperimentRules rules;
     rules.nuisance = nuisance;
     run.experiments = propose_experiments(engine, data.test, fit, run.responses.test, rivals(run),
-                                          fit.changes(run.responses.test.parameters), request.jobs, rules);
+                                          fit.changes(), request.jobs, rules);
   } else if (run.verdict.kind == VerdictKind::unknown) {
     HeatRules rules;
     rules.nuisance = nuisance;
-    run.heat = reconstruct_heat(engine, data.test, fit, run.responses.test, fit.changes(run.responses.test.parameters),
+    run.heat = reconstruct_heat(engine, data.test, fit, run.responses.test, fit.changes(),
                                 request.jobs, rules);
   }
   judging.finish();

@@ -81,7 +81,8 @@ NullBlocks null_blocks(const ReferenceFit& fit, const Responses& responses, cons
     block.first = (begin - NoiseModel::order) * width;
     block.count = (end - begin) * width;
 
-    const Eigen::MatrixXd j = nuisance_responses(fit, responses, others, window.measured).directions;
+    const Eigen::MatrixXd j =
+        nuisance_responses(fit, fit.parameters, responses.candidates, others, window.measured).directions;
     const Eigen::Index count = j.cols();
     Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(count, count);
     inner.selfadjointView<Eigen::Lower>().rankUpdate(j.transpose());
@@ -89,7 +90,8 @@ NullBlocks null_blocks(const ReferenceFit& fit, const Responses& responses, cons
     const Eigen::VectorXd change =
         normal.solve(j.transpose() * fit.noise.whiten(fit.residual, others, window.measured) - fit.estimate);
     block.covariance = normal.solve(Eigen::MatrixXd::Identity(count, count));
-    block.nuisance = nuisance_responses(fit, responses, block.kept, window.measured).rows(block.first, block.count);
+    block.nuisance = nuisance_responses(fit, fit.parameters, responses.candidates, block.kept, window.measured)
+                         .rows(block.first, block.count);
     block.residual = fit.noise.whiten(fit.residual, block.kept, window.measured).segment(block.first, block.count) -
                      block.nuisance.directions * change;
     const Eigen::MatrixXd nuisances = block.nuisance.joined();

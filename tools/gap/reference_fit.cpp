@@ -51,13 +51,37 @@ std::vector<bool> counted_bins(Eigen::Index bins) {
   return kept;
 }
 
-std::vector<Eigen::MatrixXd> directions_of(const Responses& responses, const Eigen::VectorXd& structural_scale) {
+std::vector<Eigen::MatrixXd> directions_of(const std::vector<Parameter>& parameters,
+                                           const std::vector<Candidate>& candidates,
+                                           const Eigen::VectorXd& structural_scale) {
   std::vector<Eigen::MatrixXd> directions;
-  for (const Parameter& parameter : responses.parameters) directions.push_back(parameter.response);
+  for (const Parameter& parameter : parameters) directions.push_back(parameter.response);
   for (Eigen::Index i = 0; i < structural_scale.size(); ++i) {
-    directions.push_back(structural_scale(i) * responses.candidates[static_cast<std::size_t>(2 * i)].response);
+    directions.push_back(structural_scale(i) * candidates[static_cast<std::size_t>(2 * i)].response);
   }
   return directions;
+}
+
+std::vector<Parameter> parameters_about(const Engine& engine, const sim::Recording& recording,
+                                        std::vector<Parameter> parameters, const Eigen::VectorXd& estimate,
+                                        const Changes& besides, const Eigen::MatrixXd& shown, int jobs) {
+  Changes at = changes_of(parameters, estimate);
+  at.insert(at.end(), besides.begin(), besides.end());
+  std::vector<Task> tasks;
+  std::vector<double> steps;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const sim::Effect& effect = *parameters[i].at.effect;
+    const double sd = parameters[i].prior_sd, from = at[i].magnitude;
+    const double side = estimate(static_cast<Eigen::Index>(i)) < 0 ? -sd : sd;
+    const double onward = std::clamp(from + side, effect.low, effect.high);
+    const double to = std::abs(onward - from) >= sd / 2 ? onward : std::clamp(from - side, effect.low, effect.high);
+    tasks.push_back({at, &recording});
+    tasks.back().changes[i].magnitude = to;
+    steps.push_back((to - from) / sd);
+  }
+  const std::vector<sim::ChannelTable> tables = simulate_all(engine, tasks, jobs);
+  for (std::size_t i = 0; i < parameters.size(); ++i) parameters[i].response = (binned(tables[i]) - shown) / steps[i];
+  return parameters;
 }
 
 Eigen::MatrixXd ReferenceFit::structural(const Responses& responses) const {
@@ -69,14 +93,18 @@ Eigen::MatrixXd ReferenceFit::structural(const Responses& responses) const {
   return sum;
 }
 
-Changes ReferenceFit::changes(const std::vector<Parameter>& parameters) const {
-  return changes_of(parameters, estimate);
+Changes ReferenceFit::changes(const Eigen::VectorXd& moved) const {
+  Eigen::VectorXd at = estimate;
+  if (moved.size() > 0) at.head(moved.size()) += moved;
+  return changes_of(parameters, at);
 }
 
-ReferenceFit fit_reference(const Engine& engine, const Responses& responses, const Window& window) {
+ReferenceFit fit_reference(const Engine& engine, const Responses& responses, const Window& all, int jobs) {
+  const Window window = evidence_of(all, engine.channels());
   const auto kept = counted_bins(window.measured.rows());
   ReferenceFit fit;
-  Eigen::MatrixXd residual = window.measured - responses.base;
+  fit.parameters = responses.parameters;
+  Eigen::MatrixXd shown = responses.base, residual = window.measured - shown;
   const auto noise_of = [&](const Eigen::MatrixXd& x) {
     return NoiseModel::fit(x.bottomRows(x.rows() - bins_per_day), engine.channels());
   };
@@ -85,7 +113,11 @@ ReferenceFit fit_reference(const Engine& engine, const Responses& responses, con
   for (int iteration = 0; iteration < 6; ++iteration) {
     fit.noise = noise_of(residual);
     if (iteration == 1) fit.structural_scale = scale_of(responses, fit.noise.spread());
-    const auto directions = directions_of(responses, fit.structural_scale);
+    if (iteration == 3) {
+      fit.parameters =
+          parameters_about(engine, window.recording, std::move(fit.parameters), fit.estimate, {}, shown, jobs);
+    }
+    const auto directions = directions_of(fit.parameters, responses.candidates, fit.structural_scale);
     const Eigen::Index count = std::ssize(directions);
     fit.estimate.conservativeResizeLike(Eigen::VectorXd::Zero(count));
     const Eigen::MatrixXd j = whitened(fit.noise, directions, kept, window.measured);
@@ -96,9 +128,8 @@ ReferenceFit fit_reference(const Engine& engine, const Responses& responses, con
     // The step from where the residual stands, drawn to the prior's mean, not to the last estimate.
     fit.estimate = (fit.estimate + normal.solve(j.transpose() * r - fit.estimate)).cwiseMax(-8.0).cwiseMin(8.0);
     fit.covariance = normal.solve(Eigen::MatrixXd::Identity(count, count));
-    residual = window.measured -
-               binned(engine.simulate(changes_of(responses.parameters, fit.estimate), window.recording)) -
-               fit.structural(responses);
+    shown = binned(engine.simulate(changes_of(responses.parameters, fit.estimate), window.recording));
+    residual = window.measured - shown - fit.structural(responses);
   }
   fit.noise = noise_of(residual);
   fit.residual = residual;

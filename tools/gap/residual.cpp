@@ -18,6 +18,7 @@ std::size_t block_of(Eigen::Index bin) {
 double floor_of(const sim::Channels& channels, int column) {
   const bool power = column >= channels.power() && column < channels.fcu_duty();
   const bool duty = column >= channels.fcu_duty();
+  if (column == channels.supply_temp()) return 0.05;
   return duty ? 0.05 : power ? 0.02 : 0.006;
 }
 

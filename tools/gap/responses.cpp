@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -38,6 +39,24 @@ Eigen::MatrixXd interpolated(const sim::Effect& effect, const Eigen::MatrixXd& f
 }
 
 }  // namespace
+
+Window evidence_of(Window window, const sim::Channels& channels) {
+  constexpr double follows_k = 0.3;
+  const Eigen::Index bins = window.measured.rows(), supply = channels.supply_temp();
+  std::vector<bool> above(static_cast<std::size_t>(bins));
+  for (Eigen::Index b = 0; b < bins; ++b) {
+    double setpoint = 0;
+    for (Eigen::Index r = b * rows_per_bin; r < (b + 1) * rows_per_bin; ++r)
+      setpoint += window.recording.rows[static_cast<std::size_t>(r)].setpoint_degc / rows_per_bin;
+    above[static_cast<std::size_t>(b)] = window.measured(b, supply) - setpoint > follows_k;
+  }
+  for (std::size_t b = 0; b < above.size(); ++b) {
+    const bool stays = (b > 0 && above[b - 1]) || (b + 1 < above.size() && above[b + 1]);
+    if (above[b] && stays)
+      window.measured(static_cast<Eigen::Index>(b), supply) = std::numeric_limits<double>::quiet_NaN();
+  }
+  return window;
+}
 
 Library library_of(const Engine& engine, const std::vector<sim::Effect>& effects) {
   Library library;

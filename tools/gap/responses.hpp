@@ -16,6 +16,11 @@ struct Window {
   Eigen::MatrixXd measured;  ///< bins x channels; NaN: missing
 };
 
+/// A window as evidence: without supply temperatures of bins in which the coil could not reach its setpoint, by more
+/// than 0.3 K for longer than one bin. There it shows every error of the load, a hundred times as large as the noise of
+/// a supply that follows; rooms and power tell the same in their own measure.
+Window evidence_of(Window window, const sim::Channels& channels);
+
 /// One direction in which a candidate may move, seen from its null: a candidate has two.
 struct Candidate {
   sim::EffectAt at;

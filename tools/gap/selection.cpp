@@ -56,7 +56,8 @@ NuisanceResponses NuisanceResponses::rows(Eigen::Index first, Eigen::Index count
   return {directions.middleRows(first, count), days_of(day_gain), days_of(day_shift)};
 }
 
-NuisanceResponses nuisance_responses(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,
+NuisanceResponses nuisance_responses(const ReferenceFit& fit, const std::vector<Parameter>& parameters,
+                                     const std::vector<Candidate>& candidates, const std::vector<bool>& kept,
                                      const Eigen::MatrixXd& missing) {
   const Eigen::Index bins = missing.rows(), days = bins / bins_per_day;
   const auto stacked = [&](const std::vector<Eigen::MatrixXd>& list) {
@@ -68,7 +69,7 @@ NuisanceResponses nuisance_responses(const ReferenceFit& fit, const Responses& r
   };
   const auto each_day = [&](const char* name) {
     std::vector<Eigen::MatrixXd> list;
-    for (const Parameter& parameter : responses.parameters) {
+    for (const Parameter& parameter : parameters) {
       if (parameter.at.effect->name != name) continue;
       for (Eigen::Index d = 0; d < days; ++d) {
         Eigen::MatrixXd day = Eigen::MatrixXd::Zero(bins, parameter.response.cols());
@@ -79,13 +80,14 @@ NuisanceResponses nuisance_responses(const ReferenceFit& fit, const Responses& r
     }
     return stacked(list);
   };
-  return {stacked(directions_of(responses, fit.structural_scale)), each_day("gain_occupied"),
+  return {stacked(directions_of(parameters, candidates, fit.structural_scale)), each_day("gain_occupied"),
           each_day("occupancy_shift")};
 }
 
 Eigen::MatrixXd nuisance_directions(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,
                                     const Eigen::MatrixXd& missing, const Nuisance& settings) {
-  return nuisance_responses(fit, responses, kept, missing).scaled(fit.covariance, settings);
+  return nuisance_responses(fit, responses.parameters, responses.candidates, kept, missing)
+      .scaled(fit.covariance, settings);
 }
 
 CandidateEvidence::CandidateEvidence(const std::vector<Candidate>& candidates, Eigen::MatrixXd z, Metric metric)

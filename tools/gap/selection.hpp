@@ -47,7 +47,8 @@ struct NuisanceResponses {
   /// The same of some rows; days that have nothing there are left out.
   NuisanceResponses rows(Eigen::Index first, Eigen::Index count) const;
 };
-NuisanceResponses nuisance_responses(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,
+NuisanceResponses nuisance_responses(const ReferenceFit& fit, const std::vector<Parameter>& parameters,
+                                     const std::vector<Candidate>& candidates, const std::vector<bool>& kept,
                                      const Eigen::MatrixXd& missing);
 Eigen::MatrixXd nuisance_directions(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,
                                     const Eigen::MatrixXd& missing, const Nuisance& settings = {});

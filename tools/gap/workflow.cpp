@@ -4,47 +4,35 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+
+#include "tools/gap/refit.hpp"
 
 namespace airside::tools::gap {
 
 namespace {
 
-/// A candidate with a magnitude, and its response there, by real simulation.
-struct Chosen {
-  std::size_t candidate = 0;
-  double steps = 1;  ///< of the way from null to probe
-};
-
-struct Refit {
-  std::vector<Chosen> chosen;
-  Eigen::MatrixXd residual;  ///< bins x channels
-  double distance = 0;       ///< r' M r
-};
-
 class Analysis {
  public:
-  Analysis(const Engine& engine, const CaseData& data, const WindowResponses& responses, const Rules& rules)
+  Analysis(const Engine& engine, const CaseData& data, const WindowResponses& responses, const Rules& rules, int jobs)
       : engine_(engine),
-        data_(data),
+        data_{evidence_of(data.reference, engine.channels()), evidence_of(data.test, engine.channels())},
         responses_(responses),
         rules_(rules),
-        fit_(fit_reference(engine, responses.reference, data.reference)),
+        fit_(fit_reference(engine, responses.reference, data_.reference, jobs)),
         kept_(train_bins()),
-        nulls_(null_blocks(fit_, responses.reference, data.reference)),
-        evidence_(responses.test.candidates, whitened_candidates(),
-                  Metric(nuisance_directions(fit_, responses.test, kept_, data.test.measured, nulls_.nuisance))),
-        structural_(fit_.structural(responses.test)),
-        parameters_(fit_.changes(responses.test.parameters)) {}
+        nulls_(null_blocks(fit_, responses.reference, data_.reference)),
+        refitter_(engine, data_.test, responses.test, fit_, nulls_.nuisance, kept_, jobs) {}
 
   Verdict run() {
     Verdict verdict;
     verdict.fit = fit_;
     verdict.nulls = nulls_;
-    Refit now{{}, residual_of({}), 0};
-    now.distance = unexplained_ = distance(now.residual);
-    verdict.residual_before = now.residual;
-    verdict.ranking = Selection(evidence_).scores(whiten(now.residual));
+    Refit now = refit({});
+    unexplained_ = now.cost;
+    verdict.residual_before = refitter_.unmoved_residual({});
+    verdict.ranking = Selection(now.tangent->evidence()).scores(refitter_.effective(now));
     if (!verdict.ranking.empty()) {
       verdict.best_gain = verdict.ranking.front().gain;
       verdict.gain_limit = limit(verdict.ranking.front().candidate);
@@ -67,14 +55,14 @@ class Analysis {
       auto fewer = now.chosen;
       fewer.pop_back();
       Refit without = refit(fewer);
-      if (locked_square(now.residual) < locked_square(without.residual)) break;
+      if (locked_square(now.chosen) < locked_square(without.chosen)) break;
       now = std::move(without);
       verdict.findings = findings_of(now);
     }
-    verdict.residual_after = now.residual;
+    verdict.residual_after = refitter_.unmoved_residual(now.chosen);
     more_needed_ = std::ssize(now.chosen) == rules_.most_effects && better(now).has_value();
     verdict.leftover = now.distance / samples() / fit_.leftover;
-    const double explained = (distance(verdict.residual_before) - now.distance) / samples() / fit_.leftover;
+    const double explained = (unexplained_ - now.cost) / samples() / fit_.leftover;
     verdict.leftover_limit = rules_.leftover_limit + rules_.shape_share * explained;
     if (!verdict.findings.empty()) verdict.gain_limit = verdict.findings.front().gain_limit;
     judge(verdict);
@@ -94,75 +82,37 @@ class Analysis {
     return kept;
   }
   double samples() const {
-    const auto r = whiten(data_.test.measured - responses_.test.base);
+    const auto r = refitter_.whiten(data_.test.measured - responses_.test.base);
     return std::max(1.0, static_cast<double>((r.array() != 0).count()));
   }
-  Eigen::VectorXd whiten(const Eigen::MatrixXd& x) const { return fit_.noise.whiten(x, kept_, data_.test.measured); }
-  Eigen::MatrixXd whitened_candidates() const {
-    const auto& candidates = responses_.test.candidates;
-    Eigen::MatrixXd z((bins() - NoiseModel::order) * data_.test.measured.cols(), std::ssize(candidates));
-    for (Eigen::Index k = 0; k < z.cols(); ++k) z.col(k) = whiten(candidates[static_cast<std::size_t>(k)].response);
-    return z;
-  }
-  double distance(const Eigen::MatrixXd& residual) const {
-    const Eigen::VectorXd r = whiten(residual);
-    return evidence_.metric().dot(r, r);
-  }
   /// Of the locked days, parameters as fitted.
+  double locked_square(const std::vector<Chosen>& chosen) const {
+    return locked_square(refitter_.unmoved_residual(chosen));
+  }
   double locked_square(const Eigen::MatrixXd& residual) const {
     std::vector<bool> days(static_cast<std::size_t>(bins()), false);
     std::fill(days.begin() + locked_from(), days.end(), true);
     return fit_.noise.whiten(residual, days, data_.test.measured).squaredNorm();
   }
   const Candidate& candidate(const Chosen& c) const { return responses_.test.candidates[c.candidate]; }
-  double magnitude(const Chosen& c) const {
-    const sim::Effect& effect = *candidate(c).at.effect;
-    const double m = effect.null_value + c.steps * (candidate(c).probe - effect.null_value);
-    return std::clamp(m, effect.low, effect.high);
-  }
-
-  Eigen::MatrixXd residual_of(const std::vector<Chosen>& chosen) const {
-    Changes changes = parameters_;
-    for (const Chosen& c : chosen) changes.push_back({candidate(c).at, magnitude(c)});
-    return data_.test.measured - binned(engine_.simulate(changes, data_.test.recording)) - structural_;
-  }
-
-  /// Gauss-Newton on the magnitudes with real simulations. Responses begin as those of the probes; what each simulation
-  /// shows of how they bend is put into them (Broyden's update), so that an effect that saturates is met all the same.
-  Refit refit(const std::vector<Chosen>& chosen) const {
-    Refit best{chosen, residual_of(chosen), 0};
-    best.distance = distance(best.residual);
-    if (chosen.empty()) return best;
-    Refit now = best;
-    Eigen::VectorXd r = whiten(now.residual);
-    const Eigen::Index n = std::ssize(chosen);
-    Eigen::MatrixXd z(r.size(), n);
-    for (Eigen::Index i = 0; i < n; ++i) z.col(i) = evidence_.response(chosen[static_cast<std::size_t>(i)].candidate);
-    for (int iteration = 0; iteration < 4; ++iteration) {
-      Eigen::MatrixXd m_z(z.rows(), n);
-      for (Eigen::Index i = 0; i < n; ++i) m_z.col(i) = evidence_.metric().times(z.col(i));
-      const Eigen::MatrixXd normal = m_z.transpose() * z + 1e-9 * Eigen::MatrixXd::Identity(n, n);
-      const Eigen::VectorXd wanted = normal.ldlt().solve(m_z.transpose() * r);
-      Eigen::VectorXd step(n);
-      double largest = 0;
-      for (Eigen::Index i = 0; i < n; ++i) {
-        Chosen& c = now.chosen[static_cast<std::size_t>(i)];
-        const double before = c.steps;
-        c.steps = std::max(0.0, c.steps + std::clamp(wanted(i), -2.0, 2.0));
-        step(i) = c.steps - before;
-        largest = std::max(largest, std::abs(step(i)) / std::max(0.3, c.steps));
-      }
-      if (largest < 0.01) break;
-      now.residual = residual_of(now.chosen);
-      now.distance = distance(now.residual);
-      const Eigen::VectorXd next = whiten(now.residual);
-      z += (r - next - z * step) * step.transpose() / step.squaredNorm();
-      r = next;
-      if (now.distance < best.distance) best = now;
-      if (largest < 0.03) break;
+  /// The model with these effects, about itself.
+  const Refit& refit(const std::vector<Chosen>& chosen) const {
+    std::vector<std::size_t> key;
+    for (const Chosen& c : chosen) key.push_back(c.candidate);
+    std::sort(key.begin(), key.end());
+    const auto [at, added] = refits_.try_emplace(key);
+    if (added) {
+      const Eigen::VectorXd still = Eigen::VectorXd::Zero(parameter_count());
+      at->second = refitter_.about_itself(refitter_.refit(chosen, refitter_.tangent(), still));
     }
-    return best;
+    return at->second;
   }
+  /// The same in the place of another model, whose tangent does for both.
+  Refit in_place_of(const Refit& at, std::vector<Chosen> chosen, const Score& added) const {
+    chosen.push_back({added.candidate, added.steps});
+    return refitter_.refit(chosen, at.tangent, at.moved);
+  }
+  Eigen::Index parameter_count() const { return std::ssize(responses_.test.parameters); }
 
   /// The model with one more effect, the best of the few most likely ones by real simulation. One that its own limit
   /// keeps out is no candidate here, but stays a rival of whatever gets in.
@@ -170,26 +120,25 @@ class Analysis {
     std::optional<Refit> best;
     std::size_t tried = 0;
     double first_gain = 0;
-    for (const Score& score : beside(now, now.chosen.size()).scores(whiten(now.residual))) {
+    for (const Score& score : beside(now, now.chosen.size()).scores(refitter_.effective(now))) {
       const double least = limit(score.candidate) + shape_error(now, score.candidate);
       if (score.gain < least || already(now, score.candidate)) continue;
       if (tried == 0) first_gain = score.gain;
       if (tried >= 4 || score.gain < 0.5 * first_gain) break;
       ++tried;
-      auto chosen = now.chosen;
-      chosen.push_back({score.candidate, score.steps});
-      Refit trial = refit(chosen);
-      if (now.distance - trial.distance < least) continue;
-      if (!best || trial.distance < best->distance) best = std::move(trial);
+      Refit trial = in_place_of(now, now.chosen, score);
+      if (now.cost - trial.cost < least) continue;
+      if (!best || trial.cost < best->cost) best = std::move(trial);
     }
     if (!best) return std::nullopt;
+    best = refit(best->chosen);
     // Backward: an effect that the others have made superfluous goes.
     for (std::size_t i = 0; best->chosen.size() > 1 && i + 1 < best->chosen.size(); ++i) {
       auto fewer = best->chosen;
       const std::size_t dropped = fewer[i].candidate;
       fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
       Refit trial = refit(fewer);
-      if (trial.distance - best->distance < limit(dropped)) return trial;
+      if (trial.cost - best->cost < limit(dropped)) return trial;
     }
     return best;
   }
@@ -207,7 +156,7 @@ class Analysis {
     if (findings.size() < 2) return std::nullopt;
     const auto least = std::min_element(findings.begin(), findings.end(),
                                         [](const Finding& a, const Finding& b) { return a.gain < b.gain; });
-    const double large = rules_.further_share * (unexplained_ - now.distance);
+    const double large = rules_.further_share * (unexplained_ - now.cost);
     if (least->why_not.empty() || least->gain >= std::max(large, least->gain_limit)) return std::nullopt;
     return least - findings.begin();
   }
@@ -215,19 +164,19 @@ class Analysis {
   /// What the chosen effects' own wrong shape may look like: a share of what they explain, as far as they show in the
   /// channels in which the candidate shows.
   double shape_error(const Refit& now, std::size_t candidate) const {
-    const Eigen::VectorXd own = channel_norms(candidate);
+    const Eigen::VectorXd own = channel_norms(now, candidate);
     double overlap = 0;
     for (const Chosen& c : now.chosen) {
-      const Eigen::VectorXd other = channel_norms(c.candidate);
+      const Eigen::VectorXd other = channel_norms(now, c.candidate);
       const double norms = own.norm() * other.norm();
       if (norms > 0) overlap = std::max(overlap, own.dot(other) / norms);
     }
-    return rules_.further_share * overlap * overlap * std::max(0.0, unexplained_ - now.distance);
+    return rules_.further_share * overlap * overlap * std::max(0.0, unexplained_ - now.cost);
   }
 
-  Eigen::VectorXd channel_norms(std::size_t candidate) const {
+  Eigen::VectorXd channel_norms(const Refit& now, std::size_t candidate) const {
     const Eigen::Index width = data_.test.measured.cols();
-    const Eigen::VectorXd z = evidence_.response(candidate);
+    const Eigen::VectorXd z = now.tangent->evidence().response(candidate);
     return Eigen::Map<const Eigen::MatrixXd>(z.data(), width, z.size() / width).rowwise().norm();
   }
 
@@ -243,7 +192,7 @@ class Analysis {
     for (std::size_t i = 0; i < now.chosen.size(); ++i) {
       if (i != left_out) others.push_back(now.chosen[i].candidate);
     }
-    return Selection(evidence_, others);
+    return Selection(now.tangent->evidence(), others);
   }
 
   Finding finding(const Refit& now, std::size_t i) const {
@@ -252,15 +201,15 @@ class Analysis {
     const Selection selection = beside(now, i);
     Finding f;
     f.at = chosen.at;
-    f.magnitude = magnitude(c);
+    f.magnitude = refitter_.magnitude(c);
     const double norm = selection.dot(c.candidate, c.candidate);
     f.sd = std::abs(chosen.probe - chosen.at.effect->null_value) / std::sqrt(std::max(1e-12, norm));
     auto others = now.chosen;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    const Refit without = refit(others);
-    f.gain = without.distance - now.distance;
-    f.same_sign = same_sign(selection, c.candidate, whiten(without.residual));
-    const double rival = add_rivals(f, without, selection, c.candidate);
+    const Refit& without = refit(others);
+    f.gain = without.cost - now.cost;
+    f.same_sign = same_sign(selection, now.tangent->evidence().response(c.candidate), refitter_.effective(without));
+    const double rival = add_rivals(f, now, without, selection, c.candidate);
     f.margin = rival > 0 ? f.gain / rival : 1e9;
     f.gain_limit = limit(c.candidate);
     if (f.gain < f.gain_limit)
@@ -276,8 +225,9 @@ class Analysis {
 
   /// Every other effect in its stead, the likely ones by real simulation: who does nearly as well joins the class.
   /// Returns the gain of the best that does not look the same.
-  double add_rivals(Finding& f, const Refit& without, const Selection& selection, std::size_t found) const {
-    const auto scores = selection.scores(whiten(without.residual));
+  double add_rivals(Finding& f, const Refit& now, const Refit& without, const Selection& selection,
+                    std::size_t found) const {
+    const auto scores = selection.scores(refitter_.effective(without));
     double best = 0;
     int tried = 0;
     std::vector<sim::EffectAt> nearly;
@@ -285,9 +235,8 @@ class Analysis {
       const Candidate& other = responses_.test.candidates[s.candidate];
       if (other.at.id() == f.at.id() || already(without, s.candidate)) continue;
       if (++tried > rules_.rivals) break;
-      auto chosen = without.chosen;
-      chosen.push_back({s.candidate, s.steps});
-      const Rival rival{other.at, without.distance - refit(chosen).distance, selection.cosine(found, s.candidate)};
+      const double gain = without.cost - in_place_of(now, without.chosen, s).cost;
+      const Rival rival{other.at, gain, selection.cosine(found, s.candidate)};
       f.rivals.push_back(rival);
       const bool alike = std::abs(rival.cosine) > rules_.class_cosine;
       if (!alike) best = std::max(best, rival.gain);
@@ -306,9 +255,8 @@ class Analysis {
     return best;
   }
 
-  double same_sign(const Selection& selection, std::size_t candidate, const Eigen::VectorXd& r) const {
+  double same_sign(const Selection& selection, const Eigen::VectorXd& z, const Eigen::VectorXd& r) const {
     const Eigen::VectorXd m = selection.times(r);
-    const auto z = evidence_.response(candidate);
     const Eigen::Index width = data_.test.measured.cols(), block = 2 * bins_per_day * width;
     double all = 0, agree = 0;
     for (Eigen::Index at = 0; at < z.size(); at += block) {
@@ -407,16 +355,15 @@ class Analysis {
   }
 
   const Engine& engine_;
-  const CaseData& data_;
+  CaseData data_;
   const WindowResponses& responses_;
   const Rules& rules_;
   ReferenceFit fit_;
   std::vector<bool> kept_;
   NullBlocks nulls_;
-  CandidateEvidence evidence_;
-  Eigen::MatrixXd structural_;
-  Changes parameters_;
-  double unexplained_ = 0;  // r' M r of the unpatched model
+  Refitter refitter_;
+  mutable std::map<std::vector<std::size_t>, Refit> refits_;  // by candidates
+  double unexplained_ = 0;                                    // cost of the model without effects
   bool more_needed_ = false;
 };
 
@@ -435,8 +382,9 @@ const char* text_of(VerdictKind kind) {
   return names[static_cast<int>(kind)];
 }
 
-Verdict analyse(const Engine& engine, const CaseData& data, const WindowResponses& responses, const Rules& rules) {
-  return Analysis(engine, data, responses, rules).run();
+Verdict analyse(const Engine& engine, const CaseData& data, const WindowResponses& responses, const Rules& rules,
+                int jobs) {
+  return Analysis(engine, data, responses, rules, jobs).run();
 }
 
 }  // namespace airside::tools::gap

@@ -94,8 +94,9 @@ struct WindowResponses {
   Responses reference, test;
 };
 
-/// Cost: 4 simulations, and 4 to 12 for each effect found.
+/// Cost: some 12 simulations and three for each parameter; as many as half of that for each effect found.
 /// Errors: as Engine::simulate.
-Verdict analyse(const Engine& engine, const CaseData& data, const WindowResponses& responses, const Rules& rules = {});
+Verdict analyse(const Engine& engine, const CaseData& data, const WindowResponses& responses, const Rules& rules = {},
+                int jobs = 1);
 
 }  // namespace airside::tools::gap
