@@ -135,7 +135,7 @@ struct Scored {
 
   std::vector<Score> scores(const Eigen::VectorXd& residual, const std::vector<std::size_t>& chosen = {},
                             const Eigen::MatrixXd& j = Eigen::MatrixXd::Zero(200, 1)) const {
-    const CandidateEvidence evidence(candidates, z, Metric(j));
+    const CandidateEvidence evidence(candidates, std::make_shared<const Eigen::MatrixXd>(z), Metric(j));
     return Selection(evidence, chosen).scores(residual);
   }
 };
@@ -172,7 +172,7 @@ TEST(Scores, AParameterThatCouldHaveDoneItTakesTheGainAway) {
 TEST(Selection, IsTheMetricInWhichChosenMagnitudesAreFree) {
   const Scored s;
   const Eigen::MatrixXd j = random_matrix(200, 5, 11);
-  const CandidateEvidence evidence(s.candidates, s.z, Metric(j));
+  const CandidateEvidence evidence(s.candidates, std::make_shared<const Eigen::MatrixXd>(s.z), Metric(j));
   const Selection selection(evidence, {0});
   Eigen::MatrixXd free(200, 6);
   free << j, 1e5 * s.z.col(0);

@@ -181,13 +181,12 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   if (run.verdict.kind == VerdictKind::ambiguous) {
     ExperimentRules rules;
     rules.nuisance = nuisance;
-    run.experiments = propose_experiments(engine, data.test, fit, run.responses.test, rivals(run),
-                                          fit.changes(), request.jobs, rules);
+    run.experiments = propose_experiments(engine, data.test, fit, run.responses.test, rivals(run), fit.changes(),
+                                          request.jobs, rules);
   } else if (run.verdict.kind == VerdictKind::unknown) {
     HeatRules rules;
     rules.nuisance = nuisance;
-    run.heat = reconstruct_heat(engine, data.test, fit, run.responses.test, fit.changes(),
-                                request.jobs, rules);
+    run.heat = reconstruct_heat(engine, data.test, fit, run.responses.test, fit.changes(), request.jobs, rules);
   }
   judging.finish();
 

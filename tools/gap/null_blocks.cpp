@@ -112,7 +112,7 @@ NullBlocks null_blocks(const ReferenceFit& fit, const Responses& responses, cons
       const Candidate& c = responses.candidates[static_cast<std::size_t>(k)];
       z.col(k) = fit.noise.whiten(c.response, block.kept, window.measured).segment(block.first, block.count);
     }
-    const CandidateEvidence evidence(responses.candidates, std::move(z),
+    const CandidateEvidence evidence(responses.candidates, std::make_shared<const Eigen::MatrixXd>(std::move(z)),
                                      Metric(block.nuisance.scaled(block.covariance, out.nuisance)));
     for (const Score& score : Selection(evidence).scores(block.residual)) {
       // The two directions of one place stand beside each other; only the better has a score.

@@ -113,7 +113,7 @@ ReferenceFit fit_reference(const Engine& engine, const Responses& responses, con
   for (int iteration = 0; iteration < 6; ++iteration) {
     fit.noise = noise_of(residual);
     if (iteration == 1) fit.structural_scale = scale_of(responses, fit.noise.spread());
-    if (iteration == 3) {
+    if (iteration == 3 && !engine.spares_runs()) {
       fit.parameters =
           parameters_about(engine, window.recording, std::move(fit.parameters), fit.estimate, {}, shown, jobs);
     }

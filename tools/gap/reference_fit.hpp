@@ -40,7 +40,8 @@ struct ReferenceFit {
 
 /// Gauss-Newton with the prior, six times, each followed by a real simulation; the noise model is fitted to what
 /// remains. Half-way the parameters' responses are simulated anew: what the data hardly tell apart about the twin (a
-/// fan's power and its flow) must be the same combination in the reference and in the measured period.
+/// fan's power and its flow) must be the same combination in the reference and in the measured period. An engine that
+/// spares runs keeps the responses about the twin itself, in both periods.
 ///   d = (J'J + I)^-1 J' r, J and r whitened.
 /// Errors: as simulate.  Cost: six simulations and one a parameter, beside the responses.  Source: GAP.md, step 2.
 ReferenceFit fit_reference(const Engine& engine, const Responses& responses, const Window& window, int jobs = 1);

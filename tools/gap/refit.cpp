@@ -6,11 +6,11 @@
 namespace airside::tools::gap {
 
 Tangent::Tangent(const std::vector<Candidate>& candidates, NuisanceResponses nuisance, Eigen::MatrixXd mixing,
-                 const Eigen::MatrixXd& z, Eigen::Index parameters)
+                 std::shared_ptr<const Eigen::MatrixXd> z, Eigen::Index parameters)
     : parameters_(parameters),
       nuisance_(std::move(nuisance)),
       mixing_(std::move(mixing)),
-      evidence_(candidates, z, Metric(nuisance_.joined() * mixing_.triangularView<Eigen::Lower>())) {}
+      evidence_(candidates, std::move(z), Metric(nuisance_.joined() * mixing_.triangularView<Eigen::Lower>())) {}
 
 Eigen::VectorXd Tangent::mean(const Eigen::VectorXd& r) const {
   const Eigen::VectorXd m_r = metric().times(r);
@@ -33,21 +33,25 @@ Refitter::Refitter(const Engine& engine, const Window& window, const Responses& 
       sizes_(sizes),
       structural_(fit.structural(responses)) {
   const auto& candidates = responses.candidates;
-  z_.resize((window.measured.rows() - NoiseModel::order) * window.measured.cols(), std::ssize(candidates));
-  for (Eigen::Index k = 0; k < z_.cols(); ++k) z_.col(k) = whiten(candidates[static_cast<std::size_t>(k)].response);
-  const Eigen::VectorXd still = Eigen::VectorXd::Zero(std::ssize(responses.parameters));
-  tangent_ = tangent_at({}, still, binned(engine.simulate(changes({}, still), window.recording)));
+  Eigen::MatrixXd z((window.measured.rows() - NoiseModel::order) * window.measured.cols(), std::ssize(candidates));
+  for (Eigen::Index k = 0; k < z.cols(); ++k) z.col(k) = whiten(candidates[static_cast<std::size_t>(k)].response);
+  z_ = std::make_shared<const Eigen::MatrixXd>(std::move(z));
+  tangent_ = engine.spares_runs() ? tangent_with(responses.parameters)
+                                  : tangent_at({}, Eigen::VectorXd::Zero(std::ssize(responses.parameters)));
 }
 
-std::shared_ptr<const Tangent> Refitter::tangent_at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved,
-                                                    const Eigen::MatrixXd& shown) const {
-  const Eigen::VectorXd estimate = fit_.estimate.head(moved.size()) + moved;
-  const auto parameters =
-      parameters_about(engine_, window_.recording, responses_.parameters, estimate, changes_of(chosen), shown, jobs_);
+std::shared_ptr<const Tangent> Refitter::tangent_with(const std::vector<Parameter>& parameters) const {
   NuisanceResponses nuisance = nuisance_responses(fit_, parameters, responses_.candidates, kept_, window_.measured);
   Eigen::MatrixXd mixing = nuisance.mixing(fit_.covariance, sizes_);
   return std::make_shared<const Tangent>(responses_.candidates, std::move(nuisance), std::move(mixing), z_,
-                                         moved.size());
+                                         std::ssize(parameters));
+}
+
+std::shared_ptr<const Tangent> Refitter::tangent_at(const std::vector<Chosen>& chosen,
+                                                    const Eigen::VectorXd& moved) const {
+  const Eigen::MatrixXd shown = binned(engine_.simulate(changes(chosen, moved), window_.recording));
+  return tangent_with(parameters_about(engine_, window_.recording, responses_.parameters,
+                                       fit_.estimate.head(moved.size()) + moved, changes_of(chosen), shown, jobs_));
 }
 
 Eigen::VectorXd Refitter::whiten(const Eigen::MatrixXd& x) const {
@@ -134,8 +138,8 @@ Refit Refitter::refit(const std::vector<Chosen>& chosen, const std::shared_ptr<c
 }
 
 Refit Refitter::about_itself(const Refit& at) const {
-  const Eigen::MatrixXd shown = binned(engine_.simulate(changes(at.chosen, at.moved), window_.recording));
-  return refit(at.chosen, tangent_at(at.chosen, at.moved, shown), at.moved);
+  if (engine_.spares_runs()) return at;
+  return refit(at.chosen, tangent_at(at.chosen, at.moved), at.moved);
 }
 
 }  // namespace airside::tools::gap

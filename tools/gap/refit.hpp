@@ -20,7 +20,7 @@ class Tangent {
  public:
   /// Whitened.
   Tangent(const std::vector<Candidate>& candidates, NuisanceResponses nuisance, Eigen::MatrixXd mixing,
-          const Eigen::MatrixXd& z, Eigen::Index parameters);
+          std::shared_ptr<const Eigen::MatrixXd> z, Eigen::Index parameters);
 
   const CandidateEvidence& evidence() const { return evidence_; }
   const Metric& metric() const { return evidence_.metric(); }
@@ -46,7 +46,8 @@ struct Refit {
   std::shared_ptr<const Tangent> tangent;
 };
 
-/// Cost of each fit: up to 4 simulations; of a tangent, the first included: one a parameter.
+/// Cost of each fit: up to 5 simulations; of a tangent, the first included: one a parameter, but none on an engine that
+/// spares runs: there responses about the twin itself do for all models.
 class Refitter {
  public:
   /// `kept`: bins that are fitted.  The references are kept.
@@ -76,8 +77,8 @@ class Refitter {
 
  private:
   Eigen::MatrixXd residual_of(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const;
-  std::shared_ptr<const Tangent> tangent_at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved,
-                                            const Eigen::MatrixXd& shown) const;
+  std::shared_ptr<const Tangent> tangent_with(const std::vector<Parameter>& parameters) const;
+  std::shared_ptr<const Tangent> tangent_at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const;
   Changes changes_of(const std::vector<Chosen>& chosen) const;
   void judge(Refit& at) const;
 
@@ -88,7 +89,8 @@ class Refitter {
   std::vector<bool> kept_;
   int jobs_;
   const Nuisance sizes_;
-  Eigen::MatrixXd structural_, z_;
+  Eigen::MatrixXd structural_;
+  std::shared_ptr<const Eigen::MatrixXd> z_;  // whitened candidates
   std::shared_ptr<const Tangent> tangent_;
 };
 

@@ -90,16 +90,17 @@ Eigen::MatrixXd nuisance_directions(const ReferenceFit& fit, const Responses& re
       .scaled(fit.covariance, settings);
 }
 
-CandidateEvidence::CandidateEvidence(const std::vector<Candidate>& candidates, Eigen::MatrixXd z, Metric metric)
-    : candidates_(candidates), z_(std::move(z)), metric_(std::move(metric)), norm_(metric_.squares(z_)) {}
+CandidateEvidence::CandidateEvidence(const std::vector<Candidate>& candidates, std::shared_ptr<const Eigen::MatrixXd> z,
+                                     Metric metric)
+    : candidates_(candidates), z_(std::move(z)), metric_(std::move(metric)), norm_(metric_.squares(*z_)) {}
 
 Selection::Selection(const CandidateEvidence& evidence, const std::vector<std::size_t>& chosen) : evidence_(evidence) {
   const Eigen::Index count = std::ssize(chosen);
-  m_z_.resize(evidence.z_.rows(), count);
+  m_z_.resize(evidence.z_->rows(), count);
   Eigen::MatrixXd inner(count, count);
   for (Eigen::Index i = 0; i < count; ++i)
     m_z_.col(i) = evidence.metric_.times(evidence.response(chosen[static_cast<std::size_t>(i)]));
-  cross_ = evidence.z_.transpose() * m_z_;
+  cross_ = evidence.z_->transpose() * m_z_;
   for (Eigen::Index i = 0; i < count; ++i)
     inner.row(i) = cross_.row(static_cast<Eigen::Index>(chosen[static_cast<std::size_t>(i)]));
   inner.diagonal().array() *= 1 + 1e-9;  // two that look the same are not refused
@@ -128,7 +129,7 @@ double Selection::cosine(std::size_t a, std::size_t b) const {
 }
 
 std::vector<Score> Selection::scores(const Eigen::VectorXd& residual) const {
-  const Eigen::VectorXd along = evidence_.z_.transpose() * times(residual);
+  const Eigen::VectorXd along = evidence_.z_->transpose() * times(residual);
   std::map<std::string, Score> best;
   for (std::size_t i = 0; i < evidence_.candidates_.size(); ++i) {
     const double square = norm(i);

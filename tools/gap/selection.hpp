@@ -2,6 +2,8 @@
 // Which effects explain a residual: likelihood gains in a metric in which uncertain parameters are marginalised,
 // forward selection with joint refit and backward deletion, classes of effects that the data cannot tell apart.
 
+#include <memory>
+
 #include "tools/gap/reference_fit.hpp"
 
 namespace airside::tools::gap {
@@ -64,17 +66,17 @@ struct Score {
 /// The candidates' whitened responses, and what the metric makes of them.
 class CandidateEvidence {
  public:
-  /// Shape: z: one column a candidate.
+  /// Shape: z: one column a candidate; shared by what is seen from several models.
   /// Cost: (columns of J)^2 rows + (columns of J) rows candidates multiplications, once.
-  CandidateEvidence(const std::vector<Candidate>& candidates, Eigen::MatrixXd z, Metric metric);
+  CandidateEvidence(const std::vector<Candidate>& candidates, std::shared_ptr<const Eigen::MatrixXd> z, Metric metric);
 
   const Metric& metric() const { return metric_; }
-  auto response(std::size_t candidate) const { return z_.col(static_cast<Eigen::Index>(candidate)); }
+  auto response(std::size_t candidate) const { return z_->col(static_cast<Eigen::Index>(candidate)); }
 
  private:
   friend class Selection;
   const std::vector<Candidate>& candidates_;
-  Eigen::MatrixXd z_;
+  std::shared_ptr<const Eigen::MatrixXd> z_;
   Metric metric_;
   Eigen::VectorXd norm_;  // z' M z
 };

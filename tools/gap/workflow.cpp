@@ -99,7 +99,6 @@ class Analysis {
   const Refit& refit(const std::vector<Chosen>& chosen) const {
     std::vector<std::size_t> key;
     for (const Chosen& c : chosen) key.push_back(c.candidate);
-    std::sort(key.begin(), key.end());
     const auto [at, added] = refits_.try_emplace(key);
     if (added) {
       const Eigen::VectorXd still = Eigen::VectorXd::Zero(parameter_count());
@@ -132,6 +131,7 @@ class Analysis {
     }
     if (!best) return std::nullopt;
     best = refit(best->chosen);
+    if (now.cost - best->cost < limit(best->chosen.back().candidate)) return std::nullopt;
     // Backward: an effect that the others have made superfluous goes.
     for (std::size_t i = 0; best->chosen.size() > 1 && i + 1 < best->chosen.size(); ++i) {
       auto fewer = best->chosen;
@@ -203,7 +203,9 @@ class Analysis {
     f.at = chosen.at;
     f.magnitude = refitter_.magnitude(c);
     const double norm = selection.dot(c.candidate, c.candidate);
-    f.sd = std::abs(chosen.probe - chosen.at.effect->null_value) / std::sqrt(std::max(1e-12, norm));
+    const double step = chosen.probe - chosen.at.effect->null_value;
+    f.sd = std::hypot(step / std::sqrt(std::max(1e-12, norm)),
+                      rules_.magnitude_share * (f.magnitude - chosen.at.effect->null_value));
     auto others = now.chosen;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const Refit& without = refit(others);
@@ -362,7 +364,7 @@ class Analysis {
   std::vector<bool> kept_;
   NullBlocks nulls_;
   Refitter refitter_;
-  mutable std::map<std::vector<std::size_t>, Refit> refits_;  // by candidates
+  mutable std::map<std::vector<std::size_t>, Refit> refits_;  // by candidates, in the order in which they were found
   double unexplained_ = 0;                                    // cost of the model without effects
   bool more_needed_ = false;
 };
