@@ -56,7 +56,8 @@ struct Effect {
   double null_value = 0;                         ///< magnitude at which nothing at all is changed
   double low = 0, high = 0;                      ///< physical bounds
   std::array<double, 2> probe{};                 ///< magnitudes at which its response is simulated
-  double prior_sd = 0;                           ///< > 0: also a parameter that no twin knows exactly
+  double prior_sd = 0;                           ///< > 0: also a parameter that no twin knows exactly,
+  bool prior_on_energyplus = true;               ///< false: on the RC room alone
   bool candidate = true;                         ///< false: a parameter only, never named
   std::string looks_like, confirm;               ///< in words, for people
   std::vector<EffectOp> rc, energyplus, common;  ///< common: commands, clock, weather, sensors

@@ -286,6 +286,7 @@ Effect read_effect(const std::filesystem::path& path) {
   e.low = s.number("low");
   e.high = s.number("high");
   e.prior_sd = s.number("prior_sd", 0);
+  e.prior_on_energyplus = s.flag("prior_on_energyplus", true);
   e.candidate = s.flag("candidate", true);
   e.looks_like = s.text("looks_like", "");
   e.confirm = s.text("confirm", "");

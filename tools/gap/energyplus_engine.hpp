@@ -16,6 +16,7 @@ class EnergyPlusEngine final : public Engine {
   sim::Channels channels() const override { return sim::channels_of(twin_); }
   std::array<bool, sim::facades> has_facade() const override;
   bool can(const sim::Effect& effect) const override { return effect.on_energyplus; }
+  bool doubts(const sim::Effect& e) const override { return e.prior_sd > 0 && e.prior_on_energyplus; }
   bool only_shows(const sim::Effect& e) const override { return e.energyplus.empty() && only_on_sensors(e.common); }
   bool spares_runs() const override { return true; }
   std::string description() const override { return "EnergyPlus twin " + name_; }

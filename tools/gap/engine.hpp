@@ -26,6 +26,8 @@ class Engine {
   virtual sim::Channels channels() const = 0;
   virtual std::array<bool, sim::facades> has_facade() const = 0;
   virtual bool can(const sim::Effect& effect) const = 0;
+  /// Whether the effect is also a parameter that this model does not know exactly.
+  virtual bool doubts(const sim::Effect& effect) const { return effect.prior_sd > 0; }
   /// Whether the effect changes what sensors show and nothing else: the run is that of the model as it is, and
   /// sim::changed_sensors() of its table is all there is to simulate.
   virtual bool only_shows(const sim::Effect& /*effect*/) const { return false; }

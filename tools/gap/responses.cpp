@@ -63,7 +63,7 @@ Library library_of(const Engine& engine, const std::vector<sim::Effect>& effects
   for (const sim::Effect& effect : effects) {
     if (!engine.can(effect)) continue;
     for (const sim::EffectAt& at : sim::places_of(effect, engine.channels(), engine.has_facade())) {
-      if (effect.prior_sd > 0) library.parameters.push_back(at);
+      if (engine.doubts(effect)) library.parameters.push_back(at);
       if (effect.candidate) library.candidates.push_back(at);
     }
   }
