@@ -10,7 +10,8 @@ Tangent::Tangent(const std::vector<Candidate>& candidates, NuisanceResponses nui
     : parameters_(parameters),
       nuisance_(std::move(nuisance)),
       mixing_(std::move(mixing)),
-      evidence_(candidates, std::move(z), Metric(nuisance_.joined() * mixing_.triangularView<Eigen::Lower>())) {}
+      evidence_(candidates, std::move(z), Metric(nuisance_.joined() * mixing_.triangularView<Eigen::Lower>())),
+      others_((nuisance_.joined() * mixing_.triangularView<Eigen::Lower>()).rightCols(mixing_.cols() - parameters)) {}
 
 Eigen::VectorXd Tangent::mean(const Eigen::VectorXd& r) const {
   const Eigen::VectorXd m_r = metric().times(r);
@@ -20,6 +21,14 @@ Eigen::VectorXd Tangent::mean(const Eigen::VectorXd& r) const {
   const auto root = mixing_.triangularView<Eigen::Lower>();
   const Eigen::VectorXd all = root * (root.transpose() * along);
   return all.head(parameters_);
+}
+
+double Tangent::distance(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const {
+  const Eigen::Index structure = nuisance_.directions.cols() - parameters_;
+  const Eigen::VectorXd u = mixing_.topLeftCorner(parameters_, parameters_).triangularView<Eigen::Lower>().solve(moved);
+  const Eigen::VectorXd s =
+      r - nuisance_.directions.rightCols(structure) * (mixing_.block(parameters_, 0, structure, parameters_) * u);
+  return u.squaredNorm() + others_.dot(s, s);
 }
 
 Refitter::Refitter(const Engine& engine, const Window& window, const Responses& responses, const ReferenceFit& fit,
@@ -91,8 +100,7 @@ Eigen::VectorXd Refitter::effective(const Refit& at) const {
 }
 
 void Refitter::judge(Refit& at) const {
-  const Eigen::VectorXd r = effective(at);
-  at.distance = at.tangent->metric().dot(r, r);
+  at.distance = at.tangent->distance(whiten(at.residual), at.moved);
   at.cost = at.distance + at.tangent->metric().log_det() - tangent_->metric().log_det();
 }
 

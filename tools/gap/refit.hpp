@@ -29,20 +29,25 @@ class Tangent {
   auto parameters() const { return nuisance_.directions.leftCols(parameters_); }
   /// The parameters' mean given r, in prior standard deviations: (L J'M r), first rows.
   Eigen::VectorXd mean(const Eigen::VectorXd& r) const;
+  /// What a simulation at parameters `moved` leaves and costs: -2 ln of its probability, the other nuisances at their
+  /// best.  With L = C C', C lower triangular, parameters first, p = C_pp u:
+  ///   u'u + s' M_o s,  s = r - J_o C_op u
+  double distance(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const;
 
  private:
   Eigen::Index parameters_;
   NuisanceResponses nuisance_;
   Eigen::MatrixXd mixing_;
   CandidateEvidence evidence_;
+  Metric others_;  // structure and days
 };
 
 struct Refit {
   std::vector<Chosen> chosen;
   Eigen::VectorXd moved;     ///< parameters beyond the reference's estimate, prior standard deviations
   Eigen::MatrixXd residual;  ///< bins x channels; of the model with both
-  double distance = 0;       ///< r' M r at the reference's parameters
-  double cost = 0;           ///< -2 ln evidence, up to a constant of the window
+  double distance = 0;       ///< what is left, and what the parameters' move costs
+  double cost = 0;           ///< -2 ln evidence, up to a constant of the window: distance + ln det M^-1
   std::shared_ptr<const Tangent> tangent;
 };
 
@@ -56,9 +61,8 @@ class Refitter {
 
   /// About the reference's fit.
   const std::shared_ptr<const Tangent>& tangent() const { return tangent_; }
-  /// Gauss-Newton on magnitudes and parameters with real simulations.  The model at the parameters' mean given the
-  /// data stands for all that its tangent allows:
-  ///   r = d - y(s, p) + D p,  distance r' M r,  cost r' M r + ln det M^-1
+  /// Gauss-Newton on magnitudes and parameters with real simulations; r = d - y(s, p) + D p.  What each simulation is
+  /// worth does not depend on its tangent, which only shows the way.
   /// Responses of magnitudes begin as those of the probes; what each simulation shows of how they bend is put into
   /// them (Broyden's update), so that an effect that saturates is met all the same.
   Refit refit(const std::vector<Chosen>& chosen, const std::shared_ptr<const Tangent>& tangent,

@@ -210,7 +210,7 @@ class Analysis {
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const Refit& without = refit(others);
     f.gain = without.cost - now.cost;
-    f.same_sign = same_sign(selection, now.tangent->evidence().response(c.candidate), refitter_.effective(without));
+    f.same_sign = same_sign(others, c.candidate);
     const double rival = add_rivals(f, now, without, selection, c.candidate);
     f.margin = rival > 0 ? f.gain / rival : 1e9;
     f.gain_limit = limit(c.candidate);
@@ -257,8 +257,13 @@ class Analysis {
     return best;
   }
 
-  double same_sign(const Selection& selection, const Eigen::VectorXd& z, const Eigen::VectorXd& r) const {
-    const Eigen::VectorXd m = selection.times(r);
+  /// Seen from the reference's model: another one has moved its parameters to where the effect is not missed.
+  double same_sign(const std::vector<Chosen>& others, std::size_t candidate) const {
+    std::vector<std::size_t> places;
+    for (const Chosen& c : others) places.push_back(c.candidate);
+    const Selection selection(refitter_.tangent()->evidence(), places);
+    const Eigen::VectorXd m = selection.times(refitter_.whiten(refitter_.unmoved_residual(others)));
+    const auto z = refitter_.tangent()->evidence().response(candidate);
     const Eigen::Index width = data_.test.measured.cols(), block = 2 * bins_per_day * width;
     double all = 0, agree = 0;
     for (Eigen::Index at = 0; at < z.size(); at += block) {
