@@ -97,7 +97,8 @@ HouseVerdict verdict_on(const Houses& houses, const HouseLog& log) {
   for (const Finding& f : v.findings) {
     fmt::print("  finding {}: {:.2f} +- {:.2f}, gain {:.0f}, margin {:.2f}, same sign {:.0f} %{}{}\n", f.at.id(),
                f.magnitude, f.sd, f.gain, f.margin, 100 * f.same_sign, f.why_not.empty() ? "" : ", ", f.why_not);
-    for (const Rival& r : f.rivals) fmt::print("    rival {}: gain {:.0f}, cosine {:.2f}\n", r.at.id(), r.gain, r.cosine);
+    for (const Rival& r : f.rivals)
+      fmt::print("    rival {}: gain {:.0f}, cosine {:.2f}\n", r.at.id(), r.gain, r.cosine);
   }
   fmt::print("  ranking:");
   for (std::size_t i = 0; i < std::min<std::size_t>(6, v.ranking.size()); ++i) {
