@@ -13,7 +13,7 @@ namespace airside::tools::gap {
 struct Rules {
   double gain_limit = 30;         ///< a gain below is noise, and so is one below this and
   double null_share = 1;          ///< this times the same effect's best gain in the reference's own blocks
-  double margin_gain = 15;        ///< by which the gain exceeds that of every other effect, at least,
+  double margin_gain = 20;        ///< by which the gain exceeds that of every other effect, at least,
   double margin_share = 0.25;     ///< and by this share of what it would if it were the whole truth
   double class_ratio = 1.25;      ///< where that is not so, effects within this ratio are the class
   double class_cosine = 0.97;     ///< responses more alike than this cannot be told apart
