@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "gap/needs_engine.hpp"
 #include "power_loss/test_folder.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/energyplus_plant.hpp"
@@ -13,11 +14,6 @@
 #include "sim/epw.hpp"
 #include "sim/synthetic_weather.hpp"
 #include "tools/gap/blind_energyplus.hpp"
-
-#define AIRSIDE_NEEDS_ENGINE()                                                                  \
-  if (!airside::sim::have_energyplus())                                                         \
-  GTEST_SKIP() << "\n*** EnergyPlus is not installed: run tools/setup, or set AIRSIDE_VENV or " \
-                  "AIRSIDE_ENERGYPLUS. This test checked nothing. ***"
 
 namespace airside::tools::gap {
 namespace {

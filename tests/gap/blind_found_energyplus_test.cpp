@@ -13,17 +13,13 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "gap/needs_engine.hpp"
 #include "power_loss/test_folder.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/merge_patch.hpp"
 #include "tools/gap/blind_cases.hpp"
 #include "tools/gap/case_file.hpp"
 #include "tools/gap/shared_responses.hpp"
-
-#define AIRSIDE_NEEDS_ENGINE()                                                                  \
-  if (!airside::sim::have_energyplus())                                                         \
-  GTEST_SKIP() << "\n*** EnergyPlus is not installed: run tools/setup, or set AIRSIDE_VENV or " \
-                  "AIRSIDE_ENERGYPLUS. This test checked nothing. ***"
 
 namespace airside::tools::gap {
 namespace {

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "gap/effects_expected.hpp"
+#include "gap/needs_engine.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/epjson_lint.hpp"
 #include "sim/epw.hpp"
@@ -21,11 +22,6 @@
 #include "tools/gap/energyplus_engine.hpp"
 #include "tools/gap/residual.hpp"
 #include "tools/gap/responses.hpp"
-
-#define AIRSIDE_NEEDS_ENGINE()                                                                  \
-  if (!airside::sim::have_energyplus())                                                         \
-  GTEST_SKIP() << "\n*** EnergyPlus is not installed: run tools/setup, or set AIRSIDE_VENV or " \
-                  "AIRSIDE_ENERGYPLUS. This test checked nothing. ***"
 
 namespace airside::sim {
 namespace {

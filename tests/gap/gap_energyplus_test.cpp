@@ -8,15 +8,11 @@
 #include <cstdio>
 
 #include "gap/gap_desk.hpp"
+#include "gap/needs_engine.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/energyplus_replay_files.hpp"
 #include "sim/eso.hpp"
 #include "tools/gap/blind_energyplus.hpp"
-
-#define AIRSIDE_NEEDS_ENGINE()                                                                  \
-  if (!airside::sim::have_energyplus())                                                         \
-  GTEST_SKIP() << "\n*** EnergyPlus is not installed: run tools/setup, or set AIRSIDE_VENV or " \
-                  "AIRSIDE_ENERGYPLUS. This test checked nothing. ***"
 
 namespace airside::tools::gap {
 namespace {

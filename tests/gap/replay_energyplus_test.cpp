@@ -13,6 +13,7 @@
 #include <sstream>
 #include <thread>
 
+#include "gap/needs_engine.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/energyplus_plant.hpp"
 #include "sim/energyplus_process.hpp"
@@ -21,11 +22,6 @@
 #include "sim/epw.hpp"
 #include "sim/eso.hpp"
 #include "sim/merge_patch.hpp"
-
-#define AIRSIDE_NEEDS_ENGINE()                                                                  \
-  if (!airside::sim::have_energyplus())                                                         \
-  GTEST_SKIP() << "\n*** EnergyPlus is not installed: run tools/setup, or set AIRSIDE_VENV or " \
-                  "AIRSIDE_ENERGYPLUS. This test checked nothing. ***"
 
 namespace airside::sim {
 namespace {

@@ -24,7 +24,6 @@ class Tangent {
 
   const CandidateEvidence& evidence() const { return evidence_; }
   const Metric& metric() const { return evidence_.metric(); }
-  const NuisanceResponses& nuisance() const { return nuisance_; }
   /// Whitened responses to one prior standard deviation of each parameter.
   auto parameters() const { return nuisance_.directions.leftCols(parameters_); }
   /// The parameters' mean given r, in prior standard deviations: (L J'M r), first rows.
