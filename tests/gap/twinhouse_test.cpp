@@ -105,9 +105,10 @@ HouseVerdict verdict_on(const Houses& houses, const HouseLog& log) {
     fmt::print(" {} {:.0f}", id(i), v.ranking[i].gain);
   }
   fmt::print(
-      "; margin {:.1f}, limit {:.0f}\n  locked days {:.2f} -> {:.2f} K, all days {:.2f} -> {:.2f} K, leftover {:.2f}\n",
-      out.margin, v.gain_limit, out.before_k, out.after_k, counted_rmse_k(v.residual_before),
-      counted_rmse_k(v.residual_after), v.leftover);
+      "; margin {:.1f}, limit {:.0f}\n  locked days {:.2f} -> {:.2f} K, gain {:.0f} of {:.0f}, all days {:.2f} -> "
+      "{:.2f} K, leftover {:.2f}\n",
+      out.margin, v.gain_limit, out.before_k, out.after_k, v.locked.gain, v.locked.predicted_gain,
+      counted_rmse_k(v.residual_before), counted_rmse_k(v.residual_after), v.leftover);
   out.responses = std::move(responses.test);
   return out;
 }
@@ -162,6 +163,7 @@ TEST(TwinHouse, ShutBlindsAreSouthSunAndAnUntouchedHouseHasNoName) {
   EXPECT_EQ(n2.first, "solar_gain@south");
   ASSERT_FALSE(n2.verdict.findings.empty());
   EXPECT_EQ(n2.verdict.findings.front().at.id(), "solar_gain@south");
+  EXPECT_GT(n2.verdict.findings.front().margin, 5);
   EXPECT_LT(n2.verdict.findings.front().magnitude, 0.6);
   EXPECT_LT(n2.after_k, 0.7 * n2.before_k);
 }

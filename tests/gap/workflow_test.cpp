@@ -73,7 +73,7 @@ TEST(Window, HoldsCommandsOverAGapAndMeasuresNothingInIt) {
   const auto before = rows[gap - 1];
   rows.erase(rows.begin() + gap, rows.begin() + gap + 5);
   const Window w = window_of(rows, s.engine.channels(), s.weather, "log");
-  EXPECT_EQ(w.measured.rows(), 3 * bins_per_day);
+  EXPECT_EQ(w.measured.rows(), 5 * bins_per_day);
   EXPECT_EQ(w.recording.rows.size(), 3U * rows_per_day);
   EXPECT_TRUE(w.measured.row(static_cast<Eigen::Index>(gap) / rows_per_bin).array().isNaN().all());
   EXPECT_EQ(w.recording.rows[gap + 2].setpoint_degc, before.setpoint_degc);
@@ -154,30 +154,43 @@ TEST(Refit, FollowsParametersThatMoveAndMagnitudesThatBend) {
   const auto& parameters = s.responses.test.parameters;
   const auto moved_at =
       static_cast<Eigen::Index>(std::find_if(parameters.begin(), parameters.end(),
-                                             [](const Parameter& p) { return p.at.effect->name == "gain_occupied"; }) -
+                                             [](const Parameter& p) { return p.at.effect->name == "gain_base"; }) -
                                 parameters.begin());
   const auto& candidates = s.responses.test.candidates;
   const auto box = static_cast<std::size_t>(
       std::find_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.at.id() == "vav_flow@3"; }) -
       candidates.begin());
   Eigen::VectorXd moved = Eigen::VectorXd::Zero(std::ssize(parameters));
-  moved(moved_at) = 0.5;
+  moved(moved_at) = 1;
   Changes truth = fit.changes(moved);
   truth.push_back({candidates[box].at, 0.7});
   Window test = s.data.test;
   test.measured =
       binned(s.engine.simulate(truth, test.recording)) + fit.structural(s.responses.test);  // as the model expects it
 
-  const Refitter refitter(s.engine, test, s.responses.test, fit, {}, counted_bins(test.measured.rows()), 1);
+  auto kept = counted_bins(test.measured.rows());
+  std::fill(kept.end() - 5 * bins_per_day, kept.end(), false);
+  const Refitter refitter(s.engine, test, s.responses.test, fit, {}, kept, 1);
   const Eigen::VectorXd still = Eigen::VectorXd::Zero(moved.size());
-  const Refit none = refitter.refit({}, refitter.tangent(), still);
-  const Refit linear = refitter.refit({{box, 0.2}}, refitter.tangent(), still);
+  const Refit none = refitter.refit(refitter.at({}, still, refitter.tangent()), refitter.tangent());
+  const Refit linear = refitter.add(none, {box, 0, 0.2, 1}, refitter.tangent());
   const Refit whole = refitter.about_itself(linear);
   EXPECT_LT(linear.distance, 0.5 * none.distance) << "what is left is the chance of duties";
   EXPECT_LE(whole.distance, linear.distance + 1);
   EXPECT_NEAR(refitter.magnitude(whole.chosen[0]), 0.7, 0.06);
-  EXPECT_GT(whole.moved(moved_at), 0.1) << "people's share of the heat is not the reference's";
-  EXPECT_LT(whole.moved(moved_at), 1.0);
+  EXPECT_NEAR(whole.moved(moved_at), 1, 0.6) << "heat at night is not the reference's";
+  std::vector<Chosen> as_true = whole.chosen;
+  as_true[0].steps = 0.3 / 0.25;  // the probe is three quarters
+  EXPECT_LT(whole.cost, refitter.at(as_true, moved, whole.tangent).cost + 60);
+  const Refit about_none = refitter.about_itself(none);
+  const Foretold told = refitter.foretold(whole, about_none);
+  EXPECT_GT(told.gain, 0) << "parameters take over most of the box's part, not all";
+  EXPECT_GT(told.expected, told.gain) << "duties that differ by chance are counted in it";
+  EXPECT_EQ(refitter.foretold(whole, whole).gain, 0);
+  Refit wrong = whole;  // which acts the other way on the days that were not fitted
+  const Eigen::Index left_out = 5 * bins_per_day;
+  wrong.residual.bottomRows(left_out) += (whole.residual - none.residual).bottomRows(left_out);
+  EXPECT_LT(refitter.foretold(wrong, about_none).gain, -told.expected);
 }
 
 TEST(CaseFile, SaysWhichKeyIsWrong) {

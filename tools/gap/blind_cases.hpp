@@ -39,10 +39,11 @@ int blind_steps(const BlindPlan& plan);
 
 /// Writes cases into `folder` and the key to `key`, which must not lie in it.
 /// A hidden effect is as large as `ratio` times the noise in the channel that shows it most, within its bounds; noise:
-/// the standard deviation of what remains of a reference period after the workflow's own fit.
+/// the standard deviation of what remains of a reference period after the workflow's own fit; on RC the median of five
+/// rooms.
 /// Names, order and times of the files say nothing of what they hold. The same plan gives the same bytes.
 /// Errors: hal::InputError if the folder is not empty or cannot be written, or the engine is not there.
-/// Cost: an RC case 1 s and a window 20 s; an EnergyPlus case 10 s and a window 10 s, and 5 min for each way of
+/// Cost: an RC case 1 s and a window 100 s; an EnergyPlus case 10 s and a window 10 s, and 5 min for each way of
 /// control; on one core.
 void make_blind_cases(const BlindPlan& plan, const std::vector<sim::Effect>& effects,
                       const std::filesystem::path& folder, const std::filesystem::path& key,

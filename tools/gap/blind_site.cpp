@@ -110,14 +110,12 @@ class RcSite final : public BlindSite {
   void prepare(const std::vector<BlindWindow>& windows) override {
     for (const BlindWindow& w : windows) {
       Prepared& p = prepared_[w];
-      // A room that no case has: noise and commands are like theirs.
+      // Rooms that no case has: noise and commands are like theirs.
       p.room = built(setup_.seed + 77, w.feedback);
-      MeasuredRun run = reference_run(setup_, w, setup_.seed + 77);
-      run.missing_share = 0;
-      p.reference = window_at(measure(p.room, weather(w), run), w);
+      p.reference = reference_of(p.room, w, setup_.seed + 77);
       p.base = binned(engine_.simulate({}, p.reference.recording));
       p.own = sim::replay_rc(p.room, p.reference.recording);
-      p.noise = setup_.rough ? rough_noise(engine_.channels()) : fitted_noise(p.reference);
+      p.noise = setup_.rough ? rough_noise(engine_.channels()) : usual_noise(w);
       if (setup_.done) setup_.done();
     }
   }
@@ -162,10 +160,25 @@ class RcSite final : public BlindSite {
   Window window_at(const std::vector<hal::LogRow>& rows, const BlindWindow& w) const {
     return window_of(rows, engine_.channels(), weather(w), "blind");
   }
-  Eigen::VectorXd fitted_noise(const Window& window) const {
+  Window reference_of(const sim::RcRoom& room, const BlindWindow& w, std::uint64_t seed) const {
+    MeasuredRun run = reference_run(setup_, w, seed);
+    run.missing_share = 0;
+    return window_at(measure(room, weather(w), run), w);
+  }
+  /// Rooms differ by a factor of two, and an effect is sized by the channel that shows it most: of one room that would
+  /// be the channel in which it happens to be calm.
+  Eigen::VectorXd usual_noise(const BlindWindow& w) const {
+    constexpr int rooms = 5;
     const Library library = library_of(engine_, *setup_.effects);
-    const Responses responses = simulate_responses(engine_, library, window.recording, true, setup_.jobs);
-    return fit_reference(engine_, responses, window).noise.spread();
+    Eigen::MatrixXd noise(engine_.channels().count(), rooms);
+    for (int i = 0; i < rooms; ++i) {
+      const std::uint64_t seed = setup_.seed + 77 + static_cast<std::uint64_t>(i);
+      const Window window = reference_of(built(seed, w.feedback), w, seed);
+      const Responses responses = simulate_responses(engine_, library, window.recording, true, setup_.jobs);
+      noise.col(i) = fit_reference(engine_, responses, window, setup_.jobs).noise.spread();
+    }
+    for (auto channel : noise.rowwise()) std::nth_element(channel.begin(), channel.begin() + rooms / 2, channel.end());
+    return noise.col(rooms / 2);
   }
 
   BlindSetup setup_;

@@ -6,12 +6,12 @@
 namespace airside::tools::gap {
 
 Tangent::Tangent(const std::vector<Candidate>& candidates, NuisanceResponses nuisance, Eigen::MatrixXd mixing,
-                 std::shared_ptr<const Eigen::MatrixXd> z, Eigen::Index parameters)
-    : parameters_(parameters),
+                 std::shared_ptr<const Eigen::MatrixXd> z, std::vector<Parameter> responses)
+    : responses_(std::move(responses)),
       nuisance_(std::move(nuisance)),
       mixing_(std::move(mixing)),
       evidence_(candidates, std::move(z), Metric(nuisance_.joined() * mixing_.triangularView<Eigen::Lower>())),
-      others_((nuisance_.joined() * mixing_.triangularView<Eigen::Lower>()).rightCols(mixing_.cols() - parameters)) {}
+      others_((nuisance_.joined() * mixing_.triangularView<Eigen::Lower>()).rightCols(mixing_.cols() - count())) {}
 
 Eigen::VectorXd Tangent::mean(const Eigen::VectorXd& r) const {
   const Eigen::VectorXd m_r = metric().times(r);
@@ -20,14 +20,14 @@ Eigen::VectorXd Tangent::mean(const Eigen::VectorXd& r) const {
       nuisance_.day_shift.transpose() * m_r;
   const auto root = mixing_.triangularView<Eigen::Lower>();
   const Eigen::VectorXd all = root * (root.transpose() * along);
-  return all.head(parameters_);
+  return all.head(count());
 }
 
 double Tangent::distance(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const {
-  const Eigen::Index structure = nuisance_.directions.cols() - parameters_;
-  const Eigen::VectorXd u = mixing_.topLeftCorner(parameters_, parameters_).triangularView<Eigen::Lower>().solve(moved);
+  const Eigen::Index structure = nuisance_.directions.cols() - count();
+  const Eigen::VectorXd u = mixing_.topLeftCorner(count(), count()).triangularView<Eigen::Lower>().solve(moved);
   const Eigen::VectorXd s =
-      r - nuisance_.directions.rightCols(structure) * (mixing_.block(parameters_, 0, structure, parameters_) * u);
+      r - nuisance_.directions.rightCols(structure) * (mixing_.block(count(), 0, structure, count()) * u);
   return u.squaredNorm() + others_.dot(s, s);
 }
 
@@ -40,27 +40,35 @@ Refitter::Refitter(const Engine& engine, const Window& window, const Responses& 
       kept_(std::move(kept)),
       jobs_(jobs),
       sizes_(sizes),
-      structural_(fit.structural(responses)) {
-  const auto& candidates = responses.candidates;
-  Eigen::MatrixXd z((window.measured.rows() - NoiseModel::order) * window.measured.cols(), std::ssize(candidates));
+      all_(counted_bins(window.measured.rows())),
+      structural_(fit.structural(responses)),
+      z_(whitened_candidates()),
+      tangent_(tangent_with(engine.spares_runs()
+                                ? responses.parameters
+                                : parameters_at({}, Eigen::VectorXd::Zero(std::ssize(responses.parameters))))) {}
+
+std::shared_ptr<const Eigen::MatrixXd> Refitter::whitened_candidates() const {
+  const auto& candidates = responses_.candidates;
+  Eigen::MatrixXd z((window_.measured.rows() - NoiseModel::order) * window_.measured.cols(), std::ssize(candidates));
   for (Eigen::Index k = 0; k < z.cols(); ++k) z.col(k) = whiten(candidates[static_cast<std::size_t>(k)].response);
-  z_ = std::make_shared<const Eigen::MatrixXd>(std::move(z));
-  tangent_ = engine.spares_runs() ? tangent_with(responses.parameters)
-                                  : tangent_at({}, Eigen::VectorXd::Zero(std::ssize(responses.parameters)));
+  return std::make_shared<const Eigen::MatrixXd>(std::move(z));
 }
 
-std::shared_ptr<const Tangent> Refitter::tangent_with(const std::vector<Parameter>& parameters) const {
-  NuisanceResponses nuisance = nuisance_responses(fit_, parameters, responses_.candidates, kept_, window_.measured);
+NuisanceResponses Refitter::nuisance_of(const std::vector<Parameter>& parameters, const std::vector<bool>& bins) const {
+  return nuisance_responses(fit_, parameters, responses_.candidates, bins, window_.measured);
+}
+
+std::shared_ptr<const Tangent> Refitter::tangent_with(std::vector<Parameter> parameters) const {
+  NuisanceResponses nuisance = nuisance_of(parameters, kept_);
   Eigen::MatrixXd mixing = nuisance.mixing(fit_.covariance, sizes_);
   return std::make_shared<const Tangent>(responses_.candidates, std::move(nuisance), std::move(mixing), z_,
-                                         std::ssize(parameters));
+                                         std::move(parameters));
 }
 
-std::shared_ptr<const Tangent> Refitter::tangent_at(const std::vector<Chosen>& chosen,
-                                                    const Eigen::VectorXd& moved) const {
+std::vector<Parameter> Refitter::parameters_at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const {
   const Eigen::MatrixXd shown = binned(engine_.simulate(changes(chosen, moved), window_.recording));
-  return tangent_with(parameters_about(engine_, window_.recording, responses_.parameters,
-                                       fit_.estimate.head(moved.size()) + moved, changes_of(chosen), shown, jobs_));
+  return parameters_about(engine_, window_.recording, responses_.parameters, fit_.estimate.head(moved.size()) + moved,
+                          changes_of(chosen), shown, jobs_);
 }
 
 Eigen::VectorXd Refitter::whiten(const Eigen::MatrixXd& x) const {
@@ -95,6 +103,26 @@ Eigen::MatrixXd Refitter::unmoved_residual(const std::vector<Chosen>& chosen) co
   return residual_of(chosen, Eigen::VectorXd::Zero(std::ssize(responses_.parameters)));
 }
 
+Foretold Refitter::foretold(const Refit& with, const Refit& without) const {
+  struct Unfitted {
+    Eigen::VectorXd all, kept;
+    Metric metric;
+    const Metric& metric_kept;
+    double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& k) const {
+      return metric.dot(a, a) - metric_kept.dot(k, k);
+    }
+    double cost() const { return dot(all, kept) + metric.log_det() - metric_kept.log_det(); }
+  };
+  const auto unfitted = [this](const Refit& at) {
+    const NuisanceResponses nuisance = nuisance_of(at.tangent->responses(), all_);
+    return Unfitted{fit_.noise.whiten(at.residual, all_, window_.measured) +
+                        nuisance.directions.leftCols(at.moved.size()) * at.moved,
+                    effective(at), Metric(nuisance.scaled(fit_.covariance, sizes_)), at.tangent->metric()};
+  };
+  const Unfitted one = unfitted(with), other = unfitted(without);
+  return {other.cost() - one.cost(), other.dot(other.all - one.all, other.kept - one.kept)};
+}
+
 Eigen::VectorXd Refitter::effective(const Refit& at) const {
   return whiten(at.residual) + at.tangent->parameters() * at.moved;
 }
@@ -104,50 +132,100 @@ void Refitter::judge(Refit& at) const {
   at.cost = at.distance + at.tangent->metric().log_det() - tangent_->metric().log_det();
 }
 
-Refit Refitter::refit(const std::vector<Chosen>& chosen, const std::shared_ptr<const Tangent>& tangent,
-                      const Eigen::VectorXd& moved) const {
-  const Metric& metric = tangent->metric();
-  Refit now{chosen, moved, residual_of(chosen, moved), 0, 0, tangent};
-  judge(now);
-  Refit best = now;
-  const Eigen::Index n = std::ssize(chosen);
-  Eigen::VectorXd r = effective(now);
-  Eigen::MatrixXd z(r.size(), n);
+Refit Refitter::at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved,
+                   const std::shared_ptr<const Tangent>& tangent) const {
+  Refit at{chosen, moved, residual_of(chosen, moved), 0, 0, tangent};
+  judge(at);
+  return at;
+}
+
+Eigen::MatrixXd Refitter::responses_of(const Refit& at) const {
+  const Eigen::Index n = std::ssize(at.chosen);
+  Eigen::MatrixXd z(z_->rows(), n);
   for (Eigen::Index i = 0; i < n; ++i)
-    z.col(i) = tangent->evidence().response(chosen[static_cast<std::size_t>(i)].candidate);
+    z.col(i) = z_->col(static_cast<Eigen::Index>(at.chosen[static_cast<std::size_t>(i)].candidate));
+  return z;
+}
+
+Refit Refitter::refit(const Refit& from, const std::shared_ptr<const Tangent>& tangent) const {
+  const Metric& metric = tangent->metric();
+  const Eigen::Index n = std::ssize(from.chosen);
+  Refit now = from;
+  now.tangent = tangent;
+  judge(now);
+  Eigen::MatrixXd z = responses_of(now);
   for (int iteration = 0; iteration < 4; ++iteration) {
+    const Eigen::VectorXd r = effective(now);
     Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
-    double largest = 0;
     if (n > 0) {
       Eigen::MatrixXd m_z(z.rows(), n);
       for (Eigen::Index i = 0; i < n; ++i) m_z.col(i) = metric.times(z.col(i));
       const Eigen::MatrixXd normal = m_z.transpose() * z + 1e-9 * Eigen::MatrixXd::Identity(n, n);
       const Eigen::VectorXd wanted = normal.ldlt().solve(m_z.transpose() * r);
       for (Eigen::Index i = 0; i < n; ++i) {
-        Chosen& c = now.chosen[static_cast<std::size_t>(i)];
-        const double before = c.steps;
-        c.steps = std::max(0.0, c.steps + std::clamp(wanted(i), -2.0, 2.0));
-        step(i) = c.steps - before;
-        largest = std::max(largest, std::abs(step(i)) / std::max(0.3, c.steps));
+        const double before = now.chosen[static_cast<std::size_t>(i)].steps;
+        step(i) = std::max(0.0, before + std::clamp(wanted(i), -2.0, 2.0)) - before;
       }
     }
-    const Eigen::VectorXd before = now.moved;
-    now.moved = tangent->mean(r - z * step);
-    if (largest < 0.01 && (now.moved - before).norm() < 0.1) break;
-    now.residual = residual_of(now.chosen, now.moved);
-    judge(now);
-    const Eigen::VectorXd next = effective(now);
-    if (largest >= 0.01) z += (r - next - z * step) * step.transpose() / step.squaredNorm();
-    r = next;
-    if (now.cost < best.cost) best = now;
-    if (largest < 0.03 && (now.moved - before).norm() < 0.3) break;
+    const Eigen::VectorXd move = tangent->mean(r - z * step) - now.moved;
+    const auto gone = [&](double share) {
+      std::vector<Chosen> chosen = now.chosen;
+      for (Eigen::Index i = 0; i < n; ++i) chosen[static_cast<std::size_t>(i)].steps += share * step(i);
+      return at(chosen, now.moved + share * move, tangent);
+    };
+    const double foreseen =
+        now.distance - tangent->distance(r - z * step - tangent->parameters() * (now.moved + move), now.moved + move);
+    if (foreseen < 1) break;
+    Refit next = gone(1);
+    if (next.cost > now.cost - foreseen / 4) {
+      const double share = std::clamp(foreseen / (next.cost - now.cost + 2 * foreseen), 0.1, 0.75);
+      const Refit nearer = gone(share);
+      if (nearer.cost < next.cost) next = nearer;
+    }
+    const double gained = now.cost - next.cost;
+    if (gained <= 0) break;
+    Eigen::VectorXd done(n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      done(i) = next.chosen[static_cast<std::size_t>(i)].steps - now.chosen[static_cast<std::size_t>(i)].steps;
+    const Eigen::VectorXd by_steps = z * done;
+    const double of_steps = by_steps.squaredNorm(),
+                 of_move = (tangent->parameters() * (next.moved - now.moved)).squaredNorm();
+    if (of_steps > 0) {
+      const Eigen::VectorXd bent = r - effective(next) - by_steps;
+      z += bent * done.transpose() * (of_steps / (of_steps + of_move) / done.squaredNorm());
+    }
+    now = std::move(next);
+    if (gained < 1) break;
+  }
+  return now;
+}
+
+/// Candidates stand in pairs, one for each direction.
+bool Refitter::bends(std::size_t candidate) const {
+  const auto one = z_->col(static_cast<Eigen::Index>(candidate)),
+             other = z_->col(static_cast<Eigen::Index>(candidate ^ 1U));
+  return std::abs(one.dot(other)) < 0.8 * one.norm() * other.norm();
+}
+
+Refit Refitter::add(const Refit& to, const Score& added, const std::shared_ptr<const Tangent>& tangent) const {
+  Refit from = to;
+  from.chosen.push_back({added.candidate, 0});
+  Refit best = refit(from, tangent);
+  from.tangent = tangent;
+  judge(from);
+  if (from.cost - best.cost < 0.5 * added.gain && bends(added.candidate)) {
+    std::vector<Chosen> chosen = from.chosen;
+    chosen.back().steps = 1;
+    const Eigen::VectorXd moved = tangent->mean(effective(from) - z_->col(static_cast<Eigen::Index>(added.candidate)));
+    Refit far = refit(at(chosen, moved, tangent), tangent);
+    if (far.cost < best.cost) best = std::move(far);
   }
   return best;
 }
 
 Refit Refitter::about_itself(const Refit& at) const {
   if (engine_.spares_runs()) return at;
-  return refit(at.chosen, tangent_at(at.chosen, at.moved), at.moved);
+  return refit(at, tangent_with(parameters_at(at.chosen, at.moved)));
 }
 
 }  // namespace airside::tools::gap

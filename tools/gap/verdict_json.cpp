@@ -126,6 +126,7 @@ json json_of(const Verdict& v, const std::string& name, const Responses& respons
             {"same_sign_share", rules.same_sign_share},
             {"leftover", finite_json(v.leftover_limit)},
             {"locked_gain_share", rules.locked_share_gained},
+            {"locked_share_lost", rules.locked_share_lost},
             {"locked_gain", rules.locked_gain},
             {"locked_gain_share_of_predicted", rules.locked_gain_share}}},
           {"locked", locked_json(v.locked, channels)}};

@@ -29,7 +29,7 @@ class Analysis {
     Verdict verdict;
     verdict.fit = fit_;
     verdict.nulls = nulls_;
-    Refit now = refit({});
+    Refit now = unpatched();
     unexplained_ = now.cost;
     verdict.residual_before = refitter_.unmoved_residual({});
     verdict.ranking = Selection(now.tangent->evidence()).scores(refitter_.effective(now));
@@ -45,18 +45,14 @@ class Analysis {
     }
     verdict.findings = findings_of(now);
     for (auto weak = weak_finding(now, verdict.findings); weak; weak = weak_finding(now, verdict.findings)) {
-      auto fewer = now.chosen;
-      fewer.erase(fewer.begin() + *weak);
-      now = refit(fewer);
+      now = without(now, static_cast<std::size_t>(*weak));
       verdict.findings = findings_of(now);
     }
     // One effect after another: what the last one adds must help on days that nobody looked at.
     while (now.chosen.size() > 1) {
-      auto fewer = now.chosen;
-      fewer.pop_back();
-      Refit without = refit(fewer);
-      if (locked_square(now.chosen) < locked_square(without.chosen)) break;
-      now = std::move(without);
+      const Refit& fewer = without(now, now.chosen.size() - 1);
+      if (refitter_.foretold(now, fewer).gain > 0) break;
+      now = fewer;
       verdict.findings = findings_of(now);
     }
     verdict.residual_after = refitter_.unmoved_residual(now.chosen);
@@ -65,7 +61,7 @@ class Analysis {
     const double explained = (unexplained_ - now.cost) / samples() / fit_.leftover;
     verdict.leftover_limit = rules_.leftover_limit + rules_.shape_share * explained;
     if (!verdict.findings.empty()) verdict.gain_limit = verdict.findings.front().gain_limit;
-    judge(verdict);
+    judge(verdict, now);
     return verdict;
   }
 
@@ -85,31 +81,25 @@ class Analysis {
     const auto r = refitter_.whiten(data_.test.measured - responses_.test.base);
     return std::max(1.0, static_cast<double>((r.array() != 0).count()));
   }
-  /// Of the locked days, parameters as fitted.
-  double locked_square(const std::vector<Chosen>& chosen) const {
-    return locked_square(refitter_.unmoved_residual(chosen));
-  }
-  double locked_square(const Eigen::MatrixXd& residual) const {
-    std::vector<bool> days(static_cast<std::size_t>(bins()), false);
-    std::fill(days.begin() + locked_from(), days.end(), true);
-    return fit_.noise.whiten(residual, days, data_.test.measured).squaredNorm();
-  }
   const Candidate& candidate(const Chosen& c) const { return responses_.test.candidates[c.candidate]; }
-  /// The model with these effects, about itself.
-  const Refit& refit(const std::vector<Chosen>& chosen) const {
+  /// The model with these effects, about itself; `near` it another simulated one with the same effects.
+  const Refit& refit(const Refit& near) const {
     std::vector<std::size_t> key;
-    for (const Chosen& c : chosen) key.push_back(c.candidate);
+    for (const Chosen& c : near.chosen) key.push_back(c.candidate);
     const auto [at, added] = refits_.try_emplace(key);
-    if (added) {
-      const Eigen::VectorXd still = Eigen::VectorXd::Zero(parameter_count());
-      at->second = refitter_.about_itself(refitter_.refit(chosen, refitter_.tangent(), still));
-    }
+    if (added) at->second = refitter_.about_itself(refitter_.refit(near, near.tangent));
     return at->second;
   }
-  /// The same in the place of another model, whose tangent does for both.
-  Refit in_place_of(const Refit& at, std::vector<Chosen> chosen, const Score& added) const {
-    chosen.push_back({added.candidate, added.steps});
-    return refitter_.refit(chosen, at.tangent, at.moved);
+  const Refit& unpatched() const {
+    if (const auto at = refits_.find({}); at != refits_.end()) return at->second;
+    return refit(refitter_.at({}, Eigen::VectorXd::Zero(parameter_count()), refitter_.tangent()));
+  }
+  /// Without one of its effects.
+  const Refit& without(const Refit& now, std::size_t left_out) const {
+    std::vector<Chosen> fewer = now.chosen;
+    fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(left_out));
+    if (fewer.empty()) return unpatched();
+    return refit(refitter_.at(fewer, now.moved, now.tangent));
   }
   Eigen::Index parameter_count() const { return std::ssize(responses_.test.parameters); }
 
@@ -125,20 +115,17 @@ class Analysis {
       if (tried == 0) first_gain = score.gain;
       if (tried >= 4 || score.gain < 0.5 * first_gain) break;
       ++tried;
-      Refit trial = in_place_of(now, now.chosen, score);
+      Refit trial = refitter_.add(now, score, now.tangent);
       if (now.cost - trial.cost < least) continue;
       if (!best || trial.cost < best->cost) best = std::move(trial);
     }
     if (!best) return std::nullopt;
-    best = refit(best->chosen);
+    best = refit(*best);
     if (now.cost - best->cost < limit(best->chosen.back().candidate)) return std::nullopt;
     // Backward: an effect that the others have made superfluous goes.
     for (std::size_t i = 0; best->chosen.size() > 1 && i + 1 < best->chosen.size(); ++i) {
-      auto fewer = best->chosen;
-      const std::size_t dropped = fewer[i].candidate;
-      fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
-      Refit trial = refit(fewer);
-      if (trial.cost - best->cost < limit(dropped)) return trial;
+      const Refit& fewer = without(*best, i);
+      if (fewer.cost - best->cost < limit(best->chosen[i].candidate)) return fewer;
     }
     return best;
   }
@@ -206,12 +193,10 @@ class Analysis {
     const double step = chosen.probe - chosen.at.effect->null_value;
     f.sd = std::hypot(step / std::sqrt(std::max(1e-12, norm)),
                       rules_.magnitude_share * (f.magnitude - chosen.at.effect->null_value));
-    auto others = now.chosen;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    const Refit& without = refit(others);
-    f.gain = without.cost - now.cost;
-    f.same_sign = same_sign(others, c.candidate);
-    const double rival = add_rivals(f, now, without, selection, c.candidate);
+    const Refit& others = without(now, i);
+    f.gain = others.cost - now.cost;
+    f.same_sign = same_sign(others.chosen, c.candidate);
+    const double rival = add_rivals(f, now, others, selection, c.candidate);
     f.margin = rival > 0 ? f.gain / rival : 1e9;
     f.gain_limit = limit(c.candidate);
     if (f.gain < f.gain_limit)
@@ -227,17 +212,17 @@ class Analysis {
 
   /// Every other effect in its stead, the likely ones by real simulation: who does nearly as well joins the class.
   /// Returns the gain of the best that does not look the same.
-  double add_rivals(Finding& f, const Refit& now, const Refit& without, const Selection& selection,
+  double add_rivals(Finding& f, const Refit& now, const Refit& others, const Selection& selection,
                     std::size_t found) const {
-    const auto scores = selection.scores(refitter_.effective(without));
+    const auto scores = selection.scores(refitter_.effective(others));
     double best = 0;
     int tried = 0;
     std::vector<sim::EffectAt> nearly;
     for (const Score& s : scores) {
       const Candidate& other = responses_.test.candidates[s.candidate];
-      if (other.at.id() == f.at.id() || already(without, s.candidate)) continue;
+      if (other.at.id() == f.at.id() || already(others, s.candidate)) continue;
       if (++tried > rules_.rivals) break;
-      const double gain = without.cost - in_place_of(now, without.chosen, s).cost;
+      const double gain = others.cost - refitter_.add(others, s, now.tangent).cost;
       const Rival rival{other.at, gain, selection.cosine(found, s.candidate)};
       f.rivals.push_back(rival);
       const bool alike = std::abs(rival.cosine) > rules_.class_cosine;
@@ -257,25 +242,36 @@ class Analysis {
     return best;
   }
 
-  /// Seen from the reference's model: another one has moved its parameters to where the effect is not missed.
+  /// A magnitude for every two days, each counted by its information; seen from the reference's model, as another one
+  /// has moved its parameters to where the effect is not missed.
   double same_sign(const std::vector<Chosen>& others, std::size_t candidate) const {
     std::vector<std::size_t> places;
     for (const Chosen& c : others) places.push_back(c.candidate);
     const Selection selection(refitter_.tangent()->evidence(), places);
-    const Eigen::VectorXd m = selection.times(refitter_.whiten(refitter_.unmoved_residual(others)));
+    const Eigen::VectorXd r = refitter_.whiten(refitter_.unmoved_residual(others));
     const auto z = refitter_.tangent()->evidence().response(candidate);
-    const Eigen::Index width = data_.test.measured.cols(), block = 2 * bins_per_day * width;
+    const Eigen::Index block = 2 * bins_per_day * data_.test.measured.cols();
+    const Eigen::Index count = (z.size() + block - 1) / block;
+    Eigen::MatrixXd by_block = Eigen::MatrixXd::Zero(z.size(), count), m(z.size(), count);
+    for (Eigen::Index b = 0; b < count; ++b) {
+      const Eigen::Index n = std::min(block, z.size() - b * block);
+      by_block.col(b).segment(b * block, n) = z.segment(b * block, n);
+      m.col(b) = selection.times(by_block.col(b));
+    }
+    Eigen::MatrixXd information = m.transpose() * by_block;
+    information.diagonal().array() += 1e-9 * information.trace();  // blocks in which it does not show
+    const Eigen::MatrixXd covariance = information.ldlt().solve(Eigen::MatrixXd::Identity(count, count));
+    const Eigen::VectorXd steps = covariance * (m.transpose() * r);
     double all = 0, agree = 0;
-    for (Eigen::Index at = 0; at < z.size(); at += block) {
-      const Eigen::Index n = std::min(block, z.size() - at);
-      const double told = z.segment(at, n).squaredNorm();
+    for (Eigen::Index b = 0; b < count; ++b) {
+      const double told = 1 / covariance(b, b);
       all += told;
-      if (z.segment(at, n).dot(m.segment(at, n)) > 0) agree += told;
+      if (steps(b) > 0) agree += told;
     }
     return all > 0 ? agree / all : 1;
   }
 
-  void judge(Verdict& v) const {
+  void judge(Verdict& v, const Refit& now) const {
     const bool rest = v.leftover > v.leftover_limit;
     if (v.findings.empty()) {
       v.kind = rest ? VerdictKind::unknown : VerdictKind::none;
@@ -287,10 +283,18 @@ class Analysis {
     const bool sure =
         std::all_of(v.findings.begin(), v.findings.end(), [](const Finding& f) { return f.why_not.empty(); });
     compare_locked(v);
-    // Of a small effect the error falls by little, even where what falls is clearly its own.
-    const double enough = std::max(rules_.locked_gain, rules_.locked_gain_share * v.locked.predicted_gain);
-    const bool helps = v.locked.score_after <= (1 - rules_.locked_share_gained) * v.locked.score_before ||
-                       (v.locked.score_after < v.locked.score_before && v.locked.gain >= enough);
+    const Foretold foretold = refitter_.foretold(now, unpatched());
+    v.locked.gain = foretold.gain;
+    v.locked.predicted_gain = foretold.expected;
+    // A small effect lowers the error by little, even where what it foretold has come true; a large one may be what
+    // moved parameters would explain there as well, but must not be contradicted.
+    const double told = v.locked.gain, expected = v.locked.predicted_gain;
+    const double fell = 1 - v.locked.score_after / v.locked.score_before;
+    const double contradicted = std::min(0.0, expected - 4 * std::sqrt(std::max(0.0, expected)));
+    const bool helps = (fell >= rules_.locked_share_gained && told >= contradicted) ||
+                       (fell >= -rules_.locked_share_lost &&
+                        told >= std::max(rules_.locked_gain, rules_.locked_gain_share * expected));
+    const bool silent = expected < rules_.locked_gain && told >= contradicted;
     if (more_needed_) {
       v.kind = VerdictKind::unknown;
       v.reason =
@@ -306,7 +310,7 @@ class Analysis {
       for (const Finding& f : v.findings) {
         if (v.reason.empty()) v.reason = f.why_not;
       }
-      if (v.reason.empty()) v.reason = "the locked days do not agree";
+      if (v.reason.empty()) v.reason = silent ? "the locked days cannot tell" : "the locked days do not agree";
     }
   }
 
@@ -354,8 +358,6 @@ class Analysis {
       after += std::pow(locked.rmse_after(c) / noise, 2);
       affected += 1;
     }
-    locked.gain = locked_square(v.residual_before) - locked_square(v.residual_after);
-    locked.predicted_gain = locked_square(v.residual_before - v.residual_after);
     locked.score_before = std::sqrt(before);
     locked.score_after = std::sqrt(after);
     locked.score_floor = std::sqrt(affected);
