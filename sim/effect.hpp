@@ -4,6 +4,7 @@
 // workflow never edits a model by any other way.
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -55,6 +56,7 @@ struct Effect {
   PlaceKind place = PlaceKind::floor;
   double null_value = 0;                         ///< magnitude at which nothing at all is changed
   double low = 0, high = 0;                      ///< physical bounds
+  double least = 0;                              ///< nearer to null it is not this effect; null: there is no such bound
   std::array<double, 2> probe{};                 ///< magnitudes at which its response is simulated
   double prior_sd = 0;                           ///< > 0: also a parameter that no twin knows exactly,
   bool prior_on_energyplus = true;               ///< false: on the RC room alone
@@ -63,6 +65,9 @@ struct Effect {
   std::vector<EffectOp> rc, energyplus, common;  ///< common: commands, clock, weather, sensors
   bool on_rc = true, on_energyplus = true;
   std::string file;
+
+  /// Sensors are exchanged or not, never by a tenth.
+  bool plausible(double magnitude) const { return std::abs(magnitude - null_value) >= std::abs(least - null_value); }
 };
 
 /// An effect at a place.

@@ -285,6 +285,7 @@ Effect read_effect(const std::filesystem::path& path) {
   e.null_value = s.number("null");
   e.low = s.number("low");
   e.high = s.number("high");
+  e.least = s.number("least", e.null_value);
   e.prior_sd = s.number("prior_sd", 0);
   e.prior_on_energyplus = s.flag("prior_on_energyplus", true);
   e.candidate = s.flag("candidate", true);
@@ -305,6 +306,7 @@ Effect read_effect(const std::filesystem::path& path) {
     if (!(x >= e.low && x <= e.high)) s.refuse(key, fmt::format("{}", x), fmt::format("{} to {}", e.low, e.high));
   };
   within("null", e.null_value);
+  within("least", e.least);
   for (const double probe : e.probe) {
     within("probe", probe);
     if (probe == e.null_value) s.refuse("probe", fmt::format("{}", probe), "another magnitude than null");

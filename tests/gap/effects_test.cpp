@@ -56,6 +56,7 @@ Json good_file() {
 TEST(EffectFile, EveryKeyOfAGoodFileIsRead) {
   Json file = good_file();
   file["place"] = "vav";
+  file["least"] = 0.8;
   file["prior_sd"] = 0.1;
   file["candidate"] = false;
   file["rc"] = Json::array({{{"field", "vav_flow_calibration"}, {"by", "multiply"}, {"factor", 2}, {"offset", -1}}});
@@ -70,6 +71,10 @@ TEST(EffectFile, EveryKeyOfAGoodFileIsRead) {
   const Effect e = effect_of(file);
   EXPECT_EQ(e.name, "one");
   EXPECT_EQ(e.place, PlaceKind::vav);
+  EXPECT_EQ(e.least, 0.8);
+  EXPECT_TRUE(e.plausible(0.7) && e.plausible(1.3));
+  EXPECT_FALSE(e.plausible(0.9) || e.plausible(1));
+  EXPECT_TRUE(effect_of(good_file()).plausible(1)) << "no such bound";
   EXPECT_EQ(e.prior_sd, 0.1);
   EXPECT_FALSE(e.candidate);
   ASSERT_EQ(e.rc.size(), 1u);
@@ -126,6 +131,7 @@ const std::vector<Broken>& broken_files() {
          f["probe"] = {0.8, 0.8};
        },
        ": probe"},
+      {"least beyond high", [](Json& f) { f["least"] = 2.5; }, ": least"},
       {"negative prior", [](Json& f) { f["prior_sd"] = -0.1; }, ": prior_sd"},
       {"prior beyond high", [](Json& f) { f["prior_sd"] = 1.5; }, ": prior_sd"},
       {"unknown place", [](Json& f) { f["place"] = "roof"; }, ": place"},

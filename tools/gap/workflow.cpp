@@ -116,12 +116,12 @@ class Analysis {
       if (tried >= 4 || score.gain < 0.5 * first_gain) break;
       ++tried;
       Refit trial = refitter_.add(now, score, now.tangent);
-      if (now.cost - trial.cost < least) continue;
+      if (now.cost - trial.cost < least || !plausible(trial)) continue;
       if (!best || trial.cost < best->cost) best = std::move(trial);
     }
     if (!best) return std::nullopt;
     best = refit(*best);
-    if (now.cost - best->cost < limit(best->chosen.back().candidate)) return std::nullopt;
+    if (now.cost - best->cost < limit(best->chosen.back().candidate) || !plausible(*best)) return std::nullopt;
     // Backward: an effect that the others have made superfluous goes.
     for (std::size_t i = 0; best->chosen.size() > 1 && i + 1 < best->chosen.size(); ++i) {
       const Refit& fewer = without(*best, i);
@@ -165,6 +165,11 @@ class Analysis {
     const Eigen::Index width = data_.test.measured.cols();
     const Eigen::VectorXd z = now.tangent->evidence().response(candidate);
     return Eigen::Map<const Eigen::MatrixXd>(z.data(), width, z.size() / width).rowwise().norm();
+  }
+
+  /// The last one's magnitude.
+  bool plausible(const Refit& at) const {
+    return candidate(at.chosen.back()).at.effect->plausible(refitter_.magnitude(at.chosen.back()));
   }
 
   bool already(const Refit& now, std::size_t candidate) const {
@@ -222,7 +227,9 @@ class Analysis {
       const Candidate& other = responses_.test.candidates[s.candidate];
       if (other.at.id() == f.at.id() || already(others, s.candidate)) continue;
       if (++tried > rules_.rivals) break;
-      const double gain = others.cost - refitter_.add(others, s, now.tangent).cost;
+      const Refit in_its_stead = refitter_.add(others, s, now.tangent);
+      if (!plausible(in_its_stead)) continue;
+      const double gain = others.cost - in_its_stead.cost;
       const Rival rival{other.at, gain, selection.cosine(found, s.candidate)};
       f.rivals.push_back(rival);
       const bool alike = std::abs(rival.cosine) > rules_.class_cosine;
