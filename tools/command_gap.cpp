@@ -41,6 +41,7 @@ struct EffectsCommand : GapOptions {
                    {"null", e.null_value},
                    {"low", e.low},
                    {"high", e.high},
+                   {"least", e.least},
                    {"prior_sd", e.prior_sd},
                    {"engines", engines},
                    {"looks_like", e.looks_like},
@@ -56,9 +57,31 @@ struct EffectsCommand : GapOptions {
 
 struct RunCasesCommand : GapOptions {
   std::string folder, out = "verdicts.json", cache;
-  bool all_own = false;
+  bool all_own = false, go_on = false;
 
   using Done = std::function<void(const fs::path&, nlohmann::json)>;
+  using Found = std::map<fs::path, nlohmann::json>;
+
+  /// Verdicts of an earlier run on these cases.
+  Found found_before(const std::vector<fs::path>& folders) const {
+    Found found;
+    if (!go_on || !fs::exists(out)) return found;
+    const nlohmann::json before = sim::read_json(out);
+    const auto list = before.find("verdicts");
+    if (list == before.end() || !list->is_array())
+      throw hal::InputError(out, "no list of verdicts", "what run-cases wrote",
+                            "leave --continue out, or name another -o");
+    for (const nlohmann::json& one : *list) {
+      const auto at = std::find_if(folders.begin(), folders.end(), [&one](const fs::path& path) {
+        return one.is_object() && one.value("case", "") == path.filename().string();
+      });
+      if (at == folders.end())
+        throw hal::InputError(out, "a verdict on " + one.value("case", "no case"), "one of the cases in " + folder,
+                              "leave --continue out, or name another -o");
+      found[*at] = one;
+    }
+    return found;
+  }
 
   /// What effects would do in both windows of a case, by its own commands alone.
   static gap::WindowResponses responses_of(const gap::LoadedCase& c, const std::vector<sim::Effect>& list, int threads,
@@ -89,7 +112,9 @@ struct RunCasesCommand : GapOptions {
   }
 
   /// Cases of one window and model share what their recordings allow.
-  void judge_window(const std::vector<fs::path>& paths, const std::vector<sim::Effect>& list, const Done& done) const {
+  void judge_window(const std::vector<fs::path>& paths, const std::vector<sim::Effect>& list, const Found& before,
+                    const Done& done) const {
+    if (std::all_of(paths.begin(), paths.end(), [&](const fs::path& path) { return before.contains(path); })) return;
     std::vector<std::pair<fs::path, gap::LoadedCase>> cases;
     for (const fs::path& path : paths) {
       if (auto c = load(path, done)) cases.emplace_back(path, std::move(*c));
@@ -104,7 +129,7 @@ struct RunCasesCommand : GapOptions {
     bar.finish();
     gap::in_parallel(cases.size(), jobs, [&](std::size_t i) {
       const auto& [path, c] = cases[i];
-      judge(path, c, shared.of(*c.engine, c.data, {}, 1), done);
+      if (!before.contains(path)) judge(path, c, shared.of(*c.engine, c.data, {}, 1), done);
     });
   }
 
@@ -114,17 +139,19 @@ struct RunCasesCommand : GapOptions {
     const auto folders = gap::case_folders(folder);
     std::map<std::string, std::vector<fs::path>> windows;
     std::vector<fs::path> alone;
+    const Found before = found_before(folders);
     for (const fs::path& path : folders) {
       const gap::CaseDescription c = gap::read_case(path);
+      // What a window shares depends on all of its cases, those that are done too.
+      if (before.contains(path) && !gap::shares_responses(c)) continue;
       (gap::shares_responses(c) && !all_own ? windows[gap::shared_window_of(c)] : alone).push_back(path);
     }
-    std::map<fs::path, nlohmann::json> found;
+    Found found = before;
     std::mutex mutex;
-    Progress bar(fmt::format("{} cases", folders.size()), folders.size());
-    std::map<std::string, int> count;
+    Progress bar(fmt::format("{} cases", folders.size() - before.size()), folders.size() - before.size());
     const Done done = [&](const fs::path& path, nlohmann::json verdict) {
       const std::lock_guard lock(mutex);
-      ++count[verdict["verdict"].get<std::string>()];
+      if (before.contains(path)) return;
       found[path] = std::move(verdict);
       // What is known is kept if the run is ended.
       nlohmann::json verdicts = nlohmann::json::array();
@@ -132,11 +159,13 @@ struct RunCasesCommand : GapOptions {
       gap::write_whole_file(out, nlohmann::json{{"format", 1}, {"verdicts", verdicts}}.dump(1) + "\n");
       bar.advance();
     };
-    for (const auto& [window, cases] : windows) judge_window(cases, list, done);
+    for (const auto& [window, cases] : windows) judge_window(cases, list, before, done);
     gap::in_parallel(alone.size(), jobs, [&](std::size_t i) {
       if (const auto c = load(alone[i], done)) judge(alone[i], *c, responses_of(*c, list, 1, {}), done);
     });
     bar.finish();
+    std::map<std::string, int> count;
+    for (const auto& [path, verdict] : found) ++count[verdict.value("verdict", "")];
     if (json) {
       fmt::print("{}\n", nlohmann::json{{"cases", folders.size()}, {"verdicts", out}, {"count", count}}.dump());
       return;
@@ -274,6 +303,7 @@ void add_gap(CLI::App& app) {
   c->add_option("-o,--out", cases->out, "file for the verdicts")->capture_default_str();
   c->add_option("--cache", cases->cache, "folder of finished EnergyPlus runs, used again");
   c->add_flag("--all-own", cases->all_own, "share nothing: every response under the case's own commands");
+  c->add_flag("--continue", cases->go_on, "keep the verdicts in --out, judge the other cases");
   cases->add_effects(*c);
   cases->add_jobs(*c);
   cases->add_json(*c);

@@ -170,6 +170,23 @@ TEST(GapCommand, GivesACaseWithABadLogAVerdictOfItsOwn) {
   const Outcome score = desk.run("score verdicts.json key.json --json");
   ASSERT_EQ(score.code, 0) << score.err;
   for (const json& set : json::parse(score.out)["sets"]) EXPECT_EQ(set["refused"], set["set"] == "null" ? 1 : 0);
+
+  // A run that was ended goes on: what is known stays as it is.
+  json known = desk.read("verdicts.json");
+  known["verdicts"][0]["reason"] = "as it was";
+  desk.write("verdicts.json", known.dump());
+  fs::copy(desk.path("cases/case-1"), desk.path("cases/case-2"));
+  const Outcome on = desk.run("run-cases cases -o verdicts.json --effects effects --continue --json");
+  ASSERT_EQ(on.code, 0) << on.err;
+  EXPECT_EQ(json::parse(on.out)["count"], (json{{"refused", 2}}));
+  const json both = desk.read("verdicts.json")["verdicts"];
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_EQ(both[0]["reason"], "as it was");
+  EXPECT_NE(both[1]["reason"].get<std::string>().find("swapped"), std::string::npos);
+  desk.write("other.json", R"({"verdicts": [{"case": "case-9"}]})");
+  const Outcome other = desk.run("run-cases cases -o other.json --effects effects --continue");
+  EXPECT_EQ(other.code, 1);
+  EXPECT_NE(other.err.find("case-9"), std::string::npos) << other.err;
 }
 
 TEST(PatchedModel, ReversePatchGivesBackEveryValue) {
