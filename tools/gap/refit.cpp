@@ -5,6 +5,29 @@
 
 namespace airside::tools::gap {
 
+namespace {
+
+/// Of the magnitudes, the best one in the linear model, no further than two probes at a time and not below null.
+Eigen::VectorXd best_step(const Metric& metric, const Eigen::MatrixXd& z, const Eigen::VectorXd& r,
+                          const std::vector<Chosen>& chosen) {
+  const Eigen::Index n = z.cols();
+  if (n == 0) return {};
+  Eigen::MatrixXd m_z(z.rows(), n);
+  for (Eigen::Index i = 0; i < n; ++i) m_z.col(i) = metric.times(z.col(i));
+  const Eigen::MatrixXd normal = m_z.transpose() * z + 1e-9 * Eigen::MatrixXd::Identity(n, n);
+  Eigen::VectorXd step = normal.ldlt().solve(m_z.transpose() * r).cwiseMax(-2.0).cwiseMin(2.0);
+  for (Eigen::Index i = 0; i < n; ++i) step(i) = std::max(step(i), -chosen[static_cast<std::size_t>(i)].steps);
+  return step;
+}
+
+Eigen::VectorXd steps_between(const std::vector<Chosen>& from, const std::vector<Chosen>& to) {
+  Eigen::VectorXd step(std::ssize(from));
+  for (std::size_t i = 0; i < from.size(); ++i) step(static_cast<Eigen::Index>(i)) = to[i].steps - from[i].steps;
+  return step;
+}
+
+}  // namespace
+
 Tangent::Tangent(const std::vector<Candidate>& candidates, NuisanceResponses nuisance, Eigen::MatrixXd mixing,
                  std::shared_ptr<const Eigen::MatrixXd> z, std::vector<Parameter> responses)
     : responses_(std::move(responses)),
@@ -148,29 +171,17 @@ Eigen::MatrixXd Refitter::responses_of(const Refit& at) const {
 }
 
 Refit Refitter::refit(const Refit& from, const std::shared_ptr<const Tangent>& tangent) const {
-  const Metric& metric = tangent->metric();
-  const Eigen::Index n = std::ssize(from.chosen);
   Refit now = from;
   now.tangent = tangent;
   judge(now);
   Eigen::MatrixXd z = responses_of(now);
   for (int iteration = 0; iteration < 4; ++iteration) {
     const Eigen::VectorXd r = effective(now);
-    Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
-    if (n > 0) {
-      Eigen::MatrixXd m_z(z.rows(), n);
-      for (Eigen::Index i = 0; i < n; ++i) m_z.col(i) = metric.times(z.col(i));
-      const Eigen::MatrixXd normal = m_z.transpose() * z + 1e-9 * Eigen::MatrixXd::Identity(n, n);
-      const Eigen::VectorXd wanted = normal.ldlt().solve(m_z.transpose() * r);
-      for (Eigen::Index i = 0; i < n; ++i) {
-        const double before = now.chosen[static_cast<std::size_t>(i)].steps;
-        step(i) = std::max(0.0, before + std::clamp(wanted(i), -2.0, 2.0)) - before;
-      }
-    }
+    const Eigen::VectorXd step = best_step(tangent->metric(), z, r, now.chosen);
     const Eigen::VectorXd move = tangent->mean(r - z * step) - now.moved;
     const auto gone = [&](double share) {
       std::vector<Chosen> chosen = now.chosen;
-      for (Eigen::Index i = 0; i < n; ++i) chosen[static_cast<std::size_t>(i)].steps += share * step(i);
+      for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i].steps += share * step(static_cast<Eigen::Index>(i));
       return at(chosen, now.moved + share * move, tangent);
     };
     const double foreseen =
@@ -184,9 +195,7 @@ Refit Refitter::refit(const Refit& from, const std::shared_ptr<const Tangent>& t
     }
     const double gained = now.cost - next.cost;
     if (gained <= 0) break;
-    Eigen::VectorXd done(n);
-    for (Eigen::Index i = 0; i < n; ++i)
-      done(i) = next.chosen[static_cast<std::size_t>(i)].steps - now.chosen[static_cast<std::size_t>(i)].steps;
+    const Eigen::VectorXd done = steps_between(now.chosen, next.chosen);
     const Eigen::VectorXd by_steps = z * done;
     const double of_steps = by_steps.squaredNorm(),
                  of_move = (tangent->parameters() * (next.moved - now.moved)).squaredNorm();

@@ -293,15 +293,7 @@ class Analysis {
     const Foretold foretold = refitter_.foretold(now, unpatched());
     v.locked.gain = foretold.gain;
     v.locked.predicted_gain = foretold.expected;
-    // A small effect lowers the error by little, even where what it foretold has come true; a large one may be what
-    // moved parameters would explain there as well, but must not be contradicted.
-    const double told = v.locked.gain, expected = v.locked.predicted_gain;
-    const double fell = 1 - v.locked.score_after / v.locked.score_before;
-    const double contradicted = std::min(0.0, expected - 4 * std::sqrt(std::max(0.0, expected)));
-    const bool helps = (fell >= rules_.locked_share_gained && told >= contradicted) ||
-                       (fell >= -rules_.locked_share_lost &&
-                        told >= std::max(rules_.locked_gain, rules_.locked_gain_share * expected));
-    const bool silent = expected < rules_.locked_gain && told >= contradicted;
+    const bool helps = locked_days_agree(v.locked);
     if (more_needed_) {
       v.kind = VerdictKind::unknown;
       v.reason =
@@ -317,8 +309,23 @@ class Analysis {
       for (const Finding& f : v.findings) {
         if (v.reason.empty()) v.reason = f.why_not;
       }
+      const bool silent = foretold.expected < rules_.locked_gain && foretold.gain >= contradiction(foretold.expected);
       if (v.reason.empty()) v.reason = silent ? "the locked days cannot tell" : "the locked days do not agree";
     }
+  }
+
+  /// A gain below this is not what was foretold, nor nothing: N(e, 4 e) were the findings right.
+  static double contradiction(double expected) {
+    return std::min(0.0, expected - 4 * std::sqrt(std::max(0.0, expected)));
+  }
+
+  /// A small effect lowers the error by little, even where what it foretold has come true; a large one may be what
+  /// moved parameters would explain there as well, but must not be contradicted.
+  bool locked_days_agree(const LockedDays& locked) const {
+    const double fell = 1 - locked.score_after / locked.score_before;
+    const double enough = std::max(rules_.locked_gain, rules_.locked_gain_share * locked.predicted_gain);
+    return (fell >= rules_.locked_share_gained && locked.gain >= contradiction(locked.predicted_gain)) ||
+           (fell >= -rules_.locked_share_lost && locked.gain >= enough);
   }
 
   void compare_locked(Verdict& v) const {
