@@ -131,10 +131,13 @@ ReplayCommands replay_commands(const EnergyPlusTwin& twin, const Recording& reco
   // Heat that the model does not know: only where the recording has some.
   const bool heated = std::any_of(recording.rows.begin(), recording.rows.end(),
                                   [](const RecordedRow& row) { return !row.zone_heat_kw.empty(); });
-  std::vector<std::vector<double>> heat(heated ? people.size() : 0, std::vector<double>(steps));
+  std::vector<std::vector<double>> heat(heated ? people.size() : 0, std::vector<double>(steps)), cold = heat;
   for (std::size_t step = 0; heated && step < steps; ++step) {
     const RecordedRow& row = recording.at({days.begin.seconds + static_cast<std::int64_t>(step) * replay_step_s});
-    for (std::size_t z = 0; z < row.zone_heat_kw.size(); ++z) heat[z][step] = row.zone_heat_kw[z];
+    for (std::size_t z = 0; z < row.zone_heat_kw.size(); ++z) {
+      heat[z][step] = std::max(0.0, row.zone_heat_kw[z]);
+      cold[z][step] = std::max(0.0, -row.zone_heat_kw[z]);
+    }
   }
 
   CommandColumns columns;
@@ -150,6 +153,7 @@ ReplayCommands replay_commands(const EnergyPlusTwin& twin, const Recording& reco
   add_each(twin.names.interior_occupancy_schedule, people.begin(), people.begin() + vavs);
   add_each(twin.names.perimeter_occupancy_schedule, people.begin() + vavs, people.end());
   add_each(std::string(heat_schedule_prefix) + "#", heat.begin(), heat.end());
+  add_each(std::string(cold_schedule_prefix) + "#", cold.begin(), cold.end());
   return columns.commands();
 }
 

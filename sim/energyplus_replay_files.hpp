@@ -16,6 +16,7 @@ constexpr int replay_steps_per_day = 86400 / replay_step_s;
 constexpr int replay_lead_days = 2;
 static_assert(replay_lead_days < lead_days, "the measured weather reaches back so far");
 constexpr const char* heat_schedule_prefix = "Unknown Heat ";  ///< kW; followed by the 1-based zone, VAV zones first
+constexpr const char* cold_schedule_prefix = "Unknown Cold ";  ///< the same, taken from it: no schedule may be negative
 
 /// The whole days that a replay simulates, and where they lie in the engine's calendar of 365 days.
 struct ReplayDays {

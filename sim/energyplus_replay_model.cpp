@@ -88,19 +88,22 @@ void set_replay_outputs(json& model, const ModelNames& names, bool thermostats) 
   files["output_eso"] = "Yes";
 }
 
-/// Heat of unknown origin, one object a zone that has a column for it: 1 kW, all of it to the air, times the column.
+/// Heat of unknown origin, two objects a zone that has columns for it: 1 kW into the air and 1 kW out of it, times the
+/// column.
 void add_unknown_heat(json& model, const ModelNames& names, const ReplayCommands& commands) {
   const std::size_t vavs = names.interior_zones.size();
-  for (std::size_t z = 0; z < vavs + names.perimeter_zones.size(); ++z) {
-    const std::string schedule = heat_schedule_prefix + std::to_string(z + 1);
-    if (std::find(commands.schedules.begin(), commands.schedules.end(), schedule) == commands.schedules.end()) return;
-    const std::string& zone = z < vavs ? names.interior_zones[z] : names.perimeter_zones[z - vavs];
-    model["Schedule:Constant"][schedule] = {{"hourly_value", 0}};
-    model["OtherEquipment"][schedule] = {{"fuel_type", "None"},
-                                         {"zone_or_zonelist_or_space_or_spacelist_name", zone},
-                                         {"schedule_name", schedule},
-                                         {"design_level_calculation_method", "EquipmentLevel"},
-                                         {"design_level", 1000}};
+  for (const auto& [prefix, watts] : {std::pair(heat_schedule_prefix, 1000), std::pair(cold_schedule_prefix, -1000)}) {
+    for (std::size_t z = 0; z < vavs + names.perimeter_zones.size(); ++z) {
+      const std::string schedule = prefix + std::to_string(z + 1);
+      if (std::find(commands.schedules.begin(), commands.schedules.end(), schedule) == commands.schedules.end()) return;
+      const std::string& zone = z < vavs ? names.interior_zones[z] : names.perimeter_zones[z - vavs];
+      model["Schedule:Constant"][schedule] = {{"hourly_value", 0}};
+      model["OtherEquipment"][schedule] = {{"fuel_type", "None"},
+                                           {"zone_or_zonelist_or_space_or_spacelist_name", zone},
+                                           {"schedule_name", schedule},
+                                           {"design_level_calculation_method", "EquipmentLevel"},
+                                           {"design_level", watts}};
+    }
   }
 }
 

@@ -200,6 +200,24 @@ TEST(EnergyPlusReplay, LivesThroughTheTwinsOwnDaysAgain) {
   }
 }
 
+TEST(EnergyPlusReplay, TakesHeatOfUnknownOriginAndCold) {
+  AIRSIDE_NEEDS_ENGINE();
+  const Lived& lived = three_days();
+  const auto with = [&](double kw) {
+    Recording recording = lived.recording;
+    for (RecordedRow& row : recording.rows) row.zone_heat_kw = {0, kw, 0, 0, 0, 0, 0, 0, 0, 0};
+    return replay_energyplus(twin(), recording, {});
+  };
+  const ChannelTable none = with(0), heat = with(0.4), cold = with(-0.4);
+  const Eigen::Index last = none.rows() - 1;
+  const double warmer = (heat - none).col(1).tail(rows_per_day).mean(),
+               colder = (none - cold).col(1).tail(rows_per_day).mean();
+  EXPECT_GT(warmer, 0.1);
+  EXPECT_NEAR(colder, warmer, 0.2 * warmer);
+  EXPECT_LT(std::abs((heat - none)(last, 4)), 0.3 * warmer) << "the farthest room";
+  EXPECT_EQ(none(last, 1), replay_energyplus(twin(), lived.recording, {})(last, 1));
+}
+
 TEST(EnergyPlusReplay, FanCoilsFollowTheirThermostatsWhenAsked) {
   AIRSIDE_NEEDS_ENGINE();
   const Lived& lived = three_days();
