@@ -73,7 +73,7 @@ TEST(Window, HoldsCommandsOverAGapAndMeasuresNothingInIt) {
   const auto before = rows[gap - 1];
   rows.erase(rows.begin() + gap, rows.begin() + gap + 5);
   const Window w = window_of(rows, s.engine.channels(), s.weather, "log");
-  EXPECT_EQ(w.measured.rows(), 5 * bins_per_day);
+  EXPECT_EQ(w.measured.rows(), 3 * bins_per_day);
   EXPECT_EQ(w.recording.rows.size(), 3U * rows_per_day);
   EXPECT_TRUE(w.measured.row(static_cast<Eigen::Index>(gap) / rows_per_bin).array().isNaN().all());
   EXPECT_EQ(w.recording.rows[gap + 2].setpoint_degc, before.setpoint_degc);

@@ -59,7 +59,7 @@ class Analysis {
     more_needed_ = std::ssize(now.chosen) == rules_.most_effects && better(now).has_value();
     verdict.leftover = now.distance / samples() / fit_.leftover;
     const double explained = (unexplained_ - now.cost) / samples() / fit_.leftover;
-    verdict.leftover_limit = rules_.leftover_limit + rules_.shape_share * explained;
+    verdict.leftover_limit = leftover_of_chance() + rules_.shape_share * explained;
     if (!verdict.findings.empty()) verdict.gain_limit = verdict.findings.front().gain_limit;
     judge(verdict, now);
     return verdict;
@@ -76,6 +76,11 @@ class Analysis {
     auto kept = counted_bins(bins());
     std::fill(kept.begin() + locked_from(), kept.end(), false);
     return kept;
+  }
+  /// What is left scatters the more the fewer days are fitted.
+  double leftover_of_chance() const {
+    const double days = std::max(1.0, static_cast<double>(std::count(kept_.begin(), kept_.end(), true)) / bins_per_day);
+    return 1 + (rules_.leftover_limit - 1) * std::sqrt(std::max(1.0, rules_.leftover_days / days));
   }
   double samples() const {
     const auto r = refitter_.whiten(data_.test.measured - responses_.test.base);

@@ -11,17 +11,18 @@ namespace airside::tools::gap {
 
 /// Decision rules.  Source: the algorithm of DESIGN.md, "Gap workflow"; figures: its blind tests.
 struct Rules {
-  double gain_limit = 30;         ///< a gain below is noise, and so is one below this and
-  double null_share = 1;          ///< this times the same effect's best gain in the reference's own blocks
-  double margin_gain = 20;        ///< by which the gain exceeds that of every other effect, at least,
-  double margin_share = 0.25;     ///< and by this share of what it would if it were the whole truth
-  double class_ratio = 1.25;      ///< where that is not so, effects within this ratio are the class
-  double class_cosine = 0.97;     ///< responses more alike than this cannot be told apart
-  double same_sign_share = 0.8;   ///< of two-day blocks, each by what it can tell
-  double leftover_limit = 1.5;    ///< mean square left over that of the reference: more is something else,
-  double shape_share = 0.15;      ///< but for this share of what the findings explain: no effect has quite its shape,
-  double magnitude_share = 0.18;  ///< sd of a magnitude from the twin's other errors, of the way from its null
-  double further_share = 0.10;    ///< so one more effect in the same channels must gain this share of that besides
+  double gain_limit = 30;        ///< a gain below is noise, and so is one below this and
+  double null_share = 1;         ///< this times the same effect's best gain in the reference's own blocks
+  double margin_gain = 20;       ///< by which the gain exceeds that of every other effect, at least,
+  double margin_share = 0.25;    ///< and by this share of what it would if it were the whole truth
+  double class_ratio = 1.25;     ///< where that is not so, effects within this ratio are the class
+  double class_cosine = 0.97;    ///< responses more alike than this cannot be told apart
+  double same_sign_share = 0.8;  ///< of two-day blocks, each by what it can tell
+  double leftover_limit = 1.5;   ///< mean square left over that of the reference: more is something else,
+  double leftover_days = 9;   ///< in so many fitted days or more; in fewer the excess over 1 may be larger as 1/sqrt,
+  double shape_share = 0.15;  ///< but for this share of what the findings explain: no effect has quite its shape,
+  double magnitude_share = 0.18;      ///< sd of a magnitude from the twin's other errors, of the way from its null
+  double further_share = 0.10;        ///< so one more effect in the same channels must gain this share of that besides
   double locked_share_gained = 0.10;  ///< by which the locked days' error must fall, if what is foretold is not
                                       ///< contradicted there by two of its standard deviations; or it may
   double locked_share_lost = 0.03;    ///< rise by no more than this where
