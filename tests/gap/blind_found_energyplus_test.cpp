@@ -105,7 +105,8 @@ Judged judged(const nlohmann::json& answer, const Verdict& verdict, const Window
                : best == j.truth ? "first of the ranking"
                                  : "missed",
                others.empty() ? "" : ", class:", others.c_str());
-  std::fprintf(table, "  %s; leftover %.2f of %.2f\n", verdict.reason.c_str(), verdict.leftover, verdict.leftover_limit);
+  std::fprintf(table, "  %s; leftover %.2f of %.2f\n", verdict.reason.c_str(), verdict.leftover,
+               verdict.leftover_limit);
   std::fflush(table);
   return j;
 }
