@@ -31,4 +31,55 @@ constexpr int cycle_of_day(CivilTime t) { return t.second_of_day() / cycle_s; }
 /// Whether t starts a control cycle.
 constexpr bool starts_cycle(CivilTime t) { return t.second_of_day() % cycle_s == 0; }
 
+/// When people's clocks are an hour ahead of standard time. Rows, cycles and logs always run on standard time, so a day
+/// has 240 rows all year; only what follows people (schedule, daily profile) asks for local_time().
+enum class DaylightSaving : std::int32_t {
+  none = 0,
+  european_union = 1,  ///< last Sunday of March 01:00 UTC to last Sunday of October 01:00 UTC
+  united_states = 2,   ///< second Sunday of March 02:00 to first Sunday of November 02:00, by the clock on the wall
+};
+
+/// Day number of the `nth` (1 first, -1 last) Sunday of a month.
+constexpr std::int64_t sunday_of(int year, int month, int nth) {
+  // Days from civil, proleptic Gregorian; the year begins in March, so that February's length does not matter.
+  const auto first_day = [](int y, int m) {
+    y -= m <= 2 ? 1 : 0;
+    const std::int64_t era = (y >= 0 ? y : y - 399) / 400;
+    const std::int64_t of_era = y - era * 400;
+    const std::int64_t of_year = (153 * (m + (m > 2 ? -3 : 9)) + 2) / 5;
+    return era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
+  };
+  const auto to_sunday = [](std::int64_t day) { return 6 - ((day + 3) % 7 + 7) % 7; };
+  const std::int64_t begin = first_day(year, month);
+  if (nth > 0) return begin + to_sunday(begin) + 7 * (nth - 1);
+  const std::int64_t next = month == 12 ? first_day(year + 1, 1) : first_day(year, month + 1);
+  return next - 7 + to_sunday(next - 7);
+}
+
+/// Year of a day since 1970-01-01.
+constexpr int year_of(std::int64_t day) {
+  const std::int64_t shifted = day + 719468;
+  const std::int64_t era = (shifted >= 0 ? shifted : shifted - 146096) / 146097;
+  const std::int64_t of_era = shifted - era * 146097;
+  const std::int64_t year_of_era = (of_era - of_era / 1460 + of_era / 36524 - of_era / 146096) / 365;
+  const std::int64_t day_of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+  return static_cast<int>(era * 400 + year_of_era + (day_of_year >= 306 ? 1 : 0));
+}
+
+/// What clocks on the wall show at standard time t. `utc_offset_h`: of standard time, hours east of UTC.
+constexpr CivilTime local_time(DaylightSaving rule, double utc_offset_h, CivilTime t) {
+  if (rule == DaylightSaving::none) return t;
+  const int year = year_of(t.day());
+  std::int64_t begin_s = 0, end_s = 0;
+  if (rule == DaylightSaving::european_union) {
+    const std::int64_t one_utc_s = 3600 + static_cast<std::int64_t>(utc_offset_h * 3600);
+    begin_s = sunday_of(year, 3, -1) * 86400 + one_utc_s;
+    end_s = sunday_of(year, 10, -1) * 86400 + one_utc_s;
+  } else {
+    begin_s = sunday_of(year, 3, 2) * 86400 + 2 * 3600;
+    end_s = sunday_of(year, 11, 1) * 86400 + 3600;  // 02:00 on the wall
+  }
+  return t.seconds >= begin_s && t.seconds < end_s ? CivilTime{t.seconds + 3600} : t;
+}
+
 }  // namespace airside

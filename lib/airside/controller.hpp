@@ -8,63 +8,17 @@
 #include <cstddef>
 #include <span>
 
-#include "airside/canary.hpp"
+#include "airside/candidate_search.hpp"
 #include "airside/confidence.hpp"
 #include "airside/decision.hpp"
 #include "airside/envelope.hpp"
 #include "airside/expert.hpp"
-#include "airside/learner.hpp"
-#include "airside/network.hpp"
-#include "airside/network_forward.hpp"
+#include "airside/learning_state.hpp"
 #include "airside/plant.hpp"
-#include "airside/replay_ring.hpp"
-#include "airside/room_head.hpp"
 #include "airside/row_window.hpp"
-#include "airside/scaler.hpp"
-#include "airside/scores.hpp"
-#include "airside/settings.hpp"
-#include "airside/splitmix64.hpp"
-#include "airside/validation.hpp"
+#include "airside/shadow_training.hpp"
 
 namespace airside {
-
-/// Counts up whenever the meaning of a byte of LearningState or CycleState changes, sizes apart: saved state of another
-/// number is not read.
-constexpr std::uint32_t state_version = 2;
-
-/// What learning has produced: saved as one generation. Plain bytes, no pointers.
-template <Topology T, class Scalar>
-struct LearningState {
-  NetworkWeights<T, Scalar> weights;  ///< in use
-  Learner<T, Scalar> learner;         ///< target net, moments, step counter
-  RoomHead<T> head;
-  Scaler<T> scaler;
-  SplitMix64 sampler;
-  std::uint64_t cycles = 0;    ///< decisions taken with these weights' ancestors
-  std::uint64_t rejected = 0;  ///< updates that the gate refused
-};
-
-/// What one row hands to the next. Plain bytes, small: saved every row.
-template <Topology T>
-struct CycleState {
-  Validator<T> validator{};
-  typename Reading<T>::Vector last_value = Reading<T>::Vector::Zero();  ///< at the last decision
-  typename Reading<T>::Vector row_value = Reading<T>::Vector::Zero();   ///< at the last row in between
-  CivilTime last_time;
-  CivilTime row_time;
-  HeadFeatures features;  ///< of the last decision, its own setpoint change left 0
-  double last_setpoint_degc = std::numeric_limits<double>::quiet_NaN();  ///< applied since last_time
-  double before_setpoint_degc = std::numeric_limits<double>::quiet_NaN();
-  double confidence = 0.5;
-  double network_expected_degc = std::numeric_limits<double>::quiet_NaN();
-  double head_expected_degc = std::numeric_limits<double>::quiet_NaN();
-  double network_error_k2 = 0.01;  ///< running mean of squared one-cycle errors
-  double head_error_k2 = 0.01;
-  std::int32_t usable_cycles = 0;  ///< successive cycles whose readings may be learned from, up to 3
-  std::int32_t has_weights = 0;    ///< 0: schedule only
-  std::int32_t has_features = 0;   ///< 1: `features` are good
-  std::int32_t reserved = 0;
-};
 
 /// Controls one AHU. Shape: T. Scalar: float on the box, double in tests.
 /// Cost: see `airside footprint`; nothing is allocated, ever.  Source: spec 6.5, DESIGN.md decisions 1-4, 10.
@@ -90,7 +44,7 @@ class Controller {
     learning_.cycles = learning_.rejected = 0;
     learning_.head.reset(settings, settings.head_gain_prior, settings.head_gain_prior_sd);
     cycle_ = CycleState<T>();
-    cycle_.validator = Validator<T>(limits, settings.hold_s);
+    cycle_.validator = Validator<T>(limits, settings);
     cycle_.confidence = settings.confidence_initial;
     replay_.clear();
     learner_settings_.loss.weights = {settings.weight_strb, settings.weight_tdb, settings.weight_gc, settings.weight_rc,
@@ -99,7 +53,8 @@ class Controller {
     learner_settings_.loss.labels = relation_labels<T>(settings.label_vav);
     learner_settings_.adam = {settings.learning_rate, settings.adam_beta1, settings.adam_beta2, settings.adam_epsilon};
     learner_settings_.sync_every = settings.target_sync_steps;
-    make_candidates();
+    search_.configure(settings);
+    g36_ = guideline36_on_site(settings);
   }
 
   /// Takes a scaler, and the weights that stand in learning(), as the start: target net a copy, moments zero (spec 8).
@@ -120,58 +75,77 @@ class Controller {
     learning_.head.update(settings_, t, f, moved_k, noise_factor);
   }
 
-  /// A row between two decisions: keeps the validator's memory.
+  /// A row between two decisions: keeps the validator's memory, and watches.
   void observe(CivilTime t, const Expected<Reading<T>>& sensed) {
     resumed_ = false;
+    cycle_.ladder.tick(t);
     if (!sensed) return;
     const Expected<ValidReading<T>> valid = check(t, *sensed);
+    watch(t, *sensed, valid);
     if (!valid || !valid->learnable()) return;
     cycle_.row_value = valid->value();
     cycle_.row_time = t;
   }
 
   /// Chooses the next setpoint.  validate -> scale -> predict -> score -> blend -> limit.
-  /// Errors: none; every fault is in the decision, and degrades it to the schedule.
+  /// Errors: none; every fault is in the decision, and takes it to the rung that the ladder has for it. On rung
+  /// `release` the command must not be written.
   const Decision& decide(CivilTime t, const Expected<Reading<T>>& sensed) {
     const SafetyEnvelope envelope(settings_);
     const double expert = expert_setpoint_degc(settings_, t);
-    if (sensed && !(resumed_ && t.seconds - cycle_.last_time.seconds == cycle_s)) adopt_setpoint(sensed->setpoint_degc);
+    cycle_.ladder.tick(t);
+    if (sensed && !(resumed_ && t.seconds - cycle_.last_time.seconds == cycle_s)) adopt_setpoint(t, *sensed);
+    if (sensed) cycle_.contact = sensed->contact;
     resumed_ = false;
+    const double g36 = decision_.g36_degc;
     decision_ = {.time = t, .command = envelope.limit(expert, cycle_.last_setpoint_degc, expert)};
     decision_.expert_degc = expert;
+    decision_.g36_degc = g36;
     decision_.confidence = cycle_.confidence;
     completed_ = false;
     usable_ = false;
     has_features_ = false;
     if (!sensed) {
       decision_.fault = sensed.error();
-      return decision_;
+      return stand_on(Mode::expert, Reason::no_reading);
     }
     const Expected<ValidReading<T>> valid = check(t, *sensed);
+    watch(t, *sensed, valid);
     if (!valid) {
       decision_.fault = valid.error();
       decision_.fault_signal = cycle_.validator.lost_signal();
-      return decision_;
+      return stand_on(Mode::expert, Reason::signal_lost);
     }
     now_ = valid->value();
     usable_ = valid->learnable();
     if (!usable_) name_held_signal();
     decision_.room_mean_degc = valid->room_mean_degc();
     judge(t);
-    if (cycle_.has_weights == 0) return decision_;
-    decision_.mode = usable_ ? Mode::learn : Mode::run;
-    propose(t, envelope, cycle_.last_setpoint_degc);
+    if (cycle_.has_weights == 0) return stand_on(Mode::expert, Reason::no_weights);
+    const double proposal = propose(t, cycle_.last_setpoint_degc);
+    if (!std::isfinite(proposal)) {
+      decision_.fault = Fault::forecast_invalid;
+      return stand_on(Mode::expert, Reason::forecast_invalid);
+    }
+    const Reason held = decision_.fault == Fault::disagrees ? Reason::room_disagrees : Reason::signal_held;
+    stand_on(usable_ ? Mode::learn : Mode::run, usable_ ? Reason::none : held);
+    if (decision_.mode < Mode::expert) {
+      const double in_range = std::clamp(proposal, settings_.action_min_degc, settings_.action_max_degc);
+      decision_.command = envelope.limit(in_range, cycle_.last_setpoint_degc, expert);
+    }
     return decision_;
   }
 
   /// Remembers what the AHU took and learns from the cycle that just ended.
   /// Errors: a refused command is remembered as unknown, and nothing is learned from the cycle it would have begun.
   void absorb(const Expected<Applied>& applied) {
-    const double setpoint = applied ? applied->setpoint_degc : std::numeric_limits<double>::quiet_NaN();
-    if (!applied && decision_.fault == Fault::none) decision_.fault = Fault::not_applied;
+    const double setpoint = applied ? applied->setpoint_degc : unknown;
+    if (!applied && decision_.fault == Fault::none && decision_.mode != Mode::release)
+      decision_.fault = applied.error();
+    account(applied);
     cycle_.network_expected_degc = cycle_.head_expected_degc = Decision::none;
     if (usable_ && std::isfinite(setpoint)) expect(decision_.time, setpoint);
-    if (completed_) replay_.push(newest_);
+    if (completed_ && !repeats_the_last(newest_)) replay_.push(newest_);
     if (completed_ && decision_.mode == Mode::learn) learn();
     const bool follows = decision_.time.seconds - cycle_.last_time.seconds == cycle_s;
     cycle_.features = features_;
@@ -180,9 +154,19 @@ class Controller {
     cycle_.last_value = now_;
     cycle_.last_time = decision_.time;
     cycle_.last_setpoint_degc = setpoint;
+    cycle_.commanded_degc = applied ? decision_.command.setpoint_degc() : unknown;
+    cycle_.ours = applied && decision_.mode <= Mode::run ? 1 : 0;
     const std::int32_t usable_before = follows ? cycle_.usable_cycles : 0;
     cycle_.usable_cycles = usable_ && applied ? std::min<std::int32_t>(usable_before + 1, 3) : 0;
     ++learning_.cycles;
+  }
+
+  /// What only the surroundings know (storage, clock, restarts, an operator's wish), from t on until it is taken back.
+  void report(Reason reason, bool is_so, CivilTime t) { cycle_.ladder.set(reason, is_so, t); }
+  /// An operator gives the AHU back: everything that waits for a person ends.
+  void hand_back() {
+    cycle_.ladder.hand_back();
+    cycle_.flips = cycle_.refused_writes = 0;
   }
 
   const Decision& decision() const { return decision_; }
@@ -200,7 +184,7 @@ class Controller {
   /// Rebuilds what is derived from the saved state; call after learning() or cycle() were overwritten.
   /// Errors: state_invalid if the saved numbers are not finite; the controller then has no weights.
   Fault restored() {
-    cycle_.validator.use_limits(limits_, settings_.hold_s);
+    cycle_.validator.use_limits(limits_, settings_);
     if (!all_finite(learning_.weights) || !learning_.head.finite() || !learning_.scaler.finite() ||
         !std::isfinite(cycle_.confidence)) {
       cycle_.has_weights = 0;
@@ -222,14 +206,14 @@ class Controller {
 
   /// One optimiser step on the replay; for a host that fine-tunes.  Errors: returns the losses before the step.
   LossTerms train_step() {
-    const LossTerms terms = step_on_replay(learning_.weights);
-    return terms;
+    return training_.step(settings_, learner_settings_, learning_, replay_, scratch_, learning_.weights);
   }
   /// Makes the weights that train_step() changed the ones in use.
   void prepare() { pack(learning_.weights, scratch_.kernels, packed_); }
 
  private:
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double foreign_k = 0.05;  ///< a setpoint differs by more than a register's rounding
 
   Expected<ValidReading<T>> check(CivilTime t, const Reading<T>& reading) {
     Reading<T> at = reading;
@@ -237,16 +221,88 @@ class Controller {
     return cycle_.validator.check(at);
   }
 
+  /// The gravest of what this decision found and what the ladder remembers.
+  const Decision& stand_on(Mode mode, Reason reason) {
+    const Reason remembered = cycle_.ladder.gravest(decision_.time);
+    const Mode asked = rung_of(remembered).mode;
+    const bool graver = asked > mode || (asked == mode && reason == Reason::none);
+    decision_.mode = graver ? asked : mode;
+    decision_.reason = graver ? remembered : reason;
+    return decision_;
+  }
+
   /// The AHU's own word counts: after a start, a refused write or another hand on it, its setpoint is what it shows.
-  /// Nothing is learned from the cycle that this breaks.
-  void adopt_setpoint(double standing_degc) {
-    constexpr double foreign_k = 0.05;  // more than a register's rounding
-    const double known = cycle_.last_setpoint_degc;
-    if (!std::isfinite(standing_degc)) return;
-    if (std::isfinite(known) && std::abs(standing_degc - known) <= foreign_k) return;
-    cycle_.last_setpoint_degc = standing_degc;
+  /// Nothing is learned from the cycle that this breaks. Another hand is left alone for a while; a device that was out
+  /// of touch may have fallen back to a default, and one that was slow shows what it was told.
+  void adopt_setpoint(CivilTime t, const Reading<T>& sensed) {
+    const double standing = sensed.setpoint_degc, known = cycle_.last_setpoint_degc;
+    if (!std::isfinite(standing) || (std::isfinite(known) && std::abs(standing - known) <= foreign_k)) return;
+    const bool late = std::abs(standing - cycle_.commanded_degc) <= foreign_k;
+    if (std::isfinite(known) && !late && !resumed_ && sensed.contact == cycle_.contact) {
+      constexpr std::int64_t day_s = 86400;
+      if (t.seconds - cycle_.flip_s > day_s || t.seconds < cycle_.flip_s) cycle_.flips = 0;
+      cycle_.flip_s = t.seconds;
+      ++cycle_.flips;
+      const auto patience_s = static_cast<std::int64_t>(settings_.override_h * 3600);
+      cycle_.ladder.hold(cycle_.flips >= 3 ? Reason::two_masters : Reason::overridden, t, patience_s);
+    }
+    cycle_.last_setpoint_degc = standing;
     cycle_.usable_cycles = 0;
   }
+
+  /// What takes more than one reading to see.
+  void watch(CivilTime t, const Reading<T>& sensed, const Expected<ValidReading<T>>& valid) {
+    const double away_k = std::abs(sensed.supply_temp_degc - cycle_.last_setpoint_degc);  // NaN: nothing to compare
+    const bool ignores = cycle_.supply_ignores.lasts(away_k > settings_.supply_ignored_k, t,
+                                                     static_cast<std::int64_t>(settings_.supply_ignored_s));
+    cycle_.ladder.set(Reason::supply_ignores_setpoint, ignores, t);
+    if (!valid) return;
+    const Vector& v = valid->value();
+    if (valid->learnable()) {
+      cycle_.ladder.set(Reason::sensor_drifts, cycle_.drift.row(v.template head<L::rooms>(), settings_.drift_k), t);
+    }
+    decision_.g36_degc = cycle_.guideline36.setpoint_degc(
+        settings_, g36_, t, {v.data(), static_cast<std::size_t>(L::rooms)},
+        {v.data() + L::vav_on, static_cast<std::size_t>(L::rooms)}, v(L::outdoor_temp));
+  }
+
+  /// What the AHU made of a command.
+  void account(const Expected<Applied>& applied) {
+    const CivilTime t = decision_.time;
+    if (decision_.mode == Mode::release) return;
+    if (!applied && applied.error() == Fault::write_refused) {
+      constexpr std::int64_t hour_s = 3600;
+      cycle_.ladder.set(Reason::write_refused, true, t);
+      if (++cycle_.refused_writes >= 2) cycle_.ladder.hold(Reason::writes_refused, t, hour_s);
+    }
+    if (!applied) return;
+    cycle_.refused_writes = 0;
+    cycle_.ladder.set(Reason::write_refused, false, t);
+    const double altered_k = std::abs(applied->setpoint_degc - decision_.command.setpoint_degc());
+    cycle_.ladder.set(Reason::setpoint_altered, altered_k > foreign_k, t);
+    const bool rests = cycle_.excitation.cycle(applied->setpoint_degc, settings_.excitation_k);
+    cycle_.ladder.set(Reason::no_excitation, rests && cycle_.has_weights != 0, t);
+  }
+
+  /// Whether the schedule would do better, in working hours.
+  void compare_with_schedule(CivilTime t) {
+    if (cycle_.ours == 0 || !in_working_hours(settings_, cycle_.last_time)) return;
+    cycle_.shadow.cycle(settings_, decision_.room_mean_degc, cycle_.last_setpoint_degc,
+                        expert_setpoint_degc(settings_, cycle_.last_time), learning_.head.gain(settings_));
+    const bool worse = cycle_.shadow.worse(settings_.worse_k);
+    cycle_.ladder.set(Reason::worse_than_schedule, worse, t);
+    cycle_.worse_cycles = worse ? cycle_.worse_cycles + 1 : 0;
+    constexpr std::int32_t working_day = 40;
+    if (cycle_.worse_cycles < working_day) return;
+    constexpr std::int64_t day_s = 86400;
+    cycle_.ladder.hold(Reason::worse_for_long, t, day_s);
+    cycle_.ladder.set(Reason::worse_than_schedule, false, t);
+    cycle_.shadow.reset();
+    cycle_.worse_cycles = 0;
+  }
+
+  /// A transition like the last one to the bit is no news: a device that repeats itself must not fill the memory.
+  bool repeats_the_last(const Row& row) const { return replay_.size() > 0 && replay_.newest(0) == row; }
 
   /// A signal that is held at its last good value is named, though control goes on.
   void name_held_signal() {
@@ -278,8 +334,10 @@ class Controller {
       f.x(HeadFeatures::setpoint_change) = cycle_.last_setpoint_degc - cycle_.before_setpoint_degc;
       learning_.head.grow(settings_, 1.0 / cycles_per_day);
       learning_.head.update(settings_, cycle_.last_time, f, moved);
+      cycle_.ladder.set(Reason::gain_reversed, learning_.head.gain_is_reversed(), t);
     }
     if (cycle_.has_weights == 0) return;
+    compare_with_schedule(t);
     newest_ = transition(cycle_.last_value, cycle_.last_setpoint_degc, now_);
     completed_ = true;
     decision_.loss = learning_.learner.loss_of(learning_.weights, newest_, learner_settings_.loss, scratch_);
@@ -297,10 +355,9 @@ class Controller {
     decision_.confidence = cycle_.confidence;
   }
 
-  /// predict -> score -> blend -> limit.
-  void propose(CivilTime t, const SafetyEnvelope& envelope, double last_degc) {
-    scaled_ = learning_.scaler.template signals<Scalar>(now_);
-    decision_.network_degc = network_choice(last_degc);
+  /// predict -> score -> blend. Errors: NaN if neither network nor head gives a number.
+  double propose(CivilTime t, double last_degc) {
+    decision_.network_degc = search_.best_degc(settings_, model(), now_, last_degc);
     decision_.head_degc = head_choice(t, last_degc);
     double chosen = decision_.network_degc;
     if (std::isfinite(decision_.head_degc)) {
@@ -313,61 +370,11 @@ class Controller {
                    ? decision_.head_share * decision_.head_degc + (1.0 - decision_.head_share) * chosen
                    : decision_.head_degc;
     }
-    if (!std::isfinite(chosen)) {
-      decision_.mode = Mode::expert;
-      decision_.fault = Fault::forecast_invalid;
-      return;
-    }
-    const double proposal = fuse(effective_confidence(settings_, cycle_.confidence), chosen, decision_.expert_degc);
-    const double in_range = std::clamp(proposal, settings_.action_min_degc, settings_.action_max_degc);
-    decision_.command = envelope.limit(in_range, last_degc, decision_.expert_degc);
+    if (!std::isfinite(chosen)) return unknown;
+    return fuse(effective_confidence(settings_, cycle_.confidence), chosen, decision_.expert_degc);
   }
 
-  double network_choice(double last_degc) {
-    const int best = choose({candidates_.data(), static_cast<std::size_t>(candidate_count_)}, last_degc);
-    if (best < 0) return unknown;
-    const double coarse = candidates_[static_cast<std::size_t>(best)];
-    if (settings_.refine_step_k <= 0) return coarse;
-    const double step = settings_.refine_step_k;
-    const int half = std::min(static_cast<int>(std::lround(settings_.action_step_k / step)), (max_candidates - 1) / 2);
-    int n = 0;
-    for (int i = -half; i <= half; ++i) {
-      const double a = coarse + i * step;
-      if (a < settings_.action_min_degc - 1e-9 || a > settings_.action_max_degc + 1e-9) continue;
-      fine_[static_cast<std::size_t>(n++)] = a;
-    }
-    const int finer = choose({fine_.data(), static_cast<std::size_t>(n)}, last_degc);
-    return finer < 0 ? unknown : fine_[static_cast<std::size_t>(finer)];
-  }
-
-  int choose(std::span<const double> candidates_degc, double last_degc) {
-    forecast(candidates_degc);
-    const double room = room_mean(now_);
-    for (std::size_t i = 0; i < candidates_degc.size(); ++i) {
-      const double move = std::isfinite(last_degc) ? candidates_degc[i] - last_degc : 0.0;
-      scores_[i] = setpoint_score(settings_, room, long_mean(i), move);
-    }
-    return best_candidate(settings_, {scores_.data(), candidates_degc.size()}, candidates_degc, last_degc);
-  }
-
-  void forecast(std::span<const double> candidates_degc) {
-    for (std::size_t i = 0; i < candidates_degc.size(); ++i) {
-      scaled_setpoints_[i] = learning_.scaler.template setpoint<Scalar>(candidates_degc[i]);
-    }
-    forecast_candidates<T, Scalar>(packed_, std::span<const Scalar, L::signals>(scaled_.data(), L::signals),
-                                   {scaled_setpoints_.data(), candidates_degc.size()}, scratch_, forecasts_);
-  }
-
-  double short_mean(std::size_t i) const {
-    double sum = 0;
-    for (const Scalar s : forecasts_[i].short_term) sum += static_cast<double>(s);
-    return learning_.scaler.room_mean() + learning_.scaler.room_scale() * sum / L::rooms;
-  }
-  double long_mean(std::size_t i) const {
-    double sum = 0;
-    for (const Scalar d : forecasts_[i].deviation) sum += static_cast<double>(d);
-    return short_mean(i) + learning_.scaler.room_scale() * sum / L::rooms;
-  }
+  ForecastModel<T, Scalar> model() { return {learning_.scaler, packed_, scratch_}; }
 
   double head_choice(CivilTime t, double last_degc) {
     if (!has_features_ || learning_.head.updates() == 0) return unknown;
@@ -379,9 +386,7 @@ class Controller {
   /// What network and head expect of the cycle that begins now, at the setpoint that was really applied.
   void expect(CivilTime t, double setpoint_degc) {
     if (cycle_.has_weights == 0) return;
-    scaled_ = learning_.scaler.template signals<Scalar>(now_);
-    forecast({&setpoint_degc, 1});
-    cycle_.network_expected_degc = short_mean(0);
+    cycle_.network_expected_degc = search_.expected_mean_degc(model(), now_, setpoint_degc);
     decision_.expected_mean_degc = cycle_.network_expected_degc;
     if (!has_features_) return;
     cycle_.head_expected_degc = room_mean(now_) + learning_.head.drift_k(settings_, t, features_) +
@@ -389,62 +394,14 @@ class Controller {
     if (std::isfinite(cycle_.head_expected_degc)) decision_.expected_mean_degc = cycle_.head_expected_degc;
   }
 
-  /// A bounded number of steps on shadow weights; they replace the ones in use only if they pass the gate.
   void learn() {
-    if (settings_.updates_per_cycle == 0 || replay_.size() == 0) return;
-    shadow_ = learning_.weights;
-    for (int i = 0; i < settings_.updates_per_cycle; ++i) (void)step_on_replay(shadow_);
-    // Weights that are no numbers are refused with or without the gate: nothing could learn its way back from them.
-    if (settings_.gate != 0 ? !gate_passes() : !all_finite(shadow_)) {
-      ++learning_.rejected;
-      learning_.learner.reset(learning_.weights);
-      if (decision_.fault == Fault::none) decision_.fault = Fault::learning_rejected;
-      return;
-    }
-    learning_.weights = shadow_;
-    prepare();
-  }
-
-  LossTerms step_on_replay(NetworkWeights<T, Scalar>& weights) {
-    const std::size_t wanted = static_cast<std::size_t>(settings_.batch);
-    const int drawn = replay_.sample(learning_.sampler, {index_.data(), wanted}, settings_.recent_in_batch);
-    int n = 0;
-    for (int i = 0; i < drawn; ++i) {
-      const std::uint32_t slot = index_[static_cast<std::size_t>(i)];
-      if (settings_.gate == 0 || !held_back(slot)) index_[static_cast<std::size_t>(n++)] = slot;
-    }
-    if (n == 0) return {};
-    return learning_.learner.step(weights, replay_.view({index_.data(), static_cast<std::size_t>(n)}),
-                                  learner_settings_, scratch_);
-  }
-
-  /// Every tenth slot of the ring is never trained on when the gate is on: it judges.
-  static constexpr bool held_back(std::uint32_t slot) { return slot % 10 == 9; }
-
-  /// Finite, not worse on the held-back slots than gate_loss_ratio allows, and no wilder on canary states.
-  bool gate_passes() {
-    if (!all_finite(shadow_)) return false;
-    const std::uint32_t slots = static_cast<std::uint32_t>(replay_.size());
-    const std::uint32_t held = slots / 10;
-    if (held > 0) {
-      const std::uint32_t n = std::min<std::uint32_t>(held, 64);
-      for (std::uint32_t i = 0; i < n; ++i) index_[i] = 10 * (i * held / n) + 9;
-      const auto batch = replay_.view({index_.data(), n});
-      const double before = learning_.learner.evaluate(learning_.weights, batch, learner_settings_.loss, scratch_).strb;
-      const double after = learning_.learner.evaluate(shadow_, batch, learner_settings_.loss, scratch_).strb;
-      if (!(after <= settings_.gate_loss_ratio * before + 1e-3)) return false;
-    }
-    return canary_passes();
-  }
-
-  /// Sane on canary states, or at least no wilder than the weights in use: else weights that were strange from the
-  /// start could never learn their way out.
-  bool canary_passes() {
-    const double excess_in_use = canary_excess_k<T>(settings_, learning_.scaler, packed_, scratch_);
-    pack(shadow_, scratch_.kernels, packed_);
-    const double excess = canary_excess_k<T>(settings_, learning_.scaler, packed_, scratch_);
-    pack(learning_.weights, scratch_.kernels, packed_);
-    return std::isfinite(excess) && excess <= excess_in_use;
+    const Fault fault = training_.learn(settings_, learner_settings_, learning_, replay_, packed_, scratch_);
+    cycle_.refused_updates = fault == Fault::none ? 0 : cycle_.refused_updates + 1;
+    if (fault != Fault::none && decision_.fault == Fault::none) decision_.fault = fault;
+    if (cycle_.refused_updates < settings_.refused_updates) return;
+    constexpr std::int64_t day_s = 86400;
+    cycle_.ladder.hold(Reason::learning_refused, decision_.time, day_s);
+    cycle_.refused_updates = 0;
   }
 
   /// The regressors of now. A row that was missed 6 min ago is thought to lie on the line from the last decision.
@@ -468,15 +425,6 @@ class Controller {
     if (std::isfinite(error)) mean_square += memory * (error * error - mean_square);
   }
 
-  void make_candidates() {
-    const double span = settings_.action_max_degc - settings_.action_min_degc;
-    candidate_count_ = std::min(static_cast<int>(std::lround(span / settings_.action_step_k)) + 1, max_candidates);
-    for (int i = 0; i < candidate_count_; ++i) {
-      candidates_[static_cast<std::size_t>(i)] =
-          std::min(settings_.action_min_degc + i * settings_.action_step_k, settings_.action_max_degc);
-    }
-  }
-
   ControllerSettings settings_;
   LimitsTable<T> limits_{};
   LearnerSettings<T> learner_settings_;
@@ -485,7 +433,7 @@ class Controller {
   CycleState<T> cycle_;
   ReplayRing<T, Scalar> replay_;
 
-  NetworkWeights<T, Scalar> shadow_;
+  ShadowTraining<T, Scalar> training_;
   PackedWeights<T, Scalar> packed_;
   NetworkScratch<T, Scalar> scratch_;
 
@@ -498,12 +446,8 @@ class Controller {
   bool usable_ = false;        ///< the present reading may be learned from
   bool resumed_ = false;       ///< no row since restored(): a setpoint that stands there may be of a decision cut off
 
-  int candidate_count_ = 0;
-  Eigen::Matrix<Scalar, L::signals, 1> scaled_;
-  std::array<double, max_candidates> candidates_{}, fine_{}, scores_{};
-  std::array<Scalar, max_candidates> scaled_setpoints_{};
-  std::array<RoomForecast<T, Scalar>, max_candidates> forecasts_{};
-  std::array<std::uint32_t, max_batch> index_{};
+  CandidateSearch<T, Scalar> search_;
+  Guideline36Settings g36_;
 };
 
 }  // namespace airside

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "airside/civil_time.hpp"
+#include "airside/ladder.hpp"
 #include "airside/plant.hpp"
 
 namespace airside {
@@ -30,7 +31,9 @@ requires Plant<Plant_, Topology_> && Clock<Clock_> CivilTime run_cycles(Plant_& 
     const Expected<Reading<Topology_>> sensed = plant.sense();
     if (starts_cycle(t)) {
       const auto& decision = controller.decide(t, sensed);
-      const Expected<Applied> applied = plant.actuate(decision.command);
+      const Expected<Applied> applied = decision.mode == Mode::release
+                                            ? Expected<Applied>(tl::unexpected(Fault::released))
+                                            : plant.actuate(decision.command);
       controller.absorb(applied);
     } else {
       controller.observe(t, sensed);

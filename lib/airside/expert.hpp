@@ -6,8 +6,14 @@
 
 namespace airside {
 
-/// Whether t lies in working hours.  work_start <= time of day < work_end, on working days.
-constexpr bool in_working_hours(const ControllerSettings& s, CivilTime t) {
+/// People's clock at standard time t.
+constexpr CivilTime local_time(const ControllerSettings& s, CivilTime t) {
+  return local_time(static_cast<DaylightSaving>(s.daylight_saving), s.utc_offset_h, t);
+}
+
+/// Whether standard time t lies in working hours.  work_start <= local time of day < work_end, on working days.
+constexpr bool in_working_hours(const ControllerSettings& s, CivilTime standard_time) {
+  const CivilTime t = local_time(s, standard_time);
   if (s.weekday_only != 0 && t.weekday() >= 5) return false;
   const double h = t.second_of_day() / 3600.0;
   return h >= s.work_start_h && h < s.work_end_h;

@@ -30,6 +30,12 @@ enum class Fault : std::uint8_t {
   blob_size = 19,          ///< length differs from what the topology needs
   state_invalid = 20,      ///< durable state fails its checksum or its size
   settings_invalid = 21,   ///< a setting is outside its documented range
+  disagrees = 22,          ///< far from the median of all rooms
+  frozen = 23,             ///< every signal unchanged for too long: the device repeats itself
+  write_refused = 24,      ///< the device answered, and refused the setpoint
+  released = 25,           ///< nothing was written, as the ladder asks
+  blob_signature = 26,     ///< not signed, or signed by a key that is unknown or revoked, or changed since
+  blob_counter = 27,       ///< as old as or older than one that was installed
 };
 
 constexpr const char* text_of(Fault fault) {
@@ -56,6 +62,12 @@ constexpr const char* text_of(Fault fault) {
     case Fault::blob_size: return "blob size";
     case Fault::state_invalid: return "state invalid";
     case Fault::settings_invalid: return "settings invalid";
+    case Fault::disagrees: return "disagrees with the other rooms";
+    case Fault::frozen: return "all signals frozen";
+    case Fault::write_refused: return "write refused";
+    case Fault::released: return "released";
+    case Fault::blob_signature: return "blob signature";
+    case Fault::blob_counter: return "blob counter";
   }
   return "unknown";
 }

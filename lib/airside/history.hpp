@@ -19,7 +19,7 @@ class HistoryReader {
   enum class Head { leave, learn };
 
   HistoryReader(Controller<T, Scalar>& controller, Head head)
-      : controller_(controller), head_(head), validator_(controller.limits(), controller.settings().hold_s) {}
+      : controller_(controller), head_(head), validator_(controller.limits(), controller.settings()) {}
 
   /// One row: `setpoint_degc` was applied from `time` on. A row that may not be learned from breaks the window and
   /// nothing else.

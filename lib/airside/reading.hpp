@@ -2,6 +2,7 @@
 // What a plant says at one instant, before anybody has checked it.
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <limits>
 
 #include "airside/civil_time.hpp"
@@ -21,6 +22,8 @@ struct Reading {
   double setpoint_degc = std::numeric_limits<double>::quiet_NaN();
   /// Measured supply-air temperature, degC; NaN where there is no sensor. Not a network input.
   double supply_temp_degc = std::numeric_limits<double>::quiet_NaN();
+  /// Counts up whenever the device was out of touch in between; it may have restarted, and stand at a default.
+  std::uint64_t contact = 0;
 };
 
 }  // namespace airside

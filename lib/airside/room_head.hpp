@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "airside/expert.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/validation.hpp"
@@ -110,6 +111,9 @@ class RoomHead {
     return std::sqrt(std::max(0.0, covariance()(g, g)));
   }
 
+  /// Whether colder supply air makes the rooms warmer, beyond doubt: gain + 2 sd < 0.
+  bool gain_is_reversed() const { return theta_(HeadFeatures::setpoint_change) + 2 * gain_sd() < 0; }
+
   /// The setpoint that removes `head_correction` of the present error by the end of the cycle, degC.
   double setpoint_degc(const ControllerSettings& s, CivilTime t, const HeadFeatures& f, double room_mean_degc,
                        double setpoint_before_degc) const {
@@ -181,7 +185,8 @@ class RoomHead {
 
  private:
   /// h = [x | slot weights], linear between neighbouring slots.
-  static State row(const ControllerSettings& s, CivilTime t, const HeadFeatures& f) {
+  static State row(const ControllerSettings& s, CivilTime standard_time, const HeadFeatures& f) {
+    const CivilTime t = local_time(s, standard_time);  // people's days move with their clocks
     State h = State::Zero();
     h.template head<regressors>() = f.x;
     const int type = s.head_day_types == 2 && t.weekday() >= 5 ? 1 : 0;

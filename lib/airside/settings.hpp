@@ -16,6 +16,8 @@ struct ControllerSettings {
   double work_start_h = 7.0;       ///< hours; scoring and the expert's day start here (spec 2)
   double work_end_h = 19.0;        ///< hours
   int weekday_only = 0;            ///< 1: Saturday and Sunday are days off (spec OPEN-19)
+  int daylight_saving = 0;         ///< 0 none, 1 European Union, 2 United States (civil_time.hpp)
+  double utc_offset_h = 0;         ///< of local standard time, hours east; the European rule needs it
   double expert_work_degc = 20.5;  ///< schedule in working hours (spec 6.3)
   double expert_off_degc = 25.0;   ///< schedule outside
 
@@ -75,6 +77,18 @@ struct ControllerSettings {
   double limit_change_k = 6.0;  ///< largest change from one cycle to the next
   double round_k = 0.01;        ///< resolution of what is written (OPEN-18)
   double hold_s = 1080;         ///< a lost signal keeps its last good value so long
+
+  // Ladder (DESIGN.md "Thresholds of the ladder")
+  double frozen_s = 3600;          ///< all signals unchanged for so long: the device repeats itself
+  double disagree_k = 8.0;         ///< a room so far from the median of all is not believed
+  double drift_k = 1.0;            ///< a room so far from where it was against the others drifts
+  double supply_ignored_k = 1.5;   ///< supply air so far from its setpoint ignores it
+  double supply_ignored_s = 5400;  ///< when it has lasted so long
+  double excitation_k = 0.05;      ///< sd of a day's setpoints below which nothing is learned
+  double worse_k = 0.15;           ///< further from target than the schedule's shadow by so much
+  double override_h = 4.0;         ///< somebody else's setpoint is left alone for so long
+  double trust_ratio = 0.25;       ///< an update may move the weights by this share of their norm
+  int refused_updates = 80;        ///< so many in a row freeze the weights for a day
 };
 
 /// The printed method. Source: spec/method section 15.
@@ -116,6 +130,8 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
     AIRSIDE_REAL(work_start_h, 0, 24),
     AIRSIDE_REAL(work_end_h, 0, 24),
     AIRSIDE_WHOLE(weekday_only, 0, 1),
+    AIRSIDE_WHOLE(daylight_saving, 0, 2),
+    AIRSIDE_REAL(utc_offset_h, -12, 14),
     AIRSIDE_REAL(expert_work_degc, 5, 40),
     AIRSIDE_REAL(expert_off_degc, 5, 40),
     AIRSIDE_REAL(action_min_degc, 5, 40),
@@ -169,6 +185,16 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
     AIRSIDE_REAL(limit_change_k, 0.01, 50),
     AIRSIDE_REAL(round_k, 0.001, 1),
     AIRSIDE_REAL(hold_s, 0, 86400),
+    AIRSIDE_REAL(frozen_s, 720, 86400),
+    AIRSIDE_REAL(disagree_k, 1, 50),
+    AIRSIDE_REAL(drift_k, 0.1, 50),
+    AIRSIDE_REAL(supply_ignored_k, 0.1, 50),
+    AIRSIDE_REAL(supply_ignored_s, 0, 86400),
+    AIRSIDE_REAL(excitation_k, 0, 5),
+    AIRSIDE_REAL(worse_k, 0, 10),
+    AIRSIDE_REAL(override_h, 0, 168),
+    AIRSIDE_REAL(trust_ratio, 1e-3, 10),
+    AIRSIDE_WHOLE(refused_updates, 1, 1000000),
 });
 
 #undef AIRSIDE_REAL

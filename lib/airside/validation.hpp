@@ -3,6 +3,7 @@
 // unchecked number: only Validator makes a ValidReading.
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -71,12 +72,15 @@ class Validator {
  public:
   static constexpr int n = Layout<T>::signals;
 
-  explicit Validator(const LimitsTable<T>& limits = default_limits<T>(), double hold_s = 1080)
-      : limits_(limits), hold_s_(hold_s) {}
+  explicit Validator(const LimitsTable<T>& limits = default_limits<T>(),
+                     const ControllerSettings& settings = product_settings()) {
+    use_limits(limits, settings);
+  }
 
   /// Checks every signal: finite, fresh, in range, not too fast, not stuck; replaces a lost one by its last good
-  /// value for at most hold_s.
-  /// Errors: the first fault whose value can no longer be held. Cost: O(signals).  Source: RELIABILITY rows 1-5.
+  /// value for at most hold_s, and a single room far from all others by the median of the rooms.
+  /// Errors: the first fault whose value can no longer be held; frozen, if no signal has changed for frozen_s;
+  /// disagrees, if more than one room does. Cost: O(signals).  Source: RELIABILITY rows 1-6.
   Expected<ValidReading<T>> check(const Reading<T>& reading) {
     ValidReading<T> out;
     out.time_ = reading.time;
@@ -96,14 +100,18 @@ class Validator {
       out.value_(i) = last_good_[k];
       ++out.held_;
     }
+    if (lost == Fault::none) lost = disagreement(out);
+    if (frozen(reading)) lost = Fault::frozen, lost_signal_ = -1;
     if (lost != Fault::none) return tl::unexpected(lost);
     return out;
   }
 
   /// Replaces the limits, which belong to the site file and not to the saved state.
-  void use_limits(const LimitsTable<T>& limits, double hold_s) {
+  void use_limits(const LimitsTable<T>& limits, const ControllerSettings& settings) {
     limits_ = limits;
-    hold_s_ = hold_s;
+    hold_s_ = settings.hold_s;
+    frozen_s_ = settings.frozen_s;
+    disagree_k_ = settings.disagree_k;
   }
 
   /// Fault of each signal at the last check, and the signal whose loss refused the reading.
@@ -174,14 +182,52 @@ class Validator {
     return widest >= 0.5;
   }
 
+  /// One room far from the median of the good ones is replaced by it; with more of them nobody knows who is right.
+  Fault disagreement(ValidReading<T>& out) {
+    constexpr int rooms = Layout<T>::rooms;
+    std::array<double, static_cast<std::size_t>(rooms)> good;
+    std::size_t count = 0;
+    for (int r = 0; r < rooms; ++r) {
+      if (faults_[static_cast<std::size_t>(r)] == Fault::none) good[count++] = out.value_(r);
+    }
+    if (count < 3) return Fault::none;
+    std::sort(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(count));
+    const double median = 0.5 * (good[(count - 1) / 2] + good[count / 2]);
+    int outliers = 0;
+    for (int r = 0; r < rooms; ++r) {
+      const std::size_t k = static_cast<std::size_t>(r);
+      if (faults_[k] != Fault::none || std::abs(out.value_(r) - median) <= disagree_k_) continue;
+      faults_[k] = Fault::disagrees;
+      lost_signal_ = r;
+      out.value_(r) = median;
+      ++out.held_;
+      ++outliers;
+    }
+    return outliers > 1 ? Fault::disagrees : Fault::none;
+  }
+
+  /// A gateway that lost its device may repeat the last answer for ever; no building repeats every digit for an hour.
+  bool frozen(const Reading<T>& reading) {
+    bool same = true;
+    for (int i = 0; i < n; ++i) {
+      const double v = reading.value(i), before = previous_[static_cast<std::size_t>(i)];
+      same = same && (v == before || (std::isnan(v) && std::isnan(before)));
+      previous_[static_cast<std::size_t>(i)] = v;
+    }
+    if (!same || moved_at_ > reading.time.seconds) moved_at_ = reading.time.seconds;
+    return static_cast<double>(reading.time.seconds - moved_at_) > frozen_s_;
+  }
+
   LimitsTable<T> limits_;
-  double hold_s_;
+  double hold_s_ = 0, frozen_s_ = 0, disagree_k_ = 0;
   std::array<double, static_cast<std::size_t>(n)> last_good_{};
   std::array<std::int64_t, static_cast<std::size_t>(n)> good_at_{};
   std::array<std::int64_t, static_cast<std::size_t>(n)> changed_at_{};
   std::array<double, static_cast<std::size_t>(n)> suspect_{};
   std::array<double, static_cast<std::size_t>(Layout<T>::rooms)> low_{}, high_{};
   std::int64_t window_at_ = 0;
+  std::array<double, static_cast<std::size_t>(n)> previous_{};
+  std::int64_t moved_at_ = 0;
   std::array<std::uint8_t, static_cast<std::size_t>(n)> suspects_{};
   std::array<bool, static_cast<std::size_t>(n)> seen_{};
   std::array<Fault, static_cast<std::size_t>(n)> faults_{};

@@ -94,22 +94,6 @@ TEST(ControllerFaults, ARefusedCommandIsNamedAndItsCycleNotLearnedFrom) {
   EXPECT_EQ(rig.controller->replay().total_pushed(), remembered + 2);
 }
 
-TEST(ControllerFaults, AnotherHandOnTheSetpointIsSeenAndItsCycleNotLearnedFrom) {
-  Rig rig;
-  rig.cycles(6);
-  const std::uint64_t remembered = rig.controller->replay().total_pushed();
-  rig.row();
-  rig.setpoint = 21.0;  // somebody at the AHU
-  rig.row();
-  rig.row();
-  const double head_before = rig.controller->learning().head.theta().norm();
-  rig.cycles(1);
-  EXPECT_EQ(rig.controller->replay().total_pushed(), remembered + 1) << "the cycle before the other hand only";
-  EXPECT_EQ(rig.controller->learning().head.theta().norm(), head_before);
-  rig.cycles(1);
-  EXPECT_EQ(rig.controller->replay().total_pushed(), remembered + 2);
-}
-
 TEST(ControllerFaults, TheRoomHeadLearnsNothingAcrossAGapInTime) {
   Rig rig;
   rig.cycles(6);

@@ -64,8 +64,10 @@ class ControllerRig {
       EXPECT_GE(a, controller->settings().limit_min_degc);
       EXPECT_LE(a, controller->settings().limit_max_degc);
       EXPECT_LE(std::abs(a - before), controller->settings().limit_change_k + 1e-9);
-      if (refuses) {
-        controller->absorb(tl::unexpected(Fault::not_applied));
+      if (d.mode == Mode::release) {
+        controller->absorb(tl::unexpected(Fault::released));
+      } else if (refuses) {
+        controller->absorb(tl::unexpected(refusal));
       } else {
         setpoint = a;
         controller->absorb(Applied{a});
@@ -92,6 +94,7 @@ class ControllerRig {
   std::unique_ptr<Controller<T>> controller = std::make_unique<Controller<T>>();
   CivilTime now;
   double setpoint = 25;
+  Fault refusal = Fault::not_applied;  ///< what a refused command comes back as
 };
 
 }  // namespace airside

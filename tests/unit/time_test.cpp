@@ -168,5 +168,47 @@ TEST(SplitMix64, StaysInItsRanges) {
   EXPECT_EQ(g.below(1), 0U);
 }
 
+constexpr std::int64_t hours(double h) { return static_cast<std::int64_t>(h * 3600); }
+
+TEST(DaylightSaving, TheEuropeanOneChangesAtOneOClockUniversalTime) {
+  constexpr auto eu = DaylightSaving::european_union;
+  // 2024-03-31 and 2024-10-27 in central Europe (standard time is an hour east)
+  constexpr CivilTime spring{1'711'843'200 + hours(2)}, autumn{1'729'987'200 + hours(2)};
+  EXPECT_EQ(local_time(eu, 1, {spring.seconds - 1}).seconds, spring.seconds - 1);
+  EXPECT_EQ(local_time(eu, 1, spring).seconds, spring.seconds + 3600);
+  EXPECT_EQ(local_time(eu, 1, {autumn.seconds - 1}).seconds, autumn.seconds - 1 + 3600);
+  EXPECT_EQ(local_time(eu, 1, autumn).seconds, autumn.seconds);
+  EXPECT_EQ(local_time(eu, 2, {spring.seconds + hours(1) - 1}).seconds, spring.seconds + hours(1) - 1)
+      << "an hour further east it is an hour later";
+}
+
+TEST(DaylightSaving, TheAmericanOneChangesAtTwoOnTheWall) {
+  constexpr auto us = DaylightSaving::united_states;
+  constexpr CivilTime spring{1'710'028'800 + hours(2)}, autumn{1'730'592'000 + hours(1)};  // 2024-03-10, 2024-11-03
+  EXPECT_EQ(local_time(us, -5, {spring.seconds - 1}).seconds, spring.seconds - 1);
+  EXPECT_EQ(local_time(us, -5, spring).seconds, spring.seconds + 3600);
+  EXPECT_EQ(local_time(us, -5, {autumn.seconds - 1}).seconds, autumn.seconds - 1 + 3600);
+  EXPECT_EQ(local_time(us, -5, autumn).seconds, autumn.seconds);
+}
+
+TEST(DaylightSaving, EveryRowExistsOnceOnDaysOf23And25Hours) {
+  // The schedule begins at seven on the wall on all three days, and a day always has 80 cycles.
+  ControllerSettings s = product_settings();
+  s.daylight_saving = 1;
+  s.utc_offset_h = 1;
+  for (const std::int64_t midnight : {1'711'843'200LL, 1'729'987'200LL, 1'720'000'000LL / 86400 * 86400}) {
+    int cycles = 0;
+    for (std::int64_t t = midnight; t < midnight + 86400; t += row_s) cycles += starts_cycle({t});
+    EXPECT_EQ(cycles, cycles_per_day);
+  }
+  const std::int64_t spring = 1'711'843'200, autumn = 1'729'987'200;
+  EXPECT_FALSE(in_working_hours(s, {spring + hours(6) - 1})) << "six standard is seven on the wall";
+  EXPECT_TRUE(in_working_hours(s, {spring + hours(6)}));
+  EXPECT_FALSE(in_working_hours(s, {autumn + hours(7) - 1}));
+  EXPECT_TRUE(in_working_hours(s, {autumn + hours(7)}));
+  s.daylight_saving = 0;
+  EXPECT_FALSE(in_working_hours(s, {spring + hours(6)}));
+}
+
 }  // namespace
 }  // namespace airside

@@ -1,0 +1,107 @@
+#pragma once
+// Which setpoint the network would choose: forecasts for every candidate, their scores, a second finer grid.
+
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "airside/network_forward.hpp"
+#include "airside/scaler.hpp"
+#include "airside/scores.hpp"
+#include "airside/settings.hpp"
+
+namespace airside {
+
+/// The network as a search sees it.
+template <Topology T, class Scalar>
+struct ForecastModel {
+  const Scaler<T>& scaler;
+  const PackedWeights<T, Scalar>& weights;
+  NetworkScratch<T, Scalar>& scratch;
+};
+
+/// predict -> score.  Shape: T. Cost: two passes of at most max_candidates forecasts; nothing is allocated.
+/// Source: spec 6.1, OPEN-14..16.
+template <Topology T, class Scalar>
+class CandidateSearch {
+ public:
+  using L = Layout<T>;
+  using Vector = Eigen::Matrix<double, L::signals, 1>;
+
+  /// The grid of the action set.
+  void configure(const ControllerSettings& s) {
+    const double span = s.action_max_degc - s.action_min_degc;
+    count_ = std::min(static_cast<int>(std::lround(span / s.action_step_k)) + 1, max_candidates);
+    for (int i = 0; i < count_; ++i) {
+      candidates_[static_cast<std::size_t>(i)] = std::min(s.action_min_degc + i * s.action_step_k, s.action_max_degc);
+    }
+  }
+
+  /// The network's choice in state `now`, degC. Errors: NaN if no forecast is a number.
+  double best_degc(const ControllerSettings& s, const ForecastModel<T, Scalar>& model, const Vector& now,
+                   double last_degc) {
+    scaled_ = model.scaler.template signals<Scalar>(now);
+    const double room = now.template head<L::rooms>().mean();
+    const int best = choose(s, model, {candidates_.data(), static_cast<std::size_t>(count_)}, room, last_degc);
+    if (best < 0) return unknown;
+    const double coarse = candidates_[static_cast<std::size_t>(best)];
+    if (s.refine_step_k <= 0) return coarse;
+    const double step = s.refine_step_k;
+    const int half = std::min(static_cast<int>(std::lround(s.action_step_k / step)), (max_candidates - 1) / 2);
+    int n = 0;
+    for (int i = -half; i <= half; ++i) {
+      const double a = coarse + i * step;
+      if (a < s.action_min_degc - 1e-9 || a > s.action_max_degc + 1e-9) continue;
+      fine_[static_cast<std::size_t>(n++)] = a;
+    }
+    const int finer = choose(s, model, {fine_.data(), static_cast<std::size_t>(n)}, room, last_degc);
+    return finer < 0 ? unknown : fine_[static_cast<std::size_t>(finer)];
+  }
+
+  /// Room mean that the network expects at the end of a cycle that begins in `now` at this setpoint, degC.
+  double expected_mean_degc(const ForecastModel<T, Scalar>& model, const Vector& now, double setpoint_degc) {
+    scaled_ = model.scaler.template signals<Scalar>(now);
+    forecast(model, {&setpoint_degc, 1});
+    return short_mean(model.scaler, 0);
+  }
+
+ private:
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+  int choose(const ControllerSettings& s, const ForecastModel<T, Scalar>& model,
+             std::span<const double> candidates_degc, double room_degc, double last_degc) {
+    forecast(model, candidates_degc);
+    for (std::size_t i = 0; i < candidates_degc.size(); ++i) {
+      const double move = std::isfinite(last_degc) ? candidates_degc[i] - last_degc : 0.0;
+      scores_[i] = setpoint_score(s, room_degc, long_mean(model.scaler, i), move);
+    }
+    return best_candidate(s, {scores_.data(), candidates_degc.size()}, candidates_degc, last_degc);
+  }
+
+  void forecast(const ForecastModel<T, Scalar>& model, std::span<const double> candidates_degc) {
+    for (std::size_t i = 0; i < candidates_degc.size(); ++i) {
+      scaled_setpoints_[i] = model.scaler.template setpoint<Scalar>(candidates_degc[i]);
+    }
+    forecast_candidates<T, Scalar>(model.weights, std::span<const Scalar, L::signals>(scaled_.data(), L::signals),
+                                   {scaled_setpoints_.data(), candidates_degc.size()}, model.scratch, forecasts_);
+  }
+
+  double short_mean(const Scaler<T>& scaler, std::size_t i) const {
+    double sum = 0;
+    for (const Scalar s : forecasts_[i].short_term) sum += static_cast<double>(s);
+    return scaler.room_mean() + scaler.room_scale() * sum / L::rooms;
+  }
+  double long_mean(const Scaler<T>& scaler, std::size_t i) const {
+    double sum = 0;
+    for (const Scalar d : forecasts_[i].deviation) sum += static_cast<double>(d);
+    return short_mean(scaler, i) + scaler.room_scale() * sum / L::rooms;
+  }
+
+  int count_ = 0;
+  Eigen::Matrix<Scalar, L::signals, 1> scaled_;
+  std::array<double, max_candidates> candidates_{}, fine_{}, scores_{};
+  std::array<Scalar, max_candidates> scaled_setpoints_{};
+  std::array<RoomForecast<T, Scalar>, max_candidates> forecasts_{};
+};
+
+}  // namespace airside

@@ -1,0 +1,217 @@
+#pragma once
+// The ladder LEARN < RUN < EXPERT < RELEASE: the highest rung that any active reason asks for wins. Every reason says
+// why it is there and how it ends.
+
+#include <array>
+#include <cstdint>
+#include <limits>
+
+#include "airside/civil_time.hpp"
+
+namespace airside {
+
+/// Rungs of the ladder, numbers frozen. Source: RELIABILITY "The ladder".
+enum class Mode : std::uint8_t {
+  learn = 0,    ///< control and learn
+  run = 1,      ///< control with frozen weights
+  expert = 2,   ///< the schedule
+  release = 3,  ///< nothing is written
+};
+
+constexpr const char* text_of(Mode mode) {
+  switch (mode) {
+    case Mode::learn: return "learn";
+    case Mode::run: return "run";
+    case Mode::expert: return "expert";
+    case Mode::release: return "release";
+  }
+  return "unknown";
+}
+
+/// Why a rung was taken. Frozen numbers: they stand in logs, snapshots and durable state. Those of rung LEARN are
+/// alarms alone.
+enum class Reason : std::uint8_t {
+  none = 0,
+  setpoint_altered = 1,         ///< the AHU took another setpoint than the one written
+  storage_failed = 2,           ///< state or log cannot be written; all goes on in memory
+  signal_held = 3,              ///< a signal stands in with its last good value
+  room_disagrees = 4,           ///< one room is far from all others; their median stands in
+  sensor_drifts = 5,            ///< one room has moved away from the others for days
+  supply_ignores_setpoint = 6,  ///< supply air stays away from its setpoint
+  no_excitation = 7,            ///< the setpoint has hardly moved for a day
+  learning_refused = 8,         ///< the gate refused every update for a day
+  worse_than_schedule = 9,      ///< the rooms are further off than the schedule would have them
+  no_weights = 10,              ///< nothing has been trained yet
+  signal_lost = 11,             ///< a signal is gone for longer than it may be held
+  no_reading = 12,              ///< the plant does not answer
+  forecast_invalid = 13,        ///< network and head give no number
+  gain_reversed = 14,           ///< the rooms answer to the setpoint the wrong way round
+  write_refused = 15,           ///< the AHU refused a setpoint
+  clock_not_set = 16,           ///< the clock cannot be right
+  crash_loop = 17,              ///< the daemon was restarted too often
+  state_lost = 18,              ///< no saved generation is whole, though there was one
+  worse_for_long = 19,          ///< as worse_than_schedule, for a working day
+  overridden = 20,              ///< somebody else has set the setpoint
+  two_masters = 21,             ///< somebody else sets it again and again
+  writes_refused = 22,          ///< the AHU refused the schedule's setpoint too
+  map_differs = 23,             ///< the device is not the one that the point map describes
+  released_by_hand = 24,        ///< an operator asked for it
+};
+constexpr int reason_count = 25;
+
+/// What a reason asks for. Texts are whole phrases for log, status and page.
+struct Rung {
+  Mode mode;
+  bool beats;       ///< the heartbeat goes on, also while nothing is written
+  bool for_person;  ///< ends only when a person hands the AHU back
+  const char* why;
+  const char* way_out;
+};
+
+constexpr Rung rung_of(Reason reason) {
+  switch (reason) {
+    case Reason::none: return {Mode::learn, true, false, "all is well", "none needed"};
+    case Reason::setpoint_altered:
+      return {Mode::learn, true, false, "the AHU took another setpoint than the one written",
+              "ends with the first setpoint that is taken as written; look for limits in the AHU"};
+    case Reason::storage_failed:
+      return {Mode::learn, true, false, "state or log cannot be written",
+              "ends with the first write that succeeds; look at the disk"};
+    case Reason::signal_held:
+      return {Mode::run, true, false, "a signal stands in with its last good value", "ends when the signal is back"};
+    case Reason::room_disagrees:
+      return {Mode::run, true, false, "one room sensor is far from all others, whose median stands in",
+              "ends when it is back among them; look at that sensor"};
+    case Reason::sensor_drifts:
+      return {Mode::run, true, false, "one room sensor has moved away from the others for days",
+              "ends when it stays where it is for two weeks; compare that sensor with a thermometer"};
+    case Reason::supply_ignores_setpoint:
+      return {Mode::run, true, false, "supply air stays away from its setpoint",
+              "ends when it follows again; look at valve, coil and fan"};
+    case Reason::no_excitation:
+      return {Mode::run, true, false, "the setpoint has hardly moved for a day, nothing can be learned from that",
+              "ends when it moves"};
+    case Reason::learning_refused:
+      return {Mode::run, true, false, "every update of the weights was refused for a day", "ends after a day"};
+    case Reason::worse_than_schedule:
+      return {Mode::run, true, false, "rooms are further from target than the schedule would have them",
+              "ends when they are closer again"};
+    case Reason::no_weights:
+      return {Mode::expert, true, false, "there are no weights yet", "ends with the first weights; airside push"};
+    case Reason::signal_lost:
+      return {Mode::expert, true, false, "a signal is gone for longer than it may be held",
+              "ends when the signal is back"};
+    case Reason::no_reading:
+      return {Mode::expert, true, false, "the AHU does not answer", "ends with the first answer; look at the bus"};
+    case Reason::forecast_invalid:
+      return {Mode::expert, true, false, "network and head give no number", "ends with the first forecast"};
+    case Reason::gain_reversed:
+      return {Mode::expert, true, false, "rooms get warmer when supply air gets colder",
+              "ends when the schedule's days show a sane answer; look for a heating AHU or exchanged sensors"};
+    case Reason::write_refused:
+      return {Mode::expert, true, false, "the AHU refused a setpoint",
+              "ends with the first setpoint that is taken; look at limits and rights of the register"};
+    case Reason::clock_not_set: return {Mode::expert, true, false, "the clock cannot be right", "ends when it is set"};
+    case Reason::crash_loop:
+      return {Mode::expert, true, false, "the daemon was restarted three times in ten minutes",
+              "ends after an hour without a restart"};
+    case Reason::state_lost:
+      return {Mode::expert, true, true, "no saved state is whole, though there was one",
+              "ends when weights are pushed or the AHU is handed back; look at the disk"};
+    case Reason::worse_for_long:
+      return {Mode::expert, true, false,
+              "rooms were further from target than the schedule would have had them, for a working day",
+              "ends after a day under the schedule"};
+    case Reason::overridden:
+      return {Mode::release, true, false, "somebody else has set the setpoint",
+              "ends after the override's time, or when the AHU is handed back"};
+    case Reason::two_masters:
+      return {Mode::release, false, true, "somebody else sets the setpoint again and again",
+              "ends when the AHU is handed back; find the other master"};
+    case Reason::writes_refused:
+      return {Mode::release, false, false, "the AHU refused the schedule's setpoint too",
+              "tried again every hour, and when the AHU is handed back"};
+    case Reason::map_differs:
+      return {Mode::release, false, false, "the device is not the one that the point map describes",
+              "ends when it is; correct points.csv or the address"};
+    case Reason::released_by_hand:
+      return {Mode::release, false, true, "an operator has released the AHU", "ends when it is handed back"};
+  }
+  return {Mode::release, false, true, "unknown", "unknown"};
+}
+
+/// Which reasons are active and until when. Plain bytes: part of the durable state.
+class Ladder {
+ public:
+  /// Keeps `reason` from t for `seconds`, or for ever where only a person ends it. Called again it begins anew.
+  constexpr void hold(Reason reason, CivilTime t, std::int64_t seconds) {
+    if (reason == Reason::none) return;
+    if (!active(reason, t)) since(reason) = t.seconds;
+    until(reason) = rung_of(reason).for_person ? for_ever : t.seconds + seconds;
+  }
+  /// Active until the next set(reason, false).
+  constexpr void set(Reason reason, bool is_so, CivilTime t) {
+    if (reason == Reason::none) return;
+    if (!is_so) {
+      until(reason) = 0;
+    } else {
+      if (!active(reason, t)) since(reason) = t.seconds;
+      until(reason) = for_ever;
+    }
+  }
+  /// A person gives the AHU back: everything that waits for one ends, and every override.
+  constexpr void hand_back() {
+    for (int i = 1; i < reason_count; ++i) {
+      const auto r = static_cast<Reason>(i);
+      if (rung_of(r).for_person || rung_of(r).mode == Mode::release) until(r) = 0;
+    }
+  }
+  /// Follows the clock: where it is set back, what began later is moved with it, so that no time limit grows.
+  constexpr void tick(CivilTime t) {
+    if (t.seconds < last_s_ - cycle_s) {
+      for (int i = 1; i < reason_count; ++i) {
+        const auto r = static_cast<Reason>(i);
+        if (until(r) == 0) continue;
+        since(r) -= last_s_ - t.seconds;
+        if (until(r) != for_ever) until(r) -= last_s_ - t.seconds;
+      }
+    }
+    last_s_ = t.seconds;
+  }
+
+  constexpr bool active(Reason reason, CivilTime t) const {
+    return until_s_[static_cast<std::size_t>(reason)] > t.seconds;
+  }
+  constexpr std::int64_t since_s(Reason reason) const { return since_s_[static_cast<std::size_t>(reason)]; }
+
+  /// The gravest active reason: of the highest rung, the one with the highest number.
+  constexpr Reason gravest(CivilTime t) const {
+    Reason found = Reason::none;
+    for (int i = 1; i < reason_count; ++i) {
+      const auto r = static_cast<Reason>(i);
+      if (active(r, t) && rung_of(r).mode >= rung_of(found).mode) found = r;
+    }
+    return found;
+  }
+  constexpr Mode mode(CivilTime t) const { return rung_of(gravest(t)).mode; }
+  /// Whether the heartbeat may go on: no active reason forbids it.
+  constexpr bool beats(CivilTime t) const {
+    for (int i = 1; i < reason_count; ++i) {
+      const auto r = static_cast<Reason>(i);
+      if (active(r, t) && !rung_of(r).beats) return false;
+    }
+    return true;
+  }
+
+ private:
+  static constexpr std::int64_t for_ever = std::numeric_limits<std::int64_t>::max();
+
+  constexpr std::int64_t& until(Reason r) { return until_s_[static_cast<std::size_t>(r)]; }
+  constexpr std::int64_t& since(Reason r) { return since_s_[static_cast<std::size_t>(r)]; }
+
+  std::array<std::int64_t, reason_count> until_s_{};  ///< 0: not active
+  std::array<std::int64_t, reason_count> since_s_{};
+  std::int64_t last_s_ = std::numeric_limits<std::int64_t>::min() + cycle_s;
+};
+
+}  // namespace airside

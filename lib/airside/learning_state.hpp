@@ -1,0 +1,72 @@
+#pragma once
+// What a controller remembers from one cycle to the next, in the two pieces in which it is saved.
+
+#include <cstdint>
+#include <limits>
+
+#include "airside/guideline36.hpp"
+#include "airside/ladder.hpp"
+#include "airside/learner.hpp"
+#include "airside/network.hpp"
+#include "airside/room_head.hpp"
+#include "airside/scaler.hpp"
+#include "airside/splitmix64.hpp"
+#include "airside/validation.hpp"
+#include "airside/watch.hpp"
+
+namespace airside {
+
+/// Counts up whenever the meaning of a byte of LearningState or CycleState changes, sizes apart: saved state of another
+/// number is not read.
+constexpr std::uint32_t state_version = 3;
+
+/// What learning has produced: saved as one generation. Plain bytes, no pointers.
+template <Topology T, class Scalar>
+struct LearningState {
+  NetworkWeights<T, Scalar> weights;  ///< in use
+  Learner<T, Scalar> learner;         ///< target net, moments, step counter
+  RoomHead<T> head;
+  Scaler<T> scaler;
+  SplitMix64 sampler;
+  std::uint64_t cycles = 0;    ///< decisions taken with these weights' ancestors
+  std::uint64_t rejected = 0;  ///< updates that the gate refused
+};
+
+/// What one row hands to the next. Plain bytes, small: saved every row.
+template <Topology T>
+struct CycleState {
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+  Validator<T> validator{};
+  Ladder ladder{};
+  DriftWatch<Layout<T>::rooms> drift{};
+  ExcitationWatch excitation{};
+  ShadowWatch shadow{};
+  Spell supply_ignores{};
+  Guideline36 guideline36{};
+  typename Reading<T>::Vector last_value = Reading<T>::Vector::Zero();  ///< at the last decision
+  typename Reading<T>::Vector row_value = Reading<T>::Vector::Zero();   ///< at the last row in between
+  CivilTime last_time;
+  CivilTime row_time;
+  HeadFeatures features;                  ///< of the last decision, its own setpoint change left 0
+  double last_setpoint_degc = unknown;    ///< applied since last_time
+  double before_setpoint_degc = unknown;  ///< applied until last_time
+  double commanded_degc = unknown;        ///< what was written at last_time, whatever the AHU made of it
+  double confidence = 0.5;
+  double network_expected_degc = unknown;
+  double head_expected_degc = unknown;
+  double network_error_k2 = 0.01;  ///< running mean of squared one-cycle errors
+  double head_error_k2 = 0.01;
+  std::uint64_t contact = 0;         ///< of the last reading, see Reading
+  std::int64_t flip_s = 0;           ///< when somebody else last set the setpoint
+  std::int32_t flips = 0;            ///< how often within a day
+  std::int32_t refused_writes = 0;   ///< in a row
+  std::int32_t refused_updates = 0;  ///< in a row
+  std::int32_t worse_cycles = 0;     ///< working cycles in a row in which the schedule's shadow was closer
+  std::int32_t ours = 0;             ///< 1: the last decision was ours and was applied
+  std::int32_t usable_cycles = 0;    ///< successive cycles whose readings may be learned from, up to 3
+  std::int32_t has_weights = 0;      ///< 0: schedule only
+  std::int32_t has_features = 0;     ///< 1: `features` are good
+};
+
+}  // namespace airside

@@ -1,0 +1,106 @@
+#pragma once
+// What is watched over days beside each single reading: whether sensors drift, supply air follows, the setpoint moves,
+// and whether the schedule would do better. Plain bytes, part of the durable state; every judgement is a bool that the
+// ladder turns into a rung.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "airside/civil_time.hpp"
+#include "airside/settings.hpp"
+
+namespace airside {
+
+/// How long something has been so without a break.
+class Spell {
+ public:
+  /// Returns whether it has been so for at least `seconds`.
+  constexpr bool lasts(bool is_so, CivilTime t, std::int64_t seconds) {
+    if (!is_so) {
+      begun_ = 0;
+      return false;
+    }
+    if (begun_ == 0 || since_s_ > t.seconds) since_s_ = t.seconds;  // the second: the clock was set back
+    begun_ = 1;
+    return t.seconds - since_s_ >= seconds;
+  }
+
+ private:
+  std::int64_t since_s_ = 0;
+  std::int64_t begun_ = 0;
+};
+
+/// Whether one room leaves the others slowly: its distance from their mean over a day against that over two weeks.
+/// Shape: one pair of means a room. Units: K. Source: RELIABILITY row 7; DESIGN.md "Thresholds of the ladder".
+template <int Rooms>
+class DriftWatch {
+ public:
+  /// Takes the rooms of one row. Returns whether any has moved by more than `limit_k`.
+  template <class Vector>
+  bool row(const Vector& rooms_degc, double limit_k) {
+    const double mean = rooms_degc.mean();
+    if (rows_ < 14 * rows_per_day) ++rows_;
+    const double fast_share = 1.0 / static_cast<double>(std::min<std::int64_t>(rows_, rows_per_day));
+    const double slow_share = 1.0 / static_cast<double>(rows_);
+    bool drifts = false;
+    for (int i = 0; i < Rooms; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double distance = rooms_degc(i) - mean;
+      fast_k_[k] += fast_share * (distance - fast_k_[k]);
+      slow_k_[k] += slow_share * (distance - slow_k_[k]);
+      drifts = drifts || (rows_ > 2 * rows_per_day && std::abs(fast_k_[k] - slow_k_[k]) > limit_k);
+    }
+    return drifts;
+  }
+
+ private:
+  std::array<double, static_cast<std::size_t>(Rooms)> fast_k_{}, slow_k_{};
+  std::int64_t rows_ = 0;
+};
+
+/// Whether the setpoint has moved within the last day: standard deviation of the applied setpoints, exponentially
+/// forgotten with a day's time constant.
+class ExcitationWatch {
+ public:
+  /// Takes one cycle's applied setpoint. Returns whether it has hardly moved, known only after a day.
+  bool cycle(double setpoint_degc, double least_sd_k) {
+    if (cycles_ < cycles_per_day) ++cycles_;
+    const double share = 1.0 / static_cast<double>(cycles_);
+    const double step = setpoint_degc - mean_degc_;
+    mean_degc_ += share * step;
+    variance_k2_ += share * (step * (setpoint_degc - mean_degc_) - variance_k2_);
+    return cycles_ == cycles_per_day && variance_k2_ < least_sd_k * least_sd_k;
+  }
+
+ private:
+  double mean_degc_ = 0, variance_k2_ = 0;
+  std::int64_t cycles_ = 0;
+};
+
+/// Our error against that of the schedule's shadow, in working hours: the room mean as it would be had the schedule's
+/// setpoint been applied, by the room head's gain.
+///   shadow = s + gain (a_expert - a_applied),  errors |s - target|, |shadow - target|, means over a working day
+class ShadowWatch {
+ public:
+  void cycle(const ControllerSettings& settings, double room_mean_degc, double applied_degc, double expert_degc,
+             double gain) {
+    if (!std::isfinite(applied_degc) || !std::isfinite(room_mean_degc)) return;
+    const double shadow = room_mean_degc + gain * (expert_degc - applied_degc);
+    if (cycles_ < 40) ++cycles_;  // a working day has 40 cycles
+    const double share = 1.0 / static_cast<double>(cycles_);
+    ours_k_ += share * (std::abs(room_mean_degc - settings.target_degc) - ours_k_);
+    schedule_k_ += share * (std::abs(shadow - settings.target_degc) - schedule_k_);
+  }
+  bool worse(double by_k) const { return cycles_ >= 12 && ours_k_ > schedule_k_ + by_k; }
+  void reset() { *this = {}; }
+  double ours_k() const { return ours_k_; }
+  double schedule_k() const { return schedule_k_; }
+
+ private:
+  double ours_k_ = 0, schedule_k_ = 0;
+  std::int64_t cycles_ = 0;
+};
+
+}  // namespace airside

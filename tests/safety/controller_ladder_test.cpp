@@ -1,0 +1,289 @@
+// Each rung is taken for its reason, and left when that ends; without the reason nothing changes.
+
+#include "safety/controller_rig.hpp"
+
+namespace airside {
+namespace {
+
+using Rig = ControllerRig;
+using T = FiveZone;
+using L = Layout<T>;
+
+constexpr int cycles_per_override = 14;  // 4 h are 13.3
+
+/// Somebody sets the AHU's setpoint between two decisions.
+void another_hand(Rig& rig, double degc) {
+  rig.row();
+  rig.setpoint = degc;
+  rig.row();
+  rig.row();
+}
+
+TEST(ControllerLadder, AnotherHandIsLeftAloneForItsTimeAndNothingIsLearned) {
+  Rig rig;
+  rig.cycles(6);
+  ASSERT_EQ(rig.decision().mode, Mode::learn);
+  another_hand(rig, 21.0);
+  const std::uint64_t remembered = rig.controller->replay().total_pushed();
+  rig.cycles(cycles_per_override);
+  EXPECT_EQ(rig.decision().mode, Mode::release);
+  EXPECT_EQ(rig.decision().reason, Reason::overridden);
+  EXPECT_EQ(rig.setpoint, 21.0) << "it was written over";
+  EXPECT_EQ(rig.controller->replay().total_pushed(), remembered) << "the other hand's cycle was learned from";
+  EXPECT_TRUE(rig.controller->cycle().ladder.beats(rig.now));
+  rig.cycles(1);
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_NE(rig.setpoint, 21.0) << "and is taken back after its time";
+}
+
+TEST(ControllerLadder, ADeviceThatWasOutOfTouchIsNoOtherHand) {
+  Rig rig;
+  rig.cycles(6);
+  rig.row();
+  rig.setpoint = 21.0;  // it restarted at its default
+  const auto reconnected = [](Reading<T> r) {
+    r.contact = 2;
+    return Expected<Reading<T>>(r);
+  };
+  rig.row(reconnected);
+  rig.row(reconnected);
+  rig.cycles(1, reconnected);
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_NE(rig.setpoint, 21.0);
+}
+
+TEST(ControllerLadder, ASetpointThatShowsLateIsOurOwn) {
+  Rig rig;
+  rig.cycles(6);
+  // The device confirms the old value and shows the new one only later.
+  const double before = rig.setpoint;
+  const Decision& d = rig.controller->decide(rig.now, Expected<Reading<T>>(rig.reading()));
+  rig.setpoint = d.command.setpoint_degc();
+  ASSERT_GT(std::abs(rig.setpoint - before), 0.05) << "the rig must have moved";
+  rig.controller->absorb(Applied{before});
+  rig.now.seconds += row_s;
+  rig.row();
+  rig.row();
+  rig.cycles(1);
+  EXPECT_EQ(rig.decision().mode, Mode::learn) << rung_of(rig.decision().reason).why;
+}
+
+TEST(ControllerLadder, TheThirdForeignSetpointInADayEndsInReleaseUntilHandedBack) {
+  Rig rig;
+  rig.cycles(6);
+  for (int i = 0; i < 3; ++i) {
+    another_hand(rig, 21.0);
+    rig.cycles(cycles_per_override);
+  }
+  EXPECT_EQ(rig.decision().reason, Reason::two_masters);
+  EXPECT_FALSE(rig.controller->cycle().ladder.beats(rig.now)) << "the AHU must take over by itself";
+  rig.cycles(10 * cycles_per_day);
+  EXPECT_EQ(rig.decision().reason, Reason::two_masters);
+  EXPECT_EQ(rig.setpoint, 21.0);
+  rig.controller->hand_back();
+  rig.cycles(2);
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_NE(rig.setpoint, 21.0);
+}
+
+TEST(ControllerLadder, AnOverrideADayIsNoFight) {
+  Rig rig;
+  rig.cycles(6);
+  for (int i = 0; i < 5; ++i) {
+    another_hand(rig, 21.0);
+    rig.cycles(cycles_per_day + 5);
+    EXPECT_EQ(rig.decision().mode, Mode::learn) << i;
+  }
+}
+
+TEST(ControllerLadder, ARefusedSetpointIsFollowedByTheScheduleThenByRelease) {
+  Rig rig;
+  rig.cycles(6);
+  rig.refusal = Fault::write_refused;
+  rig.cycles(1, {}, true);
+  EXPECT_EQ(rig.decision().mode, Mode::learn) << "the first refusal is known only afterwards";
+  EXPECT_EQ(rig.decision().fault, Fault::write_refused);
+  rig.cycles(1, {}, true);
+  EXPECT_EQ(rig.decision().reason, Reason::write_refused);
+  EXPECT_EQ(rig.decision().mode, Mode::expert);
+  rig.cycles(1, {}, true);
+  EXPECT_EQ(rig.decision().mode, Mode::release);
+  EXPECT_EQ(rig.decision().reason, Reason::writes_refused);
+  rig.cycles(3);
+  EXPECT_EQ(rig.decision().mode, Mode::expert) << "after an hour the schedule is tried again";
+  rig.cycles(1);
+  EXPECT_EQ(rig.decision().mode, Mode::learn) << "and taken";
+}
+
+TEST(ControllerLadder, ALostLinkIsNoRefusal) {
+  Rig rig;
+  rig.cycles(6);
+  rig.cycles(4, {}, true);
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().fault, Fault::not_applied);
+}
+
+TEST(ControllerLadder, ASetpointThatTheAhuClampsIsAnAlarmAndIsLearnedFromAsTaken) {
+  Rig rig;
+  rig.cycles(6);
+  const Decision& d = rig.controller->decide(rig.now, Expected<Reading<T>>(rig.reading()));
+  const double taken = d.command.setpoint_degc() + 1;
+  rig.setpoint = taken;
+  rig.controller->absorb(Applied{taken});
+  EXPECT_EQ(rig.controller->cycle().last_setpoint_degc, taken);
+  EXPECT_TRUE(rig.controller->cycle().ladder.active(Reason::setpoint_altered, rig.now));
+  EXPECT_EQ(rig.controller->cycle().ladder.mode(rig.now), Mode::learn);
+  rig.now.seconds += row_s;
+  rig.row();
+  rig.row();
+  rig.cycles(1);
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_FALSE(rig.controller->cycle().ladder.active(Reason::setpoint_altered, rig.now));
+}
+
+Rig::Spoil supply_off_by(const Rig& rig, double k) {
+  return [&rig, k](Reading<T> r) {
+    r.supply_temp_degc = rig.setpoint + k;
+    return Expected<Reading<T>>(r);
+  };
+}
+
+TEST(ControllerLadder, SupplyAirThatIgnoresItsSetpointFreezesLearningAfterAWhile) {
+  Rig rig;
+  rig.cycles(6, supply_off_by(rig, 0.3));
+  rig.cycles(4, supply_off_by(rig, 2.0));
+  EXPECT_EQ(rig.decision().mode, Mode::learn) << "an hour may pass";
+  rig.cycles(2, supply_off_by(rig, 2.0));
+  EXPECT_EQ(rig.decision().mode, Mode::run);
+  EXPECT_EQ(rig.decision().reason, Reason::supply_ignores_setpoint);
+  const NetworkWeights<T, float> before = rig.controller->learning().weights;
+  rig.cycles(3, supply_off_by(rig, 2.0));
+  EXPECT_TRUE(rig.same_weights(before));
+  rig.cycles(2, supply_off_by(rig, 0.3));
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+}
+
+TEST(ControllerLadder, OneRoomFarFromTheOthersFreezesLearningAndControlGoesOn) {
+  Rig rig;
+  rig.cycles(6);
+  const auto hot = [](Reading<T> r) {
+    r.value(2) = 40 + 0.01 * (static_cast<double>(r.time.seconds / row_s % 2));
+    return Expected<Reading<T>>(r);
+  };
+  rig.cycles(5, hot);
+  EXPECT_EQ(rig.decision().mode, Mode::run);
+  EXPECT_EQ(rig.decision().reason, Reason::room_disagrees);
+  EXPECT_EQ(rig.decision().fault_signal, 2);
+  EXPECT_LT(rig.decision().room_mean_degc, 27);
+  rig.cycles(5);
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+}
+
+TEST(ControllerLadder, AFrozenDeviceEndsInTheSchedule) {
+  Rig rig;
+  rig.cycles(6);
+  const Reading<T> last = rig.reading();
+  const auto frozen = [&](Reading<T> r) {
+    r.value = last.value;
+    return Expected<Reading<T>>(r);
+  };
+  rig.cycles(6, frozen);
+  EXPECT_EQ(rig.decision().mode, Mode::expert);
+  EXPECT_EQ(rig.decision().fault, Fault::frozen);
+  rig.cycles(1);
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+}
+
+TEST(ControllerLadder, ARepeatedTransitionIsRememberedOnce) {
+  Rig rig;
+  rig.cycles(6);
+  const std::uint64_t remembered = rig.controller->replay().total_pushed();
+  const double held = rig.setpoint;
+  const Reading<T> last = rig.reading();
+  for (int i = 0; i < 3; ++i) {  // three cycles of the same readings at the same setpoint
+    Reading<T> r = last;
+    r.time = rig.now;
+    rig.controller->decide(rig.now, Expected<Reading<T>>(r));
+    rig.controller->absorb(Applied{held});
+    rig.now.seconds += cycle_s;
+  }
+  EXPECT_EQ(rig.controller->replay().total_pushed(), remembered + 2) << "the way there, and one of standing still";
+}
+
+TEST(ControllerLadder, AReversedGainEndsInTheScheduleAndASaneOneDoesNot) {
+  Rig rig;
+  rig.cycles(6);
+  auto& head = rig.controller->learning().head;
+  head.theta()(HeadFeatures::setpoint_change) = -0.3;
+  head.covariance().col(HeadFeatures::setpoint_change).setZero();
+  head.covariance().row(HeadFeatures::setpoint_change).setZero();
+  head.covariance()(HeadFeatures::setpoint_change, HeadFeatures::setpoint_change) = 1e-4;
+  rig.cycles(1);
+  EXPECT_EQ(rig.decision().mode, Mode::expert);
+  EXPECT_EQ(rig.decision().reason, Reason::gain_reversed);
+  head.theta()(HeadFeatures::setpoint_change) = 0.4;
+  rig.cycles(2);
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+}
+
+TEST(ControllerLadder, WorseThanTheScheduleFreezesFirstAndEndsInTheScheduleAfterAWorkingDay) {
+  Rig rig(product_settings(), {1'627'862'400 + 8 * 3600});  // in working hours
+  rig.cycles(6);
+  const ControllerSettings& s = rig.controller->settings();
+  int frozen = 0;
+  for (int i = 0; i < 2 * cycles_per_day && rig.decision().mode != Mode::expert; ++i) {
+    for (int k = 0; k < 40; ++k) rig.controller->cycle().shadow.cycle(s, s.target_degc + 1, 22, 20.5, 0.6);
+    rig.cycles(1);
+    frozen += rig.decision().reason == Reason::worse_than_schedule;
+  }
+  EXPECT_GT(frozen, 20);
+  EXPECT_EQ(rig.decision().reason, Reason::worse_for_long);
+  rig.cycles(cycles_per_day + 1);
+  EXPECT_EQ(rig.decision().mode, Mode::learn) << "after a day under the schedule it tries again";
+}
+
+TEST(ControllerLadder, EveryUpdateRefusedForADayFreezesTheWeightsForADay) {
+  Rig rig;
+  rig.cycles(6);
+  rig.controller->cycle().refused_updates = rig.controller->settings().refused_updates - 1;
+  auto& replay = rig.controller->replay();
+  for (int i = 0; i < replay.size(); ++i) replay.slot(i).fill(std::numeric_limits<float>::quiet_NaN());
+  rig.cycles(1);
+  EXPECT_EQ(rig.decision().fault, Fault::learning_rejected);
+  replay.clear();
+  rig.cycles(2);
+  EXPECT_EQ(rig.decision().mode, Mode::run);
+  EXPECT_EQ(rig.decision().reason, Reason::learning_refused);
+  rig.cycles(cycles_per_day);
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+}
+
+TEST(ControllerLadder, WhatTheSurroundingsReportTakesTheRungAndGoesWithIt) {
+  Rig rig;
+  rig.cycles(6);
+  rig.controller->report(Reason::clock_not_set, true, rig.now);
+  rig.cycles(1);
+  EXPECT_EQ(rig.decision().mode, Mode::expert);
+  EXPECT_EQ(rig.decision().reason, Reason::clock_not_set);
+  rig.controller->report(Reason::clock_not_set, false, rig.now);
+  rig.controller->report(Reason::released_by_hand, true, rig.now);
+  const double before = rig.setpoint;
+  rig.cycles(3);
+  EXPECT_EQ(rig.decision().mode, Mode::release);
+  EXPECT_EQ(rig.setpoint, before);
+  rig.controller->hand_back();
+  rig.cycles(1);
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+}
+
+TEST(ControllerLadder, TheSchedulesAndGuideline36sWishesStandBesideOurs) {
+  Rig rig(product_settings(), {1'627'862'400 + 9 * 3600});
+  rig.cycles(3);
+  EXPECT_EQ(rig.decision().expert_degc, 20.5);
+  EXPECT_TRUE(std::isfinite(rig.decision().g36_degc));
+  EXPECT_GE(rig.decision().g36_degc, rig.controller->settings().action_min_degc);
+  EXPECT_LE(rig.decision().g36_degc, rig.controller->settings().action_max_degc);
+}
+
+}  // namespace
+}  // namespace airside

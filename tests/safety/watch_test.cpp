@@ -1,0 +1,89 @@
+// What takes days to see: each watch fires on its fault and rests where there is none.
+
+#include "airside/watch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "airside/splitmix64.hpp"
+
+namespace airside {
+namespace {
+
+using Rooms = Eigen::Matrix<double, 5, 1>;
+
+/// Rooms that swing with the day, each in its own way, with noise.
+Rooms rooms_at(int row, SplitMix64& draw) {
+  Rooms v;
+  for (int i = 0; i < 5; ++i) {
+    const double day = 6.2831853 * row / rows_per_day;
+    v(i) = 25 + 0.3 * i + (0.5 + 0.2 * i) * std::sin(day) + 0.1 * (draw.uniform() - 0.5);
+  }
+  return v;
+}
+
+/// Days until a sensor that drifts by `k_per_day` is noticed, -1 within 60 days.
+double days_until_noticed(double k_per_day) {
+  DriftWatch<5> watch;
+  SplitMix64 draw(4);
+  for (int row = 0; row < 60 * rows_per_day; ++row) {
+    Rooms v = rooms_at(row, draw);
+    v(2) += k_per_day * row / rows_per_day;
+    if (watch.row(v, product_settings().drift_k)) return static_cast<double>(row) / rows_per_day;
+  }
+  return -1;
+}
+
+TEST(DriftWatch, NoticesASensorThatDriftsAFifthOfAKelvinADay) {
+  const double days = days_until_noticed(0.2);
+  EXPECT_GT(days, 3);
+  EXPECT_LT(days, 20);
+}
+
+TEST(DriftWatch, RestsWhereRoomsOnlySwing) { EXPECT_EQ(days_until_noticed(0), -1); }
+
+TEST(ExcitationWatch, NoticesASetpointThatRestsForADayAndForgetsItWhenItMoves) {
+  ExcitationWatch watch;
+  for (int i = 0; i < cycles_per_day - 1; ++i) EXPECT_FALSE(watch.cycle(22, 0.05)) << "not before a day";
+  EXPECT_TRUE(watch.cycle(22, 0.05));
+  bool rests = true;
+  for (int i = 0; i < 20; ++i) rests = watch.cycle(22 + 0.5 * (i % 2), 0.05);
+  EXPECT_FALSE(rests);
+}
+
+TEST(ShadowWatch, FindsTheScheduleCloserOnlyWhereItWouldBe) {
+  const ControllerSettings s = product_settings();
+  ShadowWatch good, bad;
+  for (int i = 0; i < 20; ++i) {
+    good.cycle(s, s.target_degc + 0.05, 22.0, s.expert_work_degc, 0.6);
+    bad.cycle(s, s.target_degc + 1.0, 22.0, s.expert_work_degc, 0.6);  // the schedule's 20.5 would be 0.9 K colder
+  }
+  EXPECT_FALSE(good.worse(s.worse_k));
+  EXPECT_TRUE(bad.worse(s.worse_k));
+  EXPECT_NEAR(bad.schedule_k(), 0.1, 1e-9);
+}
+
+TEST(ShadowWatch, JudgesNothingBeforeItHasSeenHoursAndNothingThatIsNoNumber) {
+  const ControllerSettings s = product_settings();
+  ShadowWatch watch;
+  for (int i = 0; i < 11; ++i) watch.cycle(s, s.target_degc + 5, 26, s.expert_work_degc, 0.6);
+  EXPECT_FALSE(watch.worse(s.worse_k));
+  for (int i = 0; i < 50; ++i) watch.cycle(s, std::nan(""), 26, s.expert_work_degc, 0.6);
+  EXPECT_FALSE(watch.worse(s.worse_k));
+}
+
+TEST(Spell, LastsOnlyWithoutABreakAndStartsAnewWhenTheClockIsSetBack) {
+  Spell spell;
+  const CivilTime t{1'000'000};
+  EXPECT_FALSE(spell.lasts(true, t, 600));
+  EXPECT_TRUE(spell.lasts(true, {t.seconds + 600}, 600));
+  EXPECT_FALSE(spell.lasts(false, {t.seconds + 900}, 600));
+  EXPECT_FALSE(spell.lasts(true, {t.seconds + 1200}, 600));
+  EXPECT_FALSE(spell.lasts(true, {t.seconds - 5000}, 600));
+  EXPECT_TRUE(spell.lasts(true, {t.seconds - 4400}, 600));
+}
+
+}  // namespace
+}  // namespace airside
