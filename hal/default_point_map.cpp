@@ -35,6 +35,7 @@ std::string default_point_map(int vavs, int fcus, int powers) {
   single("rain", "", 1, status);
   single("supply_temp", "degc", 1, "int16,big,big,0.01,0,-10,60,10.0,1200,0x8000,,,,");
   single("clock_s", "s", 2, "int32,big,big,1,0,0,2147483647,,,,,,,");
+  single("map_fingerprint", "", 2, "uint32,big,big,1,0,0,4294967295,,,,,,,");
   csv += "setpoint,degc,3,0,int16,big,big,0.01,0,8,32,,,0x8000,on-change,6,18,self\n";
   csv += "heartbeat,,3,1,uint16,big,big,1,0,0,65535,,,,refresh,6,,self\n";
   csv += "clock_advance_s,s,3,2,int32,big,big,1,0,0,2147483647,,,,refresh,16,,self\n";

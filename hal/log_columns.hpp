@@ -16,9 +16,11 @@ struct ControllerColumn {
 
 constexpr auto controller_columns = std::to_array<ControllerColumn>({
     {"mode", nullptr, &ControllerColumns::mode},
+    {"reason", nullptr, &ControllerColumns::reason},
     {"a_network_degc", &ControllerColumns::a_network_degc, nullptr},
     {"a_head_degc", &ControllerColumns::a_head_degc, nullptr},
     {"a_expert_degc", &ControllerColumns::a_expert_degc, nullptr},
+    {"a_g36_degc", &ControllerColumns::a_g36_degc, nullptr},
     {"confidence", &ControllerColumns::confidence, nullptr},
     {"loss_strb", &ControllerColumns::loss_strb, nullptr},
     {"loss_tdb", &ControllerColumns::loss_tdb, nullptr},

@@ -82,6 +82,7 @@ LogRow make_log_row(const TopologyCounts& counts) {
   LogRow row;
   row.value.assign(static_cast<std::size_t>(counts.signals()), ControllerColumns::none);
   row.controller.mode.reserve(47);
+  row.controller.reason.reserve(47);
   row.controller.fault.reserve(47);
   return row;
 }

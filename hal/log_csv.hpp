@@ -37,9 +37,11 @@ std::string column_of(SignalId id);
 struct ControllerColumns {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
   std::string mode;              ///< learn, run, expert or release
+  std::string reason;            ///< why, "none" while learning undisturbed
   double a_network_degc = none;  ///< best setpoint by the network's forecast
   double a_head_degc = none;     ///< best setpoint after the room head
   double a_expert_degc = none;   ///< the schedule's setpoint
+  double a_g36_degc = none;      ///< what Guideline 36 would command
   double confidence = none;      ///< 0..1
   double loss_strb = none, loss_tdb = none, loss_gc = none, loss_rc = none, loss_rec = none;
   std::string fault;  ///< text of the gravest active fault, "none" where there is none

@@ -22,8 +22,10 @@ void fill_log_row(LogRow& row, CivilTime t, const Expected<Reading<T>>& sensed, 
   }
   ControllerColumns& c = row.controller;
   c.mode = text_of(decision.mode);
+  c.reason = text_of(decision.reason);
   c.fault = text_of(sensed ? decision.fault : sensed.error());
   c.a_expert_degc = decision.expert_degc;
+  c.a_g36_degc = decision.g36_degc;
   c.confidence = decision.confidence;
   const bool decided = decision.time == t;
   c.a_network_degc = decided ? decision.network_degc : none;

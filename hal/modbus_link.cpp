@@ -185,10 +185,11 @@ LinkResult<void> ModbusLink::transact(std::span<const std::uint8_t> pdu, std::si
     const bool reused = proven_;
     result = attempt(pdu, answer_bytes, deadline_ns);
     if (result) break;
-    // A device may drop idle connections or restart between two polls, and a serial line catches noise. Every
-    // request here can be repeated, and is, once.
+    // A device may drop idle connections or restart between two polls, and a serial line catches noise. A request can
+    // be repeated, and is, once; but nothing is written on a new connection before its device was read again.
     const LinkError error = result.error().error;
-    const bool dropped = error == LinkError::closed_by_peer && reused;
+    const bool reads = pdu[0] <= 4;
+    const bool dropped = error == LinkError::closed_by_peer && reused && reads;
     const bool noise = error == LinkError::bad_frame && !is_tcp();
     if ((dropped || noise) && !repeated) {
       if (dropped) close();

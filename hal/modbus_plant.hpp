@@ -13,6 +13,7 @@
 #include "hal/modbus_setpoint.hpp"
 #include "hal/plant_clock.hpp"
 #include "hal/point_map.hpp"
+#include "hal/register_codec.hpp"
 
 namespace airside::hal {
 
@@ -53,15 +54,25 @@ class ModbusPlant {
     if (const Point* beat = map.find("heartbeat"); beat != nullptr && beat->writable()) {
       heartbeat_.emplace(map, "heartbeat");
     }
+    if (const Point* identity = map.find("map_fingerprint"); identity != nullptr) {
+      identity_ = *identity;
+      identity_value_ = map.told_fingerprint();
+    }
   }
 
   /// All signals now; one that the device refuses, or that is a sentinel or out of its limits, is NaN.
-  /// Errors: no_reading where the link failed. Cost: one exchange a block of registers; no heap.
+  /// Errors: no_reading where the link failed; other_device where the map's fingerprint is not the device's.
+  /// Cost: one exchange a block of registers, one more after a new connection; no heap.
   Expected<Reading<T>> sense() {
     const LinkResult<void> polled = poller_.poll(*link_);
     last_fault_ = polled ? std::nullopt : std::optional(polled.error());
-    if (!polled) return tl::unexpected(Fault::no_reading);
+    if (!polled) {
+      ++lost_polls_;
+      return tl::unexpected(Fault::no_reading);
+    }
+    if (!identified()) return tl::unexpected(Fault::other_device);
     Reading<T> reading;
+    reading.contact = link_->generation() + lost_polls_;
     for (int i = 0; i < Layout<T>::signals; ++i) reading.value[i] = poller_.value(i);
     if (setpoint_slot_ >= 0) reading.setpoint_degc = poller_.value(setpoint_slot_);
     if (supply_slot_ >= 0) reading.supply_temp_degc = poller_.value(supply_slot_);
@@ -75,10 +86,13 @@ class ModbusPlant {
   }
 
   /// Writes the setpoint as its write_policy says and reads it back: a device that clamps shows in Applied.
-  /// Errors: not_applied. Cost: at most 4 exchanges; no heap.
+  /// Errors: as ModbusSetpoint::write(); other_device, and not_applied on a connection whose registers have not been
+  /// read yet: nothing is written before. Cost: at most 4 exchanges; no heap.
   Expected<Applied> actuate(const Command& command) {
-    const Expected<double> taken = setpoint_.write(*link_, command.setpoint_degc());
-    if (!taken) return tl::unexpected(Fault::not_applied);
+    if (other_device_) return tl::unexpected(Fault::other_device);
+    if (identified_generation_ != link_->generation()) return tl::unexpected(Fault::not_applied);
+    const Expected<double> taken = setpoint_.write(*link_, command.setpoint_degc(), identified_generation_);
+    if (!taken) return tl::unexpected(taken.error());
     return Applied{*taken};
   }
 
@@ -86,6 +100,7 @@ class ModbusPlant {
   /// False: it could not be written. Cost: at most 3 exchanges.
   bool beat() {
     if (!heartbeat_) return true;
+    if (other_device_) return false;
     const double next = beat_value_ >= heartbeat_->point().max ? heartbeat_->point().min : beat_value_ + 1;
     if (!heartbeat_->write(*link_, next)) return false;
     beat_value_ = next;
@@ -99,9 +114,27 @@ class ModbusPlant {
   std::uint8_t last_exception() const { return poller_.last_exception(); }
   std::uint64_t setpoint_writes() const { return setpoint_.writes(); }
   std::uint64_t map_fingerprint() const { return fingerprint_; }
+  /// Whether the device at the other end tells another fingerprint than the point map's.
+  bool other_device() const { return other_device_; }
   const ModbusLink& link() const { return *link_; }
 
  private:
+  /// Compares the device's fingerprint with the map's, once a connection. A map without the point has nothing to
+  /// compare.
+  bool identified() {
+    if (identified_generation_ == link_->generation()) return !other_device_;
+    if (identity_) {
+      std::array<std::uint16_t, 2> words{};
+      const std::span<std::uint16_t> used(words.data(), static_cast<std::size_t>(identity_->width()));
+      const LinkResult<void> read = link_->read(identity_->fc, identity_->addr, used);
+      const Expected<double> told = read ? decode(*identity_, used) : tl::unexpected(Fault::no_reading);
+      other_device_ = !told || *told != identity_value_;
+      if (!read && read.error().error != LinkError::exception_answer) return false;  // asked again next time
+    }
+    identified_generation_ = link_->generation();
+    return !other_device_;
+  }
+
   /// Signals in the order of Layout<T>, then whatever else the map has of setpoint, supply_temp, clock, heartbeat.
   std::vector<Point> points_to_read(const PointMap& map) {
     map.check_topology(T::vavs, T::fcus, T::powers);
@@ -130,6 +163,11 @@ class ModbusPlant {
   HeartbeatAge age_;
   double beat_value_ = 0;
   std::optional<LinkFault> last_fault_;
+  std::optional<Point> identity_;
+  double identity_value_ = 0;
+  bool other_device_ = false;
+  std::uint64_t identified_generation_ = 0;
+  std::uint64_t lost_polls_ = 0;
 };
 
 static_assert(Plant<ModbusPlant<FiveZone>, FiveZone>);

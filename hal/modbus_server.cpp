@@ -64,7 +64,7 @@ ModbusServer::ModbusServer(PointMap map, ServerSettings settings)
     const Point& p = map_.points()[i];
     auto& table = owner_[static_cast<std::size_t>(p.fc - 1)];
     for (int k = 0; k < p.width(); ++k) table[static_cast<std::size_t>(p.addr + k)] = static_cast<std::int16_t>(i);
-    set(p.name, p.default_value);
+    set(p.name, p.name == "map_fingerprint" ? map_.told_fingerprint() : p.default_value);
   }
   touched_.reserve(map_.points().size());
   clients_.reserve(max_clients);

@@ -41,7 +41,7 @@ class ModbusServer {
   /// Called before each request is answered, to bring the registers up to date.
   using Refresh = std::function<void()>;
 
-  /// Listens at once. Every point starts invalid, writable ones at their default.
+  /// Listens at once. Every point starts invalid, writable ones at their default, `map_fingerprint` at the map's.
   /// Errors: InputError where the address, device or symlink cannot be had.
   ModbusServer(PointMap map, ServerSettings settings);
   ~ModbusServer();

@@ -10,7 +10,7 @@
 namespace airside::hal {
 namespace {
 
-constexpr std::uint8_t illegal_function = 1;
+constexpr std::uint8_t device_failure = 4;
 
 double half_step(const Point& p) { return p.type == PointType::float32 ? 1e-6 : 0.5 * std::abs(p.scale); }
 
@@ -43,7 +43,8 @@ Expected<double> ModbusSetpoint::read_back(ModbusLink& link) const {
 LinkResult<void> ModbusSetpoint::send(ModbusLink& link, std::span<const std::uint16_t> words) {
   ++writes_;
   LinkResult<void> sent = link.write(function_, point_.addr, words);
-  const bool refused = !sent && sent.error().exception == illegal_function;
+  // 1 to 4: the device understood and refused; some do so for the function that they do not like.
+  const bool refused = !sent && sent.error().exception >= 1 && sent.error().exception <= device_failure;
   if (!refused || alternate_tried_ || point_.fc != 3 || point_.width() != 1) return sent;
   alternate_tried_ = true;
   const int other = function_ == 6 ? 16 : 6;
@@ -52,7 +53,7 @@ LinkResult<void> ModbusSetpoint::send(ModbusLink& link, std::span<const std::uin
   return sent;
 }
 
-Expected<double> ModbusSetpoint::write(ModbusLink& link, double value) {
+Expected<double> ModbusSetpoint::write(ModbusLink& link, double value, std::uint64_t generation) {
   const Expected<Registers> registers = encode(point_, value);
   if (!registers) return tl::unexpected(Fault::not_applied);
   const Expected<double> wish = decode(point_, registers->used());
@@ -68,9 +69,11 @@ Expected<double> ModbusSetpoint::write(ModbusLink& link, double value) {
       return *wish;
     }
   }
-  if (!send(link, registers->used())) {
+  if (link.connected() && link.generation() != generation) return tl::unexpected(Fault::not_applied);
+  if (const LinkResult<void> sent = send(link, registers->used()); !sent) {
     last_written_ = std::numeric_limits<double>::quiet_NaN();
-    return tl::unexpected(Fault::not_applied);
+    const bool answered = sent.error().error == LinkError::exception_answer;
+    return tl::unexpected(answered ? Fault::write_refused : Fault::not_applied);
   }
   last_written_ = *wish;
   last_generation_ = link.generation();

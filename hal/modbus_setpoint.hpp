@@ -16,11 +16,14 @@ class ModbusSetpoint {
   ModbusSetpoint(const PointMap& map, std::string_view name, double settle_s = 0.0);
 
   /// Writes `value` unless the policy is on-change and the device already holds it, then reads back.
-  /// Where the device rejects the map's function, the other one (6 or 16) is tried once and kept.
+  /// Where the device refuses, the other function (6 or 16) is tried once, and kept where it works.
   /// Returns the value read back, or the rounded value where nothing can be read back.
-  /// Errors: not_applied for a value that the point cannot hold or that is outside its limits, a refused write,
-  /// a lost link, or a read-back that is no number. Cost: at most 4 exchanges and settle_s; no heap.
-  Expected<double> write(ModbusLink& link, double value);
+  /// Errors: write_refused where the device answered with an exception; not_applied for a value that the point cannot
+  /// hold or that is outside its limits, a lost link, or a read-back that is no number. Cost: at most 4 exchanges and
+  /// settle_s; no heap.
+  Expected<double> write(ModbusLink& link, double value) { return write(link, value, link.generation()); }
+  /// The same, but nothing is written on another connection than `generation`: not_applied.
+  Expected<double> write(ModbusLink& link, double value, std::uint64_t generation);
 
   /// Where the value taken is read; nullptr for a point that cannot be read back.
   const Point* readback() const { return has_readback_ ? &readback_ : nullptr; }

@@ -79,6 +79,9 @@ class PointMap {
   std::vector<std::string> extras() const;
   /// Hash of every column of every point, whatever the order of rows and columns.
   std::uint64_t fingerprint() const;
+  /// What a device of this map shows in the point `map_fingerprint`: the point's default where the site names one (any
+  /// constant of the device, such as its serial number), else the low 32 bits of fingerprint().
+  double told_fingerprint() const;
   const std::string& file() const { return file_; }
 
   /// Refuses a map that lacks a signal of the topology or has one that the topology does not.

@@ -187,7 +187,8 @@ void parse_write(const PointRow& row, Point& p) {
                  "both for a writable point, neither for the others", "fill or clear both");
   }
   p.default_value = number_or(row, "default", std::numeric_limits<double>::quiet_NaN());
-  if (!std::isnan(p.default_value) && !p.writable()) {
+  const bool told = p.name == "map_fingerprint";  // its default is what the device must tell
+  if (!std::isnan(p.default_value) && !p.writable() && !told) {
     row.complain("default", cell_text(row["default"]), "an empty cell, since the point is not writable",
                  "clear it, or give write_policy and fc_write");
   }

@@ -27,8 +27,10 @@
 #include "hal/modbus_wire.hpp"
 #include "hal/plant_clock.hpp"
 #include "hal/row_log.hpp"
+#include "hal/service_manager.hpp"
 #include "hal/signal_limits.hpp"
 #include "hal/site_settings.hpp"
+#include "hal/start_ledger.hpp"
 
 namespace airside::edge {
 
@@ -65,7 +67,8 @@ class Edge final : public Daemon {
         plant_(points, link_, {}),
         system_clock_(stop),
         controller_(std::make_unique<Controller<T>>()),
-        log_row_(hal::make_log_row(hal::counts_of<T>())) {
+        log_row_(hal::make_log_row(hal::counts_of<T>())),
+        starts_(site.state_dir, options.sync) {
     controller_->configure(hal::controller_settings(site), limits_, hal::box_kernels(), site.seed);
     if (site.clock == hal::ClockSource::plant) plant_clock_.emplace(points, link_, stop, options.stall_s);
     for (int i = 0; i < Layout<T>::signals; ++i) names_[static_cast<std::size_t>(i)] = hal::point_name(signal_id<T>(i));
@@ -78,6 +81,7 @@ class Edge final : public Daemon {
     open_log();
     open_store();
     status_.emplace(site_.state_dir);
+    if (options_.crash_limit > 0) recent_starts_ = starts_.record(crash_window_s);
     const CivilTime resumed = load_state(blob_crc);
     if (resumed.seconds == 0) {
       record_.blob_crc = blob_crc;
@@ -100,10 +104,13 @@ class Edge final : public Daemon {
     const CivilTime present = next_row(now());
     CivilTime t = std::max(next_, present);
     if (t.seconds - present.seconds > row_s) {
-      // The state comes from the future: its clock was wrong. Waiting for that time would leave the room alone.
+      // The state comes from the future: its clock was wrong, or this one is. Waiting would leave the room alone.
       say("the state is {} s ahead of the clock; going on from the clock", t.seconds - present.seconds);
       t = present;
     }
+    newest_row_ = next_;
+    report_start(t);
+    service_.tell("READY=1");
     while (!stop_.raised() && t < end) {
       t = plant_clock_ ? run_cycles<T>(plant_, *plant_clock_, *controller_, *this, t, end)
                        : run_cycles<T>(plant_, system_clock_, *controller_, *this, t, end);
@@ -112,19 +119,31 @@ class Edge final : public Daemon {
       }
     }
     next_ = t;
+    if (options_.crash_limit > 0) starts_.clear();
     return 0;
   }
 
   /// After each row: log it, commit it, show it. Order matters: the log first, then the commit that names its end.
   bool row(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller) {
+    const bool clock_is_set = report_clock(t);
+    controller_->report(Reason::map_differs, plant_.other_device(), t);
     hal::fill_log_row<T>(log_row_, t, sensed, controller.decision(), controller.cycle().last_setpoint_degc);
-    hal::StoreResult<void> logged = log_ ? log_->append(log_row_) : hal::StoreResult<void>{};
-    if (logged && log_) logged = log_->sync();
+    // A row of 1970 would stand before all others; what the clock cannot date is not logged.
+    const bool logs = log_ && clock_is_set;
+    hal::StoreResult<void> logged = logs ? log_->append(log_row_) : hal::StoreResult<void>{};
+    if (logged && logs) logged = log_->sync();
     const hal::StoreResult<void> committed = store_ ? store_->commit(state(t)) : hal::StoreResult<void>{};
     committed_ = committed_ || committed;
     note(logged ? committed : logged, logged ? "state" : "log");
-    (void)plant_.beat();
+    controller_->report(Reason::storage_failed, std::strcmp(storage_, "ok") != 0, t);
+    if (controller.cycle().ladder.beats(t)) (void)plant_.beat();
     write_status(t, sensed);
+    service_.tell("WATCHDOG=1");  // only a row that came through every stage is a sign of life
+    say_rung(controller.decision());
+    if (options_.crash_limit > 0 && recent_starts_ > 0 && t.seconds - began_.seconds >= hour_s) {
+      starts_.clear();
+      recent_starts_ = 0;
+    }
     return !stop_.raised();
   }
 
@@ -133,6 +152,43 @@ class Edge final : public Daemon {
   [[nodiscard]] std::uint64_t transitions() const override { return controller_->replay().total_pushed(); }
 
  private:
+  static constexpr std::int64_t crash_window_s = 600, hour_s = 3600;
+  static constexpr CivilTime built_after{1'704'067'200};  ///< 2024-01-01: no clock of a working box is before
+
+  /// What is known when control begins.
+  void report_start(CivilTime t) {
+    began_ = t;
+    report_clock(t);
+    if (options_.crash_limit > 0 && recent_starts_ >= options_.crash_limit) {
+      say("{} starts within ten minutes; the schedule runs for an hour", recent_starts_);
+      controller_->hold(Reason::crash_loop, t, hour_s);
+    }
+    if (state_lost_) controller_->hold(Reason::state_lost, t, 0);
+  }
+
+  /// A clock before this program was written, or a day before the last row, has not been set since power came back.
+  /// Returns whether it can be right. A simulated plant may live in any year; a clock that was ahead and is right now
+  /// is believed after a day.
+  bool report_clock(CivilTime t) {
+    constexpr std::int64_t day_s = 86400;
+    const bool possible = plant_clock_ || t >= built_after;
+    const bool behind = !plant_clock_ && t.seconds <= newest_row_.seconds - day_s;
+    if (clock_is_behind_.lasts(possible && behind, t, day_s)) newest_row_ = t;
+    const bool is_set = possible && (!behind || newest_row_ == t);
+    controller_->report(Reason::clock_not_set, !is_set, t);
+    if (is_set) newest_row_ = std::max(newest_row_, t);
+    return is_set;
+  }
+
+  /// One line whenever the rung or its reason changes.
+  void say_rung(const Decision& decision) {
+    if (decision.reason == said_reason_ && decision.mode == said_mode_) return;
+    const Rung rung = rung_of(decision.reason);
+    say("{}: {}; {}", text_of(decision.mode), rung.why, rung.way_out);
+    said_reason_ = decision.reason;
+    said_mode_ = decision.mode;
+  }
+
   CivilTime now() { return plant_clock_ ? plant_clock_->now() : system_clock_.now(); }
 
   /// Until the plant answers once: a clock that was never read must not decide where to begin. False: told to stop.
@@ -251,7 +307,11 @@ class Edge final : public Daemon {
       say("state in {}: {}", site_.state_dir, hal::describe(found.error()));
       return forget();
     }
-    if (found->outcome == hal::LoadOutcome::none) return forget();
+    if (found->outcome == hal::LoadOutcome::none) {
+      state_lost_ = found->damaged_records > 0;
+      if (state_lost_) say("state in {}: no saved generation is whole", site_.state_dir);
+      return forget();
+    }
     if (record_.blob_crc != blob_crc) {
       say("the site names other weights than the state grew from; starting from them");
       return forget();
@@ -305,6 +365,10 @@ class Edge final : public Daemon {
     s.link_bad_frames = link.bad_frames;
     s.link_wrong_ids = link.wrong_ids;
     s.link_exceptions = link.exceptions;
+    s.setpoint_writes = plant_.setpoint_writes();
+    s.ladder = &controller_->cycle().ladder;
+    s.ours_error_k = controller_->cycle().shadow.ours_k();
+    s.schedule_error_k = controller_->cycle().shadow.schedule_k();
     (void)status_->write(t, s);
   }
 
@@ -329,6 +393,15 @@ class Edge final : public Daemon {
   CivilTime next_;
   /// This process has committed once: until then the medium may hold weights that forget() discarded.
   bool committed_ = false;
+  hal::StartLedger starts_;
+  hal::ServiceManager service_;
+  int recent_starts_ = 0;
+  CivilTime began_;       ///< row of this run's start
+  CivilTime newest_row_;  ///< the latest that a clock which can be right has told
+  Spell clock_is_behind_;
+  bool state_lost_ = false;
+  Reason said_reason_ = Reason::none;
+  Mode said_mode_ = Mode::learn;
   const char* storage_at_best_ = "ok";  ///< what is said while nothing fails
   const char* storage_ = "ok";
 };

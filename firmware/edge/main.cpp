@@ -39,6 +39,10 @@ int main(int argc, char** argv) {
   app.add_flag("--no-sync", no_sync, "do not force state to the disk each row; for simulations");
   app.add_option("--backoff", options.backoff_first_s, "first wait after a lost link, s")
       ->check(CLI::Range(0.01, 60.0));
+  app.add_option(
+         "--crash-limit", options.crash_limit,
+         "so many starts within ten minutes are a crash loop, after which the schedule runs for an hour; 0: never")
+      ->check(CLI::Range(0, 8));
   app.add_option("--stall", options.stall_s, "how long a simulated plant's clock may stand still, s")
       ->check(CLI::Range(1.0, 1e6));
   try {

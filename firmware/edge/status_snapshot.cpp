@@ -47,6 +47,22 @@ class FixedText {
   bool fits_ = true;
 };
 
+/// `"alarms":[{"reason":"sensor drifts","since":"2026-..."}]`, gravest numbers last.
+void add_alarms(FixedText& text, CivilTime now, const Ladder* ladder) {
+  text.add(",\"alarms\":[");
+  const char* between = "";
+  for (int i = 1; i < reason_count && ladder != nullptr; ++i) {
+    const auto reason = static_cast<Reason>(i);
+    if (!ladder->active(reason, now)) continue;
+    std::array<char, hal::civil_text_size> since{};
+    hal::write_civil_text(since.data(), {ladder->since_s(reason)});
+    text.add("{}{{\"reason\":\"{}\",\"since\":\"{}\"}}", between, text_of(reason),
+             std::string_view(since.data(), since.size()));
+    between = ",";
+  }
+  text.add("]");
+}
+
 }  // namespace
 
 StatusFile::StatusFile(const std::string& dir) {
@@ -63,6 +79,10 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.string("site", s.site);
   text.string("topology", s.topology);
   text.string("state", text_of(s.decision.mode));
+  text.string("reason", text_of(s.decision.reason));
+  text.string("why", rung_of(s.decision.reason).why);
+  text.string("way_out", rung_of(s.decision.reason).way_out);
+  add_alarms(text, now, s.ladder);
   text.string("fault", text_of(s.fault));
   text.string("fault_signal", s.fault_signal);
   text.add(",\"has_weights\":{}", s.has_weights);
@@ -81,6 +101,9 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.number("network_setpoint_degc", s.decision.network_degc);
   text.number("head_setpoint_degc", s.decision.head_degc);
   text.number("expert_setpoint_degc", s.decision.expert_degc);
+  text.number("g36_setpoint_degc", s.decision.g36_degc);
+  text.number("mean_error_k", s.ours_error_k);
+  text.number("schedule_mean_error_k", s.schedule_error_k);
   text.number("confidence", s.decision.confidence);
   text.number("expected_room_mean_degc", s.decision.expected_mean_degc);
   text.count("cycles", s.cycles);
@@ -92,6 +115,7 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.count("link_bad_frames", s.link_bad_frames);
   text.count("link_wrong_ids", s.link_wrong_ids);
   text.count("link_exceptions", s.link_exceptions);
+  text.count("setpoint_writes", s.setpoint_writes);
   text.add("}}\n");
   if (!text.fits()) return false;
   auto file = hal::StorageFile::open(dir_.descriptor(), "status.json.new", true, "open status");

@@ -92,8 +92,10 @@ class Controller {
   /// `release` the command must not be written.
   const Decision& decide(CivilTime t, const Expected<Reading<T>>& sensed) {
     const SafetyEnvelope envelope(settings_);
-    const double expert = expert_setpoint_degc(settings_, t);
     cycle_.ladder.tick(t);
+    // Where nobody knows the hour, the working hours' setpoint: it costs energy, the night's would cost comfort.
+    const double expert = cycle_.ladder.active(Reason::clock_not_set, t) ? settings_.expert_work_degc
+                                                                         : expert_setpoint_degc(settings_, t);
     if (sensed && !(resumed_ && t.seconds - cycle_.last_time.seconds == cycle_s)) adopt_setpoint(t, *sensed);
     if (sensed) cycle_.contact = sensed->contact;
     resumed_ = false;
@@ -163,6 +165,8 @@ class Controller {
 
   /// What only the surroundings know (storage, clock, restarts, an operator's wish), from t on until it is taken back.
   void report(Reason reason, bool is_so, CivilTime t) { cycle_.ladder.set(reason, is_so, t); }
+  /// The same for a time; for ever where only a person ends it.
+  void hold(Reason reason, CivilTime t, std::int64_t seconds) { cycle_.ladder.hold(reason, t, seconds); }
   /// An operator gives the AHU back: everything that waits for a person ends.
   void hand_back() {
     cycle_.ladder.hand_back();

@@ -36,6 +36,7 @@ enum class Fault : std::uint8_t {
   released = 25,           ///< nothing was written, as the ladder asks
   blob_signature = 26,     ///< not signed, or signed by a key that is unknown or revoked, or changed since
   blob_counter = 27,       ///< as old as or older than one that was installed
+  other_device = 28,       ///< the device is not the one that the point map describes
 };
 
 constexpr const char* text_of(Fault fault) {
@@ -68,6 +69,7 @@ constexpr const char* text_of(Fault fault) {
     case Fault::released: return "released";
     case Fault::blob_signature: return "blob signature";
     case Fault::blob_counter: return "blob counter";
+    case Fault::other_device: return "other device";
   }
   return "unknown";
 }

@@ -61,6 +61,7 @@ constexpr int reason_count = 25;
 
 /// What a reason asks for. Texts are whole phrases for log, status and page.
 struct Rung {
+  const char* name;
   Mode mode;
   bool beats;       ///< the heartbeat goes on, also while nothing is written
   bool for_person;  ///< ends only when a person hands the AHU back
@@ -70,75 +71,167 @@ struct Rung {
 
 constexpr Rung rung_of(Reason reason) {
   switch (reason) {
-    case Reason::none: return {Mode::learn, true, false, "all is well", "none needed"};
+    case Reason::none: return {"none", Mode::learn, true, false, "all is well", "none needed"};
     case Reason::setpoint_altered:
-      return {Mode::learn, true, false, "the AHU took another setpoint than the one written",
+      return {"setpoint altered",
+              Mode::learn,
+              true,
+              false,
+              "the AHU took another setpoint than the one written",
               "ends with the first setpoint that is taken as written; look for limits in the AHU"};
     case Reason::storage_failed:
-      return {Mode::learn, true, false, "state or log cannot be written",
+      return {"storage failed",
+              Mode::learn,
+              true,
+              false,
+              "state or log cannot be written",
               "ends with the first write that succeeds; look at the disk"};
     case Reason::signal_held:
-      return {Mode::run, true, false, "a signal stands in with its last good value", "ends when the signal is back"};
+      return {"signal held",
+              Mode::run,
+              true,
+              false,
+              "a signal stands in with its last good value",
+              "ends when the signal is back"};
     case Reason::room_disagrees:
-      return {Mode::run, true, false, "one room sensor is far from all others, whose median stands in",
+      return {"room disagrees",
+              Mode::run,
+              true,
+              false,
+              "one room sensor is far from all others, whose median stands in",
               "ends when it is back among them; look at that sensor"};
     case Reason::sensor_drifts:
-      return {Mode::run, true, false, "one room sensor has moved away from the others for days",
+      return {"sensor drifts",
+              Mode::run,
+              true,
+              false,
+              "one room sensor has moved away from the others for days",
               "ends when it stays where it is for two weeks; compare that sensor with a thermometer"};
     case Reason::supply_ignores_setpoint:
-      return {Mode::run, true, false, "supply air stays away from its setpoint",
+      return {"supply ignores setpoint",
+              Mode::run,
+              true,
+              false,
+              "supply air stays away from its setpoint",
               "ends when it follows again; look at valve, coil and fan"};
     case Reason::no_excitation:
-      return {Mode::run, true, false, "the setpoint has hardly moved for a day, nothing can be learned from that",
+      return {"no excitation",
+              Mode::run,
+              true,
+              false,
+              "the setpoint has hardly moved for a day, nothing can be learned from that",
               "ends when it moves"};
     case Reason::learning_refused:
-      return {Mode::run, true, false, "every update of the weights was refused for a day", "ends after a day"};
+      return {"learning refused", Mode::run, true, false, "every update of the weights was refused for a day",
+              "ends after a day"};
     case Reason::worse_than_schedule:
-      return {Mode::run, true, false, "rooms are further from target than the schedule would have them",
+      return {"worse than schedule",
+              Mode::run,
+              true,
+              false,
+              "rooms are further from target than the schedule would have them",
               "ends when they are closer again"};
     case Reason::no_weights:
-      return {Mode::expert, true, false, "there are no weights yet", "ends with the first weights; airside push"};
+      return {"no weights",
+              Mode::expert,
+              true,
+              false,
+              "there are no weights yet",
+              "ends with the first weights; airside push"};
     case Reason::signal_lost:
-      return {Mode::expert, true, false, "a signal is gone for longer than it may be held",
+      return {"signal lost",
+              Mode::expert,
+              true,
+              false,
+              "a signal is gone for longer than it may be held",
               "ends when the signal is back"};
     case Reason::no_reading:
-      return {Mode::expert, true, false, "the AHU does not answer", "ends with the first answer; look at the bus"};
+      return {"no reading",
+              Mode::expert,
+              true,
+              false,
+              "the AHU does not answer",
+              "ends with the first answer; look at the bus"};
     case Reason::forecast_invalid:
-      return {Mode::expert, true, false, "network and head give no number", "ends with the first forecast"};
+      return {"forecast invalid",
+              Mode::expert,
+              true,
+              false,
+              "network and head give no number",
+              "ends with the first forecast"};
     case Reason::gain_reversed:
-      return {Mode::expert, true, false, "rooms get warmer when supply air gets colder",
+      return {"gain reversed",
+              Mode::expert,
+              true,
+              false,
+              "rooms get warmer when supply air gets colder",
               "ends when the schedule's days show a sane answer; look for a heating AHU or exchanged sensors"};
     case Reason::write_refused:
-      return {Mode::expert, true, false, "the AHU refused a setpoint",
+      return {"write refused",
+              Mode::expert,
+              true,
+              false,
+              "the AHU refused a setpoint",
               "ends with the first setpoint that is taken; look at limits and rights of the register"};
-    case Reason::clock_not_set: return {Mode::expert, true, false, "the clock cannot be right", "ends when it is set"};
+    case Reason::clock_not_set:
+      return {"clock not set", Mode::expert, true, false, "the clock cannot be right", "ends when it is set"};
     case Reason::crash_loop:
-      return {Mode::expert, true, false, "the daemon was restarted three times in ten minutes",
+      return {"crash loop",
+              Mode::expert,
+              true,
+              false,
+              "the daemon was restarted three times in ten minutes",
               "ends after an hour without a restart"};
     case Reason::state_lost:
-      return {Mode::expert, true, true, "no saved state is whole, though there was one",
+      return {"state lost",
+              Mode::expert,
+              true,
+              true,
+              "no saved state is whole, though there was one",
               "ends when weights are pushed or the AHU is handed back; look at the disk"};
     case Reason::worse_for_long:
-      return {Mode::expert, true, false,
+      return {"worse for long",
+              Mode::expert,
+              true,
+              false,
               "rooms were further from target than the schedule would have had them, for a working day",
               "ends after a day under the schedule"};
     case Reason::overridden:
-      return {Mode::release, true, false, "somebody else has set the setpoint",
+      return {"overridden",
+              Mode::release,
+              true,
+              false,
+              "somebody else has set the setpoint",
               "ends after the override's time, or when the AHU is handed back"};
     case Reason::two_masters:
-      return {Mode::release, false, true, "somebody else sets the setpoint again and again",
+      return {"two masters",
+              Mode::release,
+              false,
+              true,
+              "somebody else sets the setpoint again and again",
               "ends when the AHU is handed back; find the other master"};
     case Reason::writes_refused:
-      return {Mode::release, false, false, "the AHU refused the schedule's setpoint too",
+      return {"writes refused",
+              Mode::release,
+              false,
+              false,
+              "the AHU refused the schedule's setpoint too",
               "tried again every hour, and when the AHU is handed back"};
     case Reason::map_differs:
-      return {Mode::release, false, false, "the device is not the one that the point map describes",
+      return {"map differs",
+              Mode::release,
+              false,
+              false,
+              "the device is not the one that the point map describes",
               "ends when it is; correct points.csv or the address"};
     case Reason::released_by_hand:
-      return {Mode::release, false, true, "an operator has released the AHU", "ends when it is handed back"};
+      return {"released by hand",           Mode::release, false, true, "an operator has released the AHU",
+              "ends when it is handed back"};
   }
-  return {Mode::release, false, true, "unknown", "unknown"};
+  return {"unknown", Mode::release, false, true, "unknown", "unknown"};
 }
+
+constexpr const char* text_of(Reason reason) { return rung_of(reason).name; }
 
 /// Which reasons are active and until when. Plain bytes: part of the durable state.
 class Ladder {

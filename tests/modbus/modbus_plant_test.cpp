@@ -73,7 +73,9 @@ TEST(ModbusPlant, SensesEverySignalRoundedAsThePointMapSays) {
   EXPECT_EQ(reading->setpoint_degc, 18.0);
   EXPECT_EQ(reading->supply_temp_degc, 16.5);
   EXPECT_EQ(reading->time.seconds, clock_epoch.seconds + 86400);
-  EXPECT_EQ(bench.link.counters().exchanges, 2U) << "one block of input and one of holding registers";
+  EXPECT_EQ(bench.link.counters().exchanges, 3U) << "one block of input and one of holding registers, and the fingerprint";
+  ASSERT_TRUE(bench.plant.sense());
+  EXPECT_EQ(bench.link.counters().exchanges, 5U) << "which is asked once a connection";
 }
 
 TEST(ModbusPlant, SentinelAndOutOfRangeAreNanAndNameTheirFault) {
@@ -97,6 +99,7 @@ TEST(ModbusPlant, WritesReadsBackAndSparesTheRegisterWhenNothingChanges) {
   int writes = 0;
   bench.served.server().on_write([&](const Point&, double value) { return ++writes, value; });
   bench.served.start();
+  ASSERT_TRUE(bench.plant.sense());
   for (int i = 0; i < 5; ++i) {
     const auto applied = bench.plant.actuate(command_of(20.5));
     ASSERT_TRUE(applied);
@@ -113,6 +116,7 @@ TEST(ModbusPlant, RefreshPolicyWritesEveryTime) {
   int writes = 0;
   bench.served.server().on_write([&](const Point&, double value) { return ++writes, value; });
   bench.served.start();
+  ASSERT_TRUE(bench.plant.sense());
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(bench.plant.actuate(command_of(20.5)));
   bench.served.stop();
   EXPECT_EQ(writes, 3);
@@ -122,22 +126,25 @@ TEST(ModbusPlant, ClampedWriteIsRememberedAsTheDeviceTookIt) {
   Bench bench(five_zone_map());
   bench.served.server().on_write([](const Point&, double value) { return std::min(value, 20.0); });
   bench.served.start();
+  ASSERT_TRUE(bench.plant.sense());
   const auto applied = bench.plant.actuate(command_of(26.0));
   ASSERT_TRUE(applied);
   EXPECT_EQ(applied->setpoint_degc, 20.0);
 }
 
-TEST(ModbusPlant, RefusedWriteIsNotApplied) {
+TEST(ModbusPlant, RefusedWriteIsNamed) {
   Bench bench(five_zone_map());
   bench.served.server().on_write([](const Point&, double) { return std::nan(""); });
   bench.served.start();
-  EXPECT_EQ(bench.plant.actuate(command_of(26.0)).error(), Fault::not_applied);
+  ASSERT_TRUE(bench.plant.sense());
+  EXPECT_EQ(bench.plant.actuate(command_of(26.0)).error(), Fault::write_refused);
   ASSERT_TRUE(bench.plant.sense()) << "reading goes on";
 }
 
 TEST(ModbusPlant, CommandOutsideThePointsLimitsNeverReachesTheBus) {
   Bench bench(five_zone_map("8,32,,,0x8000,on-change,6,18", "16,24,,,0x8000,on-change,6,18"));
   bench.served.start();
+  ASSERT_TRUE(bench.plant.sense());
   EXPECT_EQ(bench.plant.actuate(command_of(30.0)).error(), Fault::not_applied);
   EXPECT_EQ(bench.plant.setpoint_writes(), 0U);
 }
@@ -145,6 +152,7 @@ TEST(ModbusPlant, CommandOutsideThePointsLimitsNeverReachesTheBus) {
 TEST(ModbusPlant, ForeignOverrideIsSeenAndWrittenOver) {
   Bench bench(five_zone_map());
   bench.served.start();
+  ASSERT_TRUE(bench.plant.sense());
   ASSERT_TRUE(bench.plant.actuate(command_of(20.5)));
   ModbusLink foreign(tcp_settings(bench.served.server().port()));
   const std::array<std::uint16_t, 1> other = {1234};
@@ -157,6 +165,7 @@ TEST(ModbusPlant, ForeignOverrideIsSeenAndWrittenOver) {
 TEST(ModbusPlant, WriteOnlyRegisterIsNeverReadAndAppliedIsWhatWasWritten) {
   Bench bench(five_zone_map("on-change,6,18,self", "on-change,6,18,none"));
   bench.served.start();
+  ASSERT_TRUE(bench.plant.sense());
   EXPECT_TRUE(std::isnan(bench.plant.sense()->setpoint_degc));
   const auto applied = bench.plant.actuate(command_of(20.51));
   ASSERT_TRUE(applied);
@@ -170,8 +179,10 @@ TEST(ModbusPlant, RefusedGroupIsSplitOnceAndOnlyTheMissingPointIsInvalid) {
   const PointMap map = five_zone_map();
   const PointMap poorer = five_zone_map("vav_on_2,,4,11", "spare,,4,200");
   ServerThread served(poorer, {TcpListen{}, 1});
+  served.server().set("map_fingerprint", map.told_fingerprint());
   for (const Point& p : poorer.points()) {
-    if (p.fc == 4 && p.name != "spare") served.server().set(p.name, p.unit == "degc" ? 21.0 : 1.0);
+    if (p.fc == 4 && p.name != "map_fingerprint" && p.name != "spare")
+      served.server().set(p.name, p.unit == "degc" ? 21.0 : 1.0);
   }
   served.start();
   ModbusLink link(tcp_settings(served.server().port()));
@@ -208,7 +219,7 @@ TEST(ModbusPlant, SilentDeviceHeartbeatAgesEverySignal) {
   const PointMap map = five_zone_map("heartbeat,,3,1,uint16,big,big,1,0,0,65535,,,,refresh,6,,self",
                                      "heartbeat,,3,1,uint16,big,big,1,0,0,65535,,,,,,,");
   Bench bench(map);
-  int reads = 0;
+  int reads = -1;  // the first sense has one exchange more, for the fingerprint
   ModbusServer& server = bench.served.server();
   server.refresh([&] {
     ++reads;
@@ -248,6 +259,49 @@ TEST(ModbusPlant, TwoWeeksOfReadingsTakeSeconds) {
   RecordProperty("sense_us", std::to_string(sense_us));
   std::printf("sense() of 28 points over loopback: %.0f us\n", sense_us);
   EXPECT_LT(sense_us, 5000.0) << "14 days are 3360 rows";
+}
+
+TEST(ModbusPlant, NothingIsWrittenToADeviceOfAnotherMap) {
+  const PointMap map = five_zone_map();
+  const PointMap other =
+      five_zone_map("room_temp_1,degc,4,0,int16,big,big,0.01", "room_temp_1,degc,4,0,int16,big,big,0.1");
+  ASSERT_NE(map.told_fingerprint(), other.told_fingerprint());
+  ServerThread served(other, {TcpListen{}, 1});
+  int writes = 0;
+  served.server().on_write([&](const Point&, double value) { return ++writes, value; });
+  served.start();
+  ModbusLink link(tcp_settings(served.server().port()));
+  ModbusPlant<FiveZone> plant(map, link);
+  EXPECT_EQ(plant.sense().error(), Fault::other_device);
+  EXPECT_TRUE(plant.other_device());
+  EXPECT_EQ(plant.actuate(command_of(21)).error(), Fault::other_device);
+  EXPECT_FALSE(plant.beat());
+  served.stop();
+  EXPECT_EQ(writes, 0);
+}
+
+TEST(ModbusPlant, AConstantOfTheDeviceMayStandInForTheFingerprint) {
+  const PointMap map =
+      five_zone_map("uint32,big,big,1,0,0,4294967295,,,,,,,", "uint32,big,big,1,0,0,4294967295,,,,,,4711,");
+  EXPECT_EQ(map.told_fingerprint(), 4711);
+  ServerThread served(map, {TcpListen{}, 1});
+  served.server().set("clock_s", 0);
+  served.start();
+  ModbusLink link(tcp_settings(served.server().port()));
+  ModbusPlant<FiveZone> plant(map, link);
+  EXPECT_TRUE(plant.sense());
+}
+
+TEST(ModbusPlant, NothingIsWrittenOnAConnectionThatWasNotReadFirst) {
+  Bench bench(five_zone_map());
+  int writes = 0;
+  bench.served.server().on_write([&](const Point&, double value) { return ++writes, value; });
+  bench.served.start();
+  EXPECT_EQ(bench.plant.actuate(command_of(21)).error(), Fault::not_applied);
+  ASSERT_TRUE(bench.plant.sense());
+  EXPECT_TRUE(bench.plant.actuate(command_of(21)));
+  bench.served.stop();
+  EXPECT_EQ(writes, 1);
 }
 
 }  // namespace
