@@ -50,6 +50,8 @@ points = "points.csv"    # the point map
 
 [clock]
 source = "system"        # system, or plant: the time that a simulated plant tells
+daylight_saving = "none" # none, eu or us: the schedule follows people's clocks; rows and logs never shift
+utc_offset_h = 0.0       # of standard time, hours east; "eu" needs it
 
 [state]
 dir = "state"            # what survives a power cut
@@ -64,6 +66,10 @@ log = ""                 # CSV log of days under the schedule, for first trainin
 
 [weights]
 blob = ""                # weight blob to start with
+keys = "keys"            # folder of public keys (*.pub) whose pushed weights are taken
+
+[inbox]
+dir = "inbox"            # where `airside push`, a copied file or a stick's content arrive
 
 # A model of the building, for training before anything is installed:
 # [twin]

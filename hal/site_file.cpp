@@ -20,6 +20,7 @@ struct OwnKey {
 constexpr OwnKey own_keys[] = {
     {"target_degc", "room_temp_degc in [target]"}, {"work_start_h", "work_start in [target]"},
     {"work_end_h", "work_end in [target]"},        {"weekday_only", "weekday_only in [target]"},
+    {"daylight_saving", "daylight_saving in [clock]"}, {"utc_offset_h", "utc_offset_h in [clock]"},
     {"action_min_degc", "min_degc in [setpoint]"}, {"action_max_degc", "max_degc in [setpoint]"},
     {"action_step_k", "step_k in [setpoint]"},     {"limit_change_k", "max_change_k in [setpoint]"},
     {"round_k", "round_k in [setpoint]"},          {"expert_work_degc", "work_degc in [expert]"},
@@ -171,6 +172,8 @@ void read_twin(TomlSection root, SiteFile& out) {
 void read_folders(TomlSection& root, SiteFile& out) {
   TomlSection clock = root.section("clock");
   out.clock = static_cast<ClockSource>(clock.choice("source", {"system", "plant"}, 0));
+  out.daylight_saving = static_cast<int>(clock.choice("daylight_saving", {"none", "eu", "us"}, 0));
+  out.utc_offset_h = clock.number("utc_offset_h", out.utc_offset_h, -12, 14, "h");
   clock.refuse_unknown_keys();
   TomlSection state = root.section("state");
   out.state_dir = resolved(state.text("dir", "state"), out.path);
@@ -185,7 +188,11 @@ void read_folders(TomlSection& root, SiteFile& out) {
   history.refuse_unknown_keys();
   TomlSection weights = root.section("weights");
   out.weights_blob = resolved(weights.text("blob", ""), out.path);
+  out.keys_dir = resolved(weights.text("keys", "keys"), out.path);
   weights.refuse_unknown_keys();
+  TomlSection inbox = root.section("inbox");
+  out.inbox_dir = resolved(inbox.text("dir", "inbox"), out.path);
+  inbox.refuse_unknown_keys();
 }
 
 }  // namespace

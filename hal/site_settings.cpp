@@ -24,6 +24,8 @@ ControllerSettings controller_settings(const SiteFile& site) {
   s.work_start_h = site.work_start_s / 3600.0;
   s.work_end_h = site.work_end_s / 3600.0;
   s.weekday_only = site.weekday_only ? 1 : 0;
+  s.daylight_saving = site.daylight_saving;
+  s.utc_offset_h = site.utc_offset_h;
   s.action_min_degc = s.limit_min_degc = site.setpoint_min_degc;
   s.action_max_degc = s.limit_max_degc = site.setpoint_max_degc;
   s.action_step_k = site.setpoint_step_k;

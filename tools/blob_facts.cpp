@@ -128,7 +128,7 @@ BlobFacts read_blob_facts(const std::string& path) {
   const auto body = std::span(file).subspan(sizeof header, payload);
   // The checksum is the same for every topology; any one that is compiled in will do.
   for_each_topology([&]<class T>(T) {
-    out.digest_ok = payload == header.payload_bytes && crc == WeightBlob<T>::digest(header, body);
+    out.digest_ok = payload == header.payload_bytes && crc == blob_digest(header, body);
   });
   if (error) {
     try {

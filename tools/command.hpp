@@ -24,6 +24,7 @@ void add_report(CLI::App& app);
 void add_footprint(CLI::App& app);
 void add_status(CLI::App& app);
 void add_gap(CLI::App& app);
+void add_weights(CLI::App& app);
 
 /// --site, --preset and --topology, shared by all commands on a room.
 struct SiteOptions {

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   tools::add_report(app);
   tools::add_footprint(app);
   tools::add_status(app);
+  tools::add_weights(app);
   tools::add_gap(app);
   try {
     app.parse(argc, argv);

@@ -2,8 +2,6 @@
 // The daemon's wiring for one topology: plant, clock, controller, durable state, log, status. Everything is made in
 // the constructor and start(); run() allocates nothing.
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <csignal>
 #include <cstring>
@@ -16,7 +14,9 @@
 #include "airside/cycle.hpp"
 #include "airside/history.hpp"
 #include "firmware/edge/daemon.hpp"
+#include "firmware/edge/say.hpp"
 #include "firmware/edge/status_snapshot.hpp"
+#include "firmware/edge/weights_trial.hpp"
 #include "hal/blob_file.hpp"
 #include "hal/civil_text.hpp"
 #include "hal/durable_store.hpp"
@@ -34,15 +34,6 @@
 
 namespace airside::edge {
 
-/// Writes one line to standard error, where the service manager adds the time. Cost: no heap for short lines.
-template <class... Args>
-void say(fmt::format_string<Args...> format, Args&&... args) {
-  std::array<char, 512> line;
-  const auto r = fmt::format_to_n(line.data(), line.size() - 1, format, std::forward<Args>(args)...);
-  *r.out = '\n';
-  std::fwrite(line.data(), 1, static_cast<std::size_t>(r.out - line.data()) + 1, stderr);
-}
-
 /// The link's settings from the site file.
 hal::LinkSettings link_settings(const hal::ModbusSection& modbus, const EdgeOptions& options);
 
@@ -52,7 +43,9 @@ struct RowRecord {
   CycleState<T> cycle;
   Decision decision;
   CivilTime row_time;
-  std::uint32_t blob_crc = 0;  ///< of the weights that this state grew from
+  std::uint32_t blob_crc = 0;  ///< of the site's weights that this state grew from
+  std::uint32_t reserved = 0;
+  TrialRecord trial;  ///< of weights that were pushed since
 };
 
 template <Topology T>
@@ -68,7 +61,8 @@ class Edge final : public Daemon {
         system_clock_(stop),
         controller_(std::make_unique<Controller<T>>()),
         log_row_(hal::make_log_row(hal::counts_of<T>())),
-        starts_(site.state_dir, options.sync) {
+        starts_(site.state_dir, options.sync),
+        trial_(site.keys_dir, site.inbox_dir, site.state_dir, layout().meaning, options.sync, site.scope) {
     controller_->configure(hal::controller_settings(site), limits_, hal::box_kernels(), site.seed);
     if (site.clock == hal::ClockSource::plant) plant_clock_.emplace(points, link_, stop, options.stall_s);
     for (int i = 0; i < Layout<T>::signals; ++i) names_[static_cast<std::size_t>(i)] = hal::point_name(signal_id<T>(i));
@@ -132,8 +126,15 @@ class Edge final : public Daemon {
     const bool logs = log_ && clock_is_set;
     hal::StoreResult<void> logged = logs ? log_->append(log_row_) : hal::StoreResult<void>{};
     if (logged && logs) logged = log_->sync();
+    const bool exchanged = trial_.row(t, *controller_, record_.trial);
+    if (exchanged && store_) store_->replay_replaced();
+    if (exchanged) learning_exchanged_ = true;
     const hal::StoreResult<void> committed = store_ ? store_->commit(state(t)) : hal::StoreResult<void>{};
     committed_ = committed_ || committed;
+    if (committed) {
+      learning_exchanged_ = false;
+      trial_.committed();
+    }
     note(logged ? committed : logged, logged ? "state" : "log");
     controller_->report(Reason::storage_failed, std::strcmp(storage_, "ok") != 0, t);
     if (controller.cycle().ladder.beats(t)) (void)plant_.beat();
@@ -231,7 +232,7 @@ class Edge final : public Daemon {
                                sizeof(typename Ring::Row) * static_cast<std::size_t>(Ring::capacity)),
             .replay_count = controller_->replay().total_pushed(),
             .log = log_ ? log_->position() : hal::LogPosition{},
-            .learning_changed = starts_cycle(t) || !committed_};
+            .learning_changed = starts_cycle(t) || !committed_ || learning_exchanged_};
   }
 
   void open_log() {
@@ -314,7 +315,10 @@ class Edge final : public Daemon {
     }
     if (record_.blob_crc != blob_crc) {
       say("the site names other weights than the state grew from; starting from them");
-      return forget();
+      const auto counters = record_.trial.counter;  // an old blob must not come in again by this way
+      const CivilTime none = forget();
+      record_.trial.counter = counters;
+      return none;
     }
     controller_->cycle() = record_.cycle;
     controller_->replay().restore_count(found->replay_count);
@@ -338,7 +342,7 @@ class Edge final : public Daemon {
   }
 
   static RowRecord<T> fresh_record() {
-    return {.cycle = {}, .decision = Controller<T>::schedule_decision(), .row_time = {}};
+    return {.cycle = {}, .decision = Controller<T>::schedule_decision(), .row_time = {}, .trial = {}};
   }
 
   void note(const hal::StoreResult<void>& result, const char* what) {
@@ -367,6 +371,9 @@ class Edge final : public Daemon {
     s.link_exceptions = link.exceptions;
     s.setpoint_writes = plant_.setpoint_writes();
     s.ladder = &controller_->cycle().ladder;
+    s.trial = text_of(record_.trial.state);
+    s.trial_refusal = text_of(record_.trial.refusal);
+    s.pushed_crc = record_.trial.blob_crc;
     s.ours_error_k = controller_->cycle().shadow.ours_k();
     s.schedule_error_k = controller_->cycle().shadow.schedule_k();
     (void)status_->write(t, s);
@@ -395,6 +402,8 @@ class Edge final : public Daemon {
   bool committed_ = false;
   hal::StartLedger starts_;
   hal::ServiceManager service_;
+  WeightsTrial<T> trial_;
+  bool learning_exchanged_ = false;  ///< and not committed yet
   int recent_starts_ = 0;
   CivilTime began_;       ///< row of this run's start
   CivilTime newest_row_;  ///< the latest that a clock which can be right has told

@@ -110,6 +110,9 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.count("rejected_updates", s.rejected_updates);
   text.count("replay_transitions", s.replay_transitions);
   text.count("generation", s.generation);
+  text.string("pushed_weights", s.trial);
+  text.add(",\"pushed_crc\":\"{:08x}\"", s.pushed_crc);
+  text.string("pushed_refusal", s.trial_refusal);
   text.string("storage", s.storage);
   text.count("link_timeouts", s.link_timeouts);
   text.count("link_bad_frames", s.link_bad_frames);

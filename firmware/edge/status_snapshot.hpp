@@ -27,8 +27,11 @@ struct StatusSnapshot {
   bool has_weights = false;
   std::string_view storage = "ok";  ///< or what is wrong with it
   std::uint64_t link_timeouts = 0, link_bad_frames = 0, link_wrong_ids = 0, link_exceptions = 0;
-  std::uint64_t setpoint_writes = 0;  ///< since the daemon's start
-  const Ladder* ladder = nullptr;     ///< every active reason becomes an alarm
+  std::uint64_t setpoint_writes = 0;        ///< since the daemon's start
+  std::string_view trial = "none";          ///< of pushed weights
+  std::string_view trial_refusal = "none";  ///< why the last pushed blob was refused
+  std::uint32_t pushed_crc = 0;             ///< checksum of the last blob that was taken
+  const Ladder* ladder = nullptr;           ///< every active reason becomes an alarm
   double ours_error_k = Decision::none, schedule_error_k = Decision::none;
 };
 

@@ -60,6 +60,14 @@ constexpr std::uint64_t fnv1a(std::uint64_t hash, const char* text) {
 constexpr std::uint64_t fnv_seed = 0xCBF29CE484222325u;
 }  // namespace blob_detail
 
+/// Checksum over everything but the digest itself and the signature.
+inline std::uint32_t blob_digest(BlobHeader header, std::span<const std::byte> payload) {
+  header.digest = {};
+  std::array<std::byte, sizeof(BlobHeader)> bytes{};
+  std::memcpy(bytes.data(), &header, sizeof header);
+  return crc32c(payload, crc32c(bytes));
+}
+
 /// Hash of the counts and of the network's widths.
 template <Topology T>
 constexpr std::uint64_t topology_hash(int parameters) {
@@ -142,7 +150,7 @@ class BlobCodec {
     }
     put(payload.provenance.data(), blob_provenance_bytes);
     std::memset(at, 0, blob_signature_bytes);
-    const std::uint32_t crc = digest(header, out.subspan(sizeof(BlobHeader), header.payload_bytes));
+    const std::uint32_t crc = blob_digest(header, out.subspan(sizeof(BlobHeader), header.payload_bytes));
     header.digest = {};
     std::memcpy(header.digest.data(), &crc, sizeof crc);
     std::memcpy(out.data(), &header, sizeof header);
@@ -173,7 +181,7 @@ class BlobCodec {
     for (std::size_t i = sizeof crc; i < header.digest.size(); ++i) {
       if (header.digest[i] != 0) return refuse(Fault::blob_digest, "digest");
     }
-    if (crc != digest(header, in.subspan(sizeof header, header.payload_bytes))) {
+    if (crc != blob_digest(header, in.subspan(sizeof header, header.payload_bytes))) {
       return refuse(Fault::blob_digest, "digest");
     }
     if (header.topology_hash != topology_hash<T>(Parameters)) return refuse(Fault::blob_topology, "topology_hash");
@@ -195,14 +203,6 @@ class BlobCodec {
     if (!covariance.allFinite()) return refuse(Fault::blob_value, "head_covariance");
     if (!(covariance.diagonal().array() >= 0).all()) return refuse(Fault::blob_value, "head_covariance");
     return header;
-  }
-
-  /// Checksum over everything but the digest itself and the signature.
-  static std::uint32_t digest(BlobHeader header, std::span<const std::byte> payload) {
-    header.digest = {};
-    std::array<std::byte, sizeof(BlobHeader)> bytes{};
-    std::memcpy(bytes.data(), &header, sizeof header);
-    return crc32c(payload, crc32c(bytes));
   }
 
   /// Payload bytes as they are, for showing blobs that decode() refuses.

@@ -208,6 +208,46 @@ class Controller {
   /// Puts back the last decision, which rows between two decisions still show.
   void restore_decision(const Decision& decision) { decision_ = decision; }
 
+  /// How far other weights are from what a room can do: on canary states (canary.hpp), and as the largest error of the
+  /// one-cycle forecast of the room mean on the newest remembered transitions.
+  /// Units: K, both. Errors: infinite for a forecast that is no number. Cost: at most 36 forecasts and two packings.
+  struct Wildness {
+    double canary_k, replay_k;
+  };
+  Wildness wildness(const Scaler<T>& scaler, const NetworkWeights<T, Scalar>& weights) {
+    pack(weights, scratch_.kernels, packed_);
+    const ForecastModel<T, Scalar> other{scaler, packed_, scratch_};
+    Wildness found{canary_excess_k<T>(settings_, scaler, packed_, scratch_), 0};
+    const int n = std::min(replay_.size(), 32);
+    for (int age = 0; age < n; ++age) {
+      const Remembered past = remembered(replay_.newest(age));
+      const double error = search_.expected_mean_degc(other, past.before, past.setpoint_degc) - room_mean(past.after);
+      found.replay_k = std::isfinite(error) ? std::max(found.replay_k, std::abs(error)) : HUGE_VAL;
+    }
+    prepare();
+    return found;
+  }
+
+  /// Takes other weights while in control: memories are put into their units, moments and trust begin anew.
+  void exchange(const Scaler<T>& scaler, std::span<const Scalar> weights) {
+    std::copy(weights.begin(), weights.end(), learning_.weights.flat().begin());
+    rescale_memories(learning_.scaler, scaler);
+    learning_.head.rescale_power(scaler.scale(power_of_head) / learning_.scaler.scale(power_of_head));
+    cycle_.features.x(HeadFeatures::power_change) *=
+        learning_.scaler.scale(power_of_head) / scaler.scale(power_of_head);
+    cycle_.confidence = std::min(cycle_.confidence, settings_.confidence_initial);
+    cycle_.network_expected_degc = unknown;
+    start(scaler);
+  }
+  /// After learning() was overwritten by an older one whose scaler may differ from `present`.
+  Fault go_back(const Scaler<T>& present) {
+    rescale_memories(present, learning_.scaler);
+    cycle_.network_expected_degc = unknown;
+    const Fault fault = restored();
+    resumed_ = false;
+    return fault;
+  }
+
   /// One optimiser step on the replay; for a host that fine-tunes.  Errors: returns the losses before the step.
   LossTerms train_step() {
     return training_.step(settings_, learner_settings_, learning_, replay_, scratch_, learning_.weights);
@@ -217,6 +257,7 @@ class Controller {
 
  private:
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  static constexpr int power_of_head = L::power + T::powers - 1;
   static constexpr double foreign_k = 0.05;  ///< a setpoint differs by more than a register's rounding
 
   Expected<ValidReading<T>> check(CivilTime t, const Reading<T>& reading) {
@@ -316,6 +357,33 @@ class Controller {
       decision_.fault = faults[i];
       decision_.fault_signal = static_cast<int>(i);
     }
+  }
+
+  struct Remembered {
+    Vector before;
+    double setpoint_degc;
+    Vector after;
+  };
+  /// A transition back in SI units.
+  Remembered remembered(const Row& row) const { return unscaled(row, learning_.scaler); }
+  static Remembered unscaled(const Row& row, const Scaler<T>& scaler) {
+    const Eigen::Map<const Eigen::Matrix<Scalar, L::transition, 1>> x(row.data());
+    const Vector mean = scaler.mean.template head<L::signals>(), scale = scaler.scale.template head<L::signals>();
+    const auto si = [&](const auto& part) -> Vector { return part.template cast<double>().cwiseProduct(scale) + mean; };
+    return {si(x.template head<L::signals>()),
+            static_cast<double>(x(L::setpoint)) * scaler.scale(L::setpoint) + scaler.mean(L::setpoint),
+            si(x.template tail<L::signals>())};
+  }
+
+  /// Puts the replay from one scaler's units into another's.
+  void rescale_memories(const Scaler<T> from, const Scaler<T>& to) {
+    const Scaler<T> kept = learning_.scaler;
+    learning_.scaler = to;
+    for (int i = 0; i < replay_.size(); ++i) {
+      const Remembered past = unscaled(replay_.slot(i), from);
+      replay_.slot(i) = transition(past.before, past.setpoint_degc, past.after);
+    }
+    learning_.scaler = kept;
   }
 
   Row transition(const Vector& before, double setpoint_degc, const Vector& after) const {
@@ -418,7 +486,7 @@ class Controller {
                                        .now = now_,
                                        .setpoint_before_degc = cycle_.last_setpoint_degc,
                                        .last_move_k = std::isfinite(move) ? move : 0.0},
-                                      learning_.scaler.scale(L::power + T::powers - 1));
+                                      learning_.scaler.scale(power_of_head));
     has_features_ = true;
   }
 

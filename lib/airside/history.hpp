@@ -65,17 +65,33 @@ class HistoryReader {
   int refused_ = 0;
 };
 
+/// Puts a blob's head into the controller.
+template <Topology T>
+void take_head(Controller<T, float>& controller, const BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
+  if (payload.head_states == 0) return;
+  RoomHead<T>& head = controller.learning().head;
+  head.theta() = payload.head_theta;
+  std::copy(payload.head_covariance.begin(), payload.head_covariance.end(), head.covariance().data());
+  head.set_updates(payload.head_updates);
+  head.complete_day_types(controller.settings());
+}
+
+/// A blob's weights and scaler in place of those in use. The room's own head stays once it has learned for a day: it
+/// knows this room, the blob's another one or a twin.
+template <Topology T>
+void exchange_payload(Controller<T, float>& controller,
+                      const BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
+  const bool young = controller.learning().head.updates() < cycles_per_day;
+  controller.exchange(payload.scaler, payload.weights);
+  if (young) take_head<T>(controller, payload);
+}
+
 /// Puts a blob's scaler, weights and head into the controller.
 template <Topology T>
 void take_payload(Controller<T, float>& controller, const BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
   auto& learning = controller.learning();
   std::copy(payload.weights.begin(), payload.weights.end(), learning.weights.flat().begin());
-  if (payload.head_states != 0) {
-    learning.head.theta() = payload.head_theta;
-    std::copy(payload.head_covariance.begin(), payload.head_covariance.end(), learning.head.covariance().data());
-    learning.head.set_updates(payload.head_updates);
-    learning.head.complete_day_types(controller.settings());
-  }
+  take_head<T>(controller, payload);
   controller.start(payload.scaler);
 }
 

@@ -20,6 +20,7 @@ namespace airside {
 struct HeadFeatures {
   static constexpr int count = 14;
   static constexpr int setpoint_change = 1;  ///< filled in when the next setpoint is known
+  static constexpr int power_change = 3;     ///< in units of the scaler
   Eigen::Matrix<double, count, 1> x = Eigen::Matrix<double, count, 1>::Zero();
 };
 
@@ -85,7 +86,7 @@ class RoomHead {
     f.x(10) = (rooms - at.recent.template head<L::rooms>()).mean();
     f.x(11) = 0.5 * (on_change_recent.array() * to_supply).mean();
     constexpr int last_power = L::power + T::powers - 1;
-    f.x(3) = (at.now(last_power) - at.before(last_power)) / power_scale_kw;
+    f.x(HeadFeatures::power_change) = (at.now(last_power) - at.before(last_power)) / power_scale_kw;
     if constexpr (T::fcus > 0) {
       const auto fcu = at.now.template segment<T::fcus>(L::fcu_temp);
       const auto fcu_on = at.now.template segment<T::fcus>(L::fcu_on);
@@ -158,6 +159,15 @@ class RoomHead {
         p(known + i, known + j) = p(regressors + i, regressors + j) + profile_covariance(s, d);
       }
     }
+  }
+
+  /// The unit of power becomes `ratio` times as large.
+  void rescale_power(double ratio) {
+    constexpr int i = HeadFeatures::power_change;
+    theta_(i) *= ratio;
+    Covariance p = covariance();
+    p.row(i) *= ratio;
+    p.col(i) *= ratio;
   }
 
   /// Lets the room change over `days`: regressors walk at random, the profile forgets towards its prior, so that a slot

@@ -70,7 +70,7 @@ class Desk {
       BlobHeader header;
       std::memcpy(&header, bytes.data(), sizeof header);
       const auto payload = std::as_bytes(std::span(bytes)).subspan(sizeof header, header.payload_bytes);
-      const std::uint32_t crc = WeightBlob<FiveZone>::digest(header, payload);
+      const std::uint32_t crc = blob_digest(header, payload);
       std::memcpy(bytes.data() + offsetof(BlobHeader, digest), &crc, sizeof crc);
     }
     write("a.blob", bytes);

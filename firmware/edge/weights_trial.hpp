@@ -1,0 +1,192 @@
+#pragma once
+// Weights that arrive while the box is in control: checked in a fixed order, exchanged in one commit, on trial for a
+// day, then confirmed or taken back. And an operator's wishes, which come the same way.
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "airside/controller_instances.hpp"
+#include "airside/history.hpp"
+#include "firmware/edge/say.hpp"
+#include "hal/mailbox.hpp"
+#include "hal/signature.hpp"
+#include "hal/state_copy.hpp"
+
+namespace airside::edge {
+
+enum class TrialState : std::uint32_t { none = 0, on_trial = 1, confirmed = 2, rolled_back = 3 };
+
+constexpr const char* text_of(TrialState state) {
+  switch (state) {
+    case TrialState::none: return "none";
+    case TrialState::on_trial: return "on trial";
+    case TrialState::confirmed: return "confirmed";
+    case TrialState::rolled_back: return "rolled back";
+  }
+  return "unknown";
+}
+
+/// What is known of pushed weights. Plain bytes; part of the row record, so that weights and counter change in one
+/// commit.
+struct TrialRecord {
+  struct Counter {
+    hal::KeyId key{};
+    std::uint64_t highest = 0;  ///< of the blobs taken from this key
+  };
+  std::array<Counter, hal::KeyRing::max_keys> counter{};
+  TrialState state = TrialState::none;
+  std::uint32_t blob_crc = 0;  ///< of the weights in question
+  std::int64_t until_s = 0;    ///< end of the trial
+  std::uint32_t worse_cycles = 0;
+  Fault refusal = Fault::none;  ///< why the last blob was refused
+  std::array<std::uint8_t, 3> reserved{};
+};
+
+/// Cost: no heap after construction.  Source: RELIABILITY "Weight blob", rows 44-50.
+template <Topology T>
+class WeightsTrial {
+ public:
+  static constexpr std::int64_t trial_s = 86400;
+  static constexpr double wildest_replay_k = 5.0;  ///< forecasts so far from what the room did are wild
+
+  /// Errors: InputError for bad key files.
+  WeightsTrial(const std::string& keys_dir, const std::string& inbox_dir, const std::string& state_dir,
+               std::uint64_t meaning, hal::Sync sync, std::string scope)
+      : keys_(hal::KeyRing::load(keys_dir)),
+        mailbox_(inbox_dir),
+        copy_(state_dir, meaning, sync),
+        scope_(std::move(scope)),
+        bytes_(std::make_unique<std::array<std::byte, WeightBlob<T>::max_bytes>>()),
+        payload_(std::make_unique<Payload>()),
+        weights_(std::make_unique<NetworkWeights<T, float>>()) {}
+
+  /// Once a row, before its commit. Returns whether the learning state was exchanged.
+  bool row(CivilTime t, Controller<T>& controller, TrialRecord& record) {
+    const hal::Mail mail = mailbox_.collect(*bytes_);
+    if (mail.release) controller.hold(Reason::released_by_hand, t, 0);
+    if (mail.hand_back) controller.hand_back();
+    bool exchanged = false;
+    if (mail.rollback) exchanged = roll_back(controller, record, "an operator asked for it");
+    if (mail.has_blob) {
+      const BlobError refusal = install(t, {bytes_->data(), mail.blob_bytes}, controller, record);
+      record.refusal = refusal.fault;
+      if (refusal.fault != Fault::none) say("pushed weights refused: {} ({})", text_of(refusal.fault), refusal.field);
+      exchanged = exchanged || refusal.fault == Fault::none;
+      accepted_ = refusal.fault == Fault::none;
+      finish_mail_ = true;
+    }
+    return supervise(t, controller, record) || exchanged;
+  }
+  /// After the commit: the blob may go.
+  void committed() {
+    if (finish_mail_) mailbox_.finish(accepted_);
+    finish_mail_ = false;
+  }
+
+ private:
+  using Payload = typename WeightBlob<T>::Payload;
+  using Learning = LearningState<T, float>;
+
+  /// In the order of RELIABILITY: length, key, signature, topology and units, counter, finite, canary.
+  BlobError install(CivilTime t, std::span<const std::byte> bytes, Controller<T>& controller, TrialRecord& record) {
+    const auto key = hal::verify_blob(bytes, keys_);
+    if (!key) return key.error();
+    const auto header = WeightBlob<T>::decode(bytes, scope_, *payload_);
+    if (!header) return header.error();
+    TrialRecord::Counter* counter = counter_of(record, header->key_id);
+    if (counter == nullptr || header->security_counter <= counter->highest) {
+      return {Fault::blob_counter, "security_counter"};
+    }
+    std::copy(payload_->weights.begin(), payload_->weights.end(), weights_->flat().begin());
+    const auto wild = controller.wildness(payload_->scaler, *weights_);
+    if (!(wild.canary_k <= 0)) return {Fault::blob_value, "canary states"};
+    if (!(wild.replay_k <= wildest_replay_k)) return {Fault::blob_value, "forecasts of what this room did"};
+    const bool had_weights = controller.cycle().has_weights != 0;
+    if (had_weights) {
+      const hal::StoreResult<void> kept = copy_.save(learning_bytes(controller));
+      if (!kept) {
+        // Without a way back there is no trial; the blob may be pushed again when the disk is well.
+        say("weights before the push cannot be kept: {}", hal::describe(kept.error()));
+        return {Fault::state_invalid, "copy of the weights before"};
+      }
+    }
+    exchange_payload<T>(controller, *payload_);
+    counter->highest = header->security_counter;
+    record.state = had_weights ? TrialState::on_trial : TrialState::confirmed;
+    record.until_s = t.seconds + trial_s;
+    record.worse_cycles = 0;
+    record.blob_crc = crc32c(bytes);
+    controller.report(Reason::state_lost, false, t);
+    say("weights {:08x} of {} taken; {}", record.blob_crc, (*key)->name, text_of(record.state));
+    return {Fault::none, ""};
+  }
+
+  /// A trial ends when its day is over, or as soon as the weights act wildly.
+  bool supervise(CivilTime t, Controller<T>& controller, TrialRecord& record) {
+    if (record.state != TrialState::on_trial) return false;
+    record.until_s = std::min(record.until_s, t.seconds + trial_s);  // no clock makes it longer
+    const Decision& d = controller.decision();
+    if (starts_cycle(t)) {
+      const bool worse = d.reason == Reason::worse_than_schedule || d.reason == Reason::worse_for_long;
+      record.worse_cycles = worse ? record.worse_cycles + 1 : 0;
+    }
+    if (d.fault == Fault::forecast_invalid) return roll_back(controller, record, "their forecasts are no numbers");
+    constexpr std::uint32_t patience = 3;
+    if (record.worse_cycles >= patience) return roll_back(controller, record, "the schedule would do better");
+    if (d.reason == Reason::gain_reversed) return roll_back(controller, record, "rooms answer the wrong way round");
+    if (t.seconds >= record.until_s) {
+      record.state = TrialState::confirmed;
+      say("weights {:08x} confirmed after a day", record.blob_crc);
+    }
+    return false;
+  }
+
+  bool roll_back(Controller<T>& controller, TrialRecord& record, const char* why) {
+    const Scaler<T> present = controller.learning().scaler;
+    // Read to a place of its own first: a copy that is damaged must not harm what stands.
+    const hal::StoreResult<void> read =
+        copy_.load({static_cast<std::byte*>(static_cast<void*>(before_.get())), sizeof(Learning)});
+    if (!read) {
+      say("no way back: {}", hal::describe(read.error()));
+      return false;
+    }
+    controller.learning() = *before_;
+    if (controller.go_back(present) != Fault::none) say("the weights before are not finite");
+    record.state = TrialState::rolled_back;
+    say("weights {:08x} rolled back: {}", record.blob_crc, why);
+    return true;
+  }
+
+  static std::span<const std::byte> learning_bytes(const Controller<T>& controller) {
+    return {static_cast<const std::byte*>(static_cast<const void*>(&controller.learning())), sizeof(Learning)};
+  }
+
+  /// Where the key's counter stands, or an empty place for it; nullptr where all are taken.
+  static TrialRecord::Counter* counter_of(TrialRecord& record, const hal::KeyId& key) {
+    for (auto& counter : record.counter) {
+      if (counter.key == key) return &counter;
+    }
+    for (auto& counter : record.counter) {
+      if (counter.key != hal::KeyId{}) continue;
+      counter.key = key;
+      return &counter;
+    }
+    return nullptr;
+  }
+
+  hal::KeyRing keys_;
+  hal::Mailbox mailbox_;
+  hal::StateCopy copy_;
+  std::string scope_;
+  std::unique_ptr<std::array<std::byte, WeightBlob<T>::max_bytes>> bytes_;
+  std::unique_ptr<Payload> payload_;
+  std::unique_ptr<NetworkWeights<T, float>> weights_;
+  std::unique_ptr<Learning> before_ = std::make_unique<Learning>();
+  bool finish_mail_ = false, accepted_ = false;
+};
+
+}  // namespace airside::edge

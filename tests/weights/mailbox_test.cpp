@@ -1,0 +1,111 @@
+// The inbox: whatever lies there is read once, taken away, and never followed out of the folder.
+
+#include "hal/mailbox.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+
+#include "power_loss/test_folder.hpp"
+
+namespace airside::weights {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Inbox : public ::testing::Test {
+ protected:
+  void put(const std::string& name, const std::string& text = "") { std::ofstream(folder.file(name)) << text; }
+  std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder.c_str()), fs::directory_iterator{}));
+  }
+
+  hal::TestFolder folder{"inbox"};
+  hal::Mailbox box{std::string(folder.c_str())};
+  std::array<std::byte, 1000> blob{};
+};
+
+TEST_F(Inbox, IsEmptyWhereNothingLies) {
+  const hal::Mail mail = box.collect(blob);
+  EXPECT_FALSE(mail.hand_back || mail.release || mail.rollback || mail.has_blob);
+}
+
+TEST_F(Inbox, GivesEachWishOnce) {
+  put("hand-back");
+  put("release");
+  put("rollback");
+  const hal::Mail mail = box.collect(blob);
+  EXPECT_TRUE(mail.hand_back && mail.release && mail.rollback);
+  EXPECT_EQ(files(), 0u);
+  const hal::Mail again = box.collect(blob);
+  EXPECT_FALSE(again.hand_back || again.release || again.rollback);
+}
+
+TEST_F(Inbox, KeepsABlobUntilItIsDoneWith) {
+  put("room301.blob", "abc");
+  hal::Mail mail = box.collect(blob);
+  EXPECT_TRUE(mail.has_blob);
+  EXPECT_EQ(mail.blob_bytes, 3u);
+  EXPECT_EQ(blob[1], std::byte{'b'});
+  EXPECT_EQ(files(), 1u) << "a crash now must not lose it";
+  box.finish(true);
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(Inbox, KeepsTheLastRefusedBlobAsideAndNoMore) {
+  for (const char* text : {"one", "two"}) {
+    put("weights.blob", text);
+    box.collect(blob);
+    box.finish(false);
+    EXPECT_FALSE(box.collect(blob).has_blob) << "a refused blob does not come again";
+  }
+  EXPECT_EQ(files(), 1u);
+  std::string left;
+  std::ifstream(folder.file("refused")) >> left;
+  EXPECT_EQ(left, "two");
+}
+
+TEST_F(Inbox, FollowsNoLinkAndWaitsForNoPipe) {
+  put("../airside_secret", "secret");
+  fs::create_symlink(folder.file("../airside_secret"), folder.file("a.blob"));
+  hal::Mail mail = box.collect(blob);
+  EXPECT_TRUE(mail.has_blob);
+  EXPECT_EQ(mail.blob_bytes, 0u);
+  box.finish(true);
+  ASSERT_EQ(::mkfifo((folder.file("b.blob")).c_str(), 0600), 0);
+  mail = box.collect(blob);
+  EXPECT_TRUE(mail.has_blob);
+  EXPECT_EQ(mail.blob_bytes, 0u);
+  box.finish(true);
+  fs::create_directory(folder.file("c.blob"));
+  EXPECT_EQ(box.collect(blob).blob_bytes, 0u);
+  fs::remove(folder.file("../airside_secret"));
+}
+
+TEST_F(Inbox, ReadsNothingOfAFileThatIsTooLong) {
+  put("weights.blob", std::string(1001, 'x'));
+  const hal::Mail mail = box.collect(blob);
+  EXPECT_TRUE(mail.has_blob);
+  EXPECT_EQ(mail.blob_bytes, 0u);
+}
+
+TEST_F(Inbox, FindsABlobAmongThousandsOfOtherFiles) {
+  for (int i = 0; i < 3000; ++i) put("note" + std::to_string(i));
+  put("z.blob", "abc");
+  EXPECT_EQ(box.collect(blob).blob_bytes, 3u);
+}
+
+TEST(InboxWithoutAFolder, StaysEmpty) {
+  std::array<std::byte, 10> blob{};
+  hal::Mailbox none(""), impossible("/proc/no/such/folder");
+  EXPECT_FALSE(none.collect(blob).has_blob);
+  EXPECT_FALSE(impossible.collect(blob).has_blob);
+  impossible.finish(true);
+}
+
+}  // namespace
+}  // namespace airside::weights

@@ -1,0 +1,183 @@
+// A signed blob is taken as it was signed, or refused with the field's name: whatever bit is flipped, whatever is cut
+// off, whoever signed it.
+
+#include "hal/signature.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include "airside/splitmix64.hpp"
+#include "hal/input_error.hpp"
+#include "power_loss/test_folder.hpp"
+#include "safety/controller_rig.hpp"
+#include "weights/blob_maker.hpp"
+
+namespace airside::weights {
+namespace {
+
+class Signed : public ::testing::Test {
+ protected:
+  Signed() { ring.add(key.open); }
+
+  ControllerRig rig;
+  hal::SecretKey key = hal::make_key("Ann");
+  hal::KeyRing ring;
+  Bytes blob = signed_by(blob_of<FiveZone>(*rig.controller), key, 7);
+};
+
+TEST_F(Signed, IsTakenWithItsKeyAndCounter) {
+  const auto found = hal::verify_blob(blob, ring);
+  ASSERT_TRUE(found) << found.error().field;
+  EXPECT_EQ((*found)->name, "Ann");
+  auto payload = std::make_unique<WeightBlob<FiveZone>::Payload>();
+  const auto header = WeightBlob<FiveZone>::decode(blob, {}, *payload);
+  ASSERT_TRUE(header) << header.error().field;
+  EXPECT_EQ(header->security_counter, 7u);
+  EXPECT_EQ(header->key_id, key.open.id);
+}
+
+/// Whether the blob with one bit flipped is taken.
+bool taken_with_flip(Bytes& blob, std::size_t bit, const hal::KeyRing& ring) {
+  const auto mask = static_cast<std::byte>(1U << bit % 8);
+  blob[bit / 8] ^= mask;
+  const bool taken = hal::verify_blob(blob, ring).has_value();
+  blob[bit / 8] ^= mask;
+  return taken;
+}
+
+TEST_F(Signed, NoFlippedBitIsTaken) {
+  const bool every = std::getenv("AIRSIDE_EVERY_BIT") != nullptr;
+  const std::size_t bits = 8 * blob.size(), header = 8 * sizeof(BlobHeader), signature = 8 * blob_signature_bytes;
+  std::size_t tried = 0, taken = 0;
+  SplitMix64 draw(11);
+  for (std::size_t bit = 0; bit < bits;) {
+    taken += taken_with_flip(blob, bit, ring);
+    ++tried;
+    const bool sampled = !every && bit >= header && bit < bits - signature;
+    bit += sampled ? std::min<std::size_t>(1 + draw.below(3000), bits - signature - bit) : 1;
+  }
+  EXPECT_EQ(taken, 0u);
+  EXPECT_TRUE(hal::verify_blob(blob, ring)) << "and all were put back";
+  std::printf("%zu flipped bits of %zu tried, none taken\n", tried, bits);
+}
+
+TEST_F(Signed, NoOtherLengthIsTaken) {
+  std::size_t tried = 0;
+  for (std::size_t length = 0; length < blob.size(); length += length < 300 || length + 300 > blob.size() ? 1U : 97U) {
+    const auto found = hal::verify_blob(std::span(blob).first(length), ring);
+    ASSERT_FALSE(found) << length;
+    EXPECT_EQ(found.error().fault, Fault::blob_truncated) << length;
+    ++tried;
+  }
+  for (std::size_t more = 1; more < 70; ++more) {
+    Bytes longer = blob;
+    longer.resize(blob.size() + more);
+    EXPECT_FALSE(hal::verify_blob(longer, ring)) << more;
+  }
+  std::printf("%zu shorter lengths tried\n", tried);
+}
+
+TEST_F(Signed, AnUnknownAndARevokedKeyAreRefused) {
+  const hal::SecretKey stranger = hal::make_key("nobody");
+  const auto unknown = hal::verify_blob(signed_by(blob, stranger, 9), ring);
+  ASSERT_FALSE(unknown);
+  EXPECT_STREQ(unknown.error().field, "key_id");
+  hal::KeyRing revoking;
+  hal::PublicKey open = key.open;
+  open.revoked = true;
+  revoking.add(open);
+  EXPECT_FALSE(hal::verify_blob(blob, revoking));
+}
+
+TEST_F(Signed, AStrangersSignatureUnderAKnownKeysNameIsRefused) {
+  Bytes forged = signed_by(blob, hal::make_key("nobody"), 9);
+  BlobHeader header;
+  std::memcpy(&header, forged.data(), sizeof header);
+  header.key_id = key.open.id;
+  std::memcpy(forged.data(), &header, sizeof header);
+  const auto found = hal::verify_blob(forged, ring);
+  ASSERT_FALSE(found);
+  EXPECT_STREQ(found.error().field, "signature");
+}
+
+TEST_F(Signed, AnUnsignedBlobIsRefused) {
+  const auto found = hal::verify_blob(blob_of<FiveZone>(*rig.controller), ring);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().fault, Fault::blob_signature);
+}
+
+TEST_F(Signed, ItsSignatureIsOverItsDomainToo) {
+  // The same bytes signed plainly, as another program might be made to do.
+  EXPECT_TRUE(hal::verify_blob(blob, ring));
+  Bytes plain = blob;
+  std::fill(plain.end() - blob_signature_bytes, plain.end(), std::byte{0});
+  EXPECT_FALSE(hal::verify_blob(plain, ring));
+}
+
+class KeyFiles : public ::testing::Test {
+ protected:
+  std::string write(const std::string& name, const std::string& text, mode_t mode = 0600) {
+    const std::string path = (folder.file(name)).string();
+    std::ofstream(path) << text;
+    ::chmod(path.c_str(), mode);
+    return path;
+  }
+  static std::string complaint(const std::function<void()>& act) {
+    try {
+      act();
+    } catch (const hal::InputError& e) {
+      return e.what();
+    }
+    return "";
+  }
+
+  hal::TestFolder folder{"keys"};
+  hal::SecretKey key = hal::make_key("Ann Other");
+};
+
+TEST_F(KeyFiles, ReadBackAsTheyWereWritten) {
+  const auto open = hal::read_public_key(write("a.pub", hal::public_key_text(key.open)));
+  EXPECT_EQ(open.bytes, key.open.bytes);
+  EXPECT_EQ(open.id, key.open.id);
+  EXPECT_EQ(open.name, "Ann Other");
+  const auto secret = hal::read_secret_key(write("a.key", hal::secret_key_text(key)));
+  EXPECT_EQ(secret.bytes, key.bytes);
+  EXPECT_EQ(secret.open.id, key.open.id);
+}
+
+TEST_F(KeyFiles, AreRefusedWithTheReason) {
+  const std::string open = hal::public_key_text(key.open);
+  EXPECT_NE(complaint([&] {
+              hal::read_public_key(write("b.pub", hal::secret_key_text(key)));
+            }).find("the word airside-public-key-1"),
+            std::string::npos);
+  EXPECT_NE(complaint([&] { hal::read_public_key(write("c.pub", open.substr(0, 60))); }).find("64 hex digits"),
+            std::string::npos);
+  std::string letter = open;
+  letter[30] = 'g';
+  EXPECT_NE(complaint([&] { hal::read_public_key(write("d.pub", letter)); }).find("64 hex digits"), std::string::npos);
+  EXPECT_NE(complaint([&] { hal::read_secret_key(write("e.key", hal::secret_key_text(key), 0644)); }).find("chmod 600"),
+            std::string::npos);
+}
+
+TEST_F(KeyFiles, AFolderOfThemIsARingAndItsRevokedOnesStayKnown) {
+  const hal::SecretKey other = hal::make_key("Bob");
+  write("a.pub", hal::public_key_text(key.open));
+  write("b.pub", hal::public_key_text(other.open));
+  write("notes.txt", "anything");
+  write("revoked", "# left in May\n" + hal::hex_of(other.open.id) + "\n");
+  const hal::KeyRing ring = hal::KeyRing::load(std::string(folder.c_str()));
+  ASSERT_EQ(ring.size(), 2u);
+  EXPECT_FALSE(ring.find(key.open.id)->revoked);
+  EXPECT_TRUE(ring.find(other.open.id)->revoked);
+  EXPECT_EQ(hal::KeyRing::load(folder.file("none").string()).size(), 0u);
+  write("revoked", "no id\n");
+  EXPECT_NE(complaint([&] { hal::KeyRing::load(std::string(folder.c_str())); }).find("revoked:1"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace airside::weights

@@ -1,0 +1,261 @@
+// Pushed weights: refused with the reason, or taken in one commit and kept on trial for a day; what acts wildly is
+// taken back by itself. Every row of the loop is the daemon's own code.
+
+#include "firmware/edge/weights_trial.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "power_loss/test_folder.hpp"
+#include "safety/controller_rig.hpp"
+#include "weights/blob_maker.hpp"
+
+namespace airside::weights {
+namespace {
+
+using T = FiveZone;
+using edge::TrialState;
+
+class Trial : public ::testing::Test {
+ protected:
+  Trial() {
+    std::filesystem::create_directories(folder.file("keys"));
+    std::filesystem::create_directories(folder.file("inbox"));
+    std::filesystem::create_directories(folder.file("state"));
+    std::ofstream(folder.file("keys") / "ann.pub") << hal::public_key_text(key.open);
+    open();
+    rig.cycles(6);
+  }
+  void open() {
+    trial = std::make_unique<edge::WeightsTrial<T>>(folder.file("keys").string(), folder.file("inbox").string(),
+                                                    folder.file("state").string(), 5, hal::Sync::none, "Room 301");
+  }
+
+  void push(const Bytes& bytes) {
+    std::ofstream out(folder.file("inbox") / "weights.blob", std::ios::binary);
+    for (const std::byte b : bytes) out.put(static_cast<char>(b));
+  }
+  void wish(const std::string& name) { std::ofstream(folder.file("inbox") / name); }
+  /// The rig's weights with every one scaled, so that they differ and stay sane.
+  Bytes other(std::uint64_t counter, float factor = 0.9F) {
+    return signed_by(blob_of<T>(*rig.controller,
+                                [&](auto& p) {
+                                  for (float& w : p.weights) w *= factor;
+                                }),
+                     key, counter);
+  }
+  /// One row as the daemon has it. Returns whether the learning state was exchanged.
+  bool row() {
+    rig.row();
+    const bool exchanged = trial->row({rig.now.seconds - row_s}, *rig.controller, record);
+    trial->committed();
+    return exchanged;
+  }
+  void rows(int n) {
+    for (int i = 0; i < n; ++i) row();
+  }
+  float first_weight() const { return rig.controller->learning().weights.values[0]; }
+
+  hal::TestFolder folder{"trial"};
+  hal::SecretKey key = hal::make_key("Ann");
+  ControllerRig rig;
+  edge::TrialRecord record;
+  std::unique_ptr<edge::WeightsTrial<T>> trial;
+};
+
+TEST_F(Trial, TakesSoundWeightsOnTrialAndConfirmsThemAfterADay) {
+  const float before = first_weight();
+  push(other(1));
+  EXPECT_TRUE(row());
+  EXPECT_EQ(record.state, TrialState::on_trial);
+  EXPECT_NE(first_weight(), before);
+  rows(rows_per_day - 1);
+  EXPECT_EQ(record.state, TrialState::on_trial);
+  rows(2);
+  EXPECT_EQ(record.state, TrialState::confirmed);
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+}
+
+TEST_F(Trial, WithoutAPushNothingChanges) {
+  ControllerRig undisturbed;
+  undisturbed.cycles(6);
+  for (int i = 0; i < 100; ++i) {
+    row();
+    undisturbed.row();
+    ASSERT_EQ(rig.setpoint, undisturbed.setpoint) << i;
+  }
+  EXPECT_EQ(record.state, TrialState::none);
+}
+
+TEST_F(Trial, AnOldAndARepeatedCounterAreRefused) {
+  const Bytes first = other(5);
+  push(first);
+  ASSERT_TRUE(row());
+  push(first);
+  EXPECT_FALSE(row());
+  EXPECT_EQ(record.refusal, Fault::blob_counter);
+  push(other(4));
+  EXPECT_FALSE(row());
+  EXPECT_EQ(record.refusal, Fault::blob_counter);
+  push(other(6));
+  EXPECT_TRUE(row());
+  EXPECT_EQ(record.refusal, Fault::none);
+}
+
+TEST_F(Trial, CountersBelongToTheirKey) {
+  const hal::SecretKey bob = hal::make_key("Bob");
+  std::ofstream(folder.file("keys") / "bob.pub") << hal::public_key_text(bob.open);
+  open();
+  push(other(1000));
+  ASSERT_TRUE(row());
+  push(signed_by(other(1), bob, 3));
+  EXPECT_TRUE(row()) << "his third, though hers was the thousandth";
+}
+
+struct Refused {
+  const char* name;
+  Fault fault;
+  std::function<Bytes(const Controller<T>&, const hal::SecretKey&)> make;
+};
+
+const Refused refused[] = {
+    {"Unsigned", Fault::blob_signature, [](const auto& c, const auto&) { return blob_of<T>(c); }},
+    {"OfAStranger", Fault::blob_signature,
+     [](const auto& c, const auto&) { return signed_by(blob_of<T>(c), hal::make_key("x"), 9); }},
+    {"CutOff", Fault::blob_truncated,
+     [](const auto& c, const auto& key) {
+       Bytes b = signed_by(blob_of<T>(c), key, 9);
+       b.resize(b.size() - 1);
+       return b;
+     }},
+    {"OfAnotherSite", Fault::blob_scope,
+     [](const auto& c, const auto& key) {
+       BlobHeader header;
+       std::string("Room 999").copy(header.site_scope.data(), 31);
+       return signed_by(blob_of<T>(
+                            c, [](auto&) {}, header),
+                        key, 9);
+     }},
+    {"WithoutNumbers", Fault::blob_value,
+     [](const auto& c, const auto& key) {
+       return signed_by(blob_of<T>(c, [](auto& p) { p.weights[7] = std::nanf(""); }), key, 9);
+     }},
+    {"Huge", Fault::blob_value,
+     [](const auto& c, const auto& key) {
+       return signed_by(blob_of<T>(c, [](auto& p) { p.weights[7] = 1e6F; }), key, 9);
+     }},
+    {"WildOnCanaryStates", Fault::blob_value,
+     [](const auto& c, const auto& key) {
+       return signed_by(blob_of<T>(c,
+                                   [](auto& p) {
+                                     for (float& w : p.weights) w *= 6;
+                                   }),
+                        key, 9);
+     }},
+};
+
+TEST_F(Trial, RefusesWhatIsNotSoundAndChangesNothing) {
+  for (const Refused& r : refused) {
+    const Bytes bytes = r.make(*rig.controller, key);
+    push(bytes);
+    // Between two decisions, so that learning moves nothing either.
+    while (starts_cycle(rig.now)) row();
+    EXPECT_FALSE(row()) << r.name;
+    EXPECT_EQ(record.refusal, r.fault) << r.name << ": " << text_of(record.refusal);
+    EXPECT_EQ(record.state, TrialState::none) << r.name;
+    EXPECT_TRUE(std::filesystem::exists(folder.file("inbox") / "refused")) << r.name;
+  }
+}
+
+TEST_F(Trial, ABlobForAnotherTopologyIsRefusedByThatName) {
+  auto small = std::make_unique<Controller<ThreeVav>>();
+  push(signed_by(blob_of<ThreeVav>(*small), key, 9));
+  EXPECT_FALSE(row());
+  EXPECT_EQ(record.refusal, Fault::blob_topology);
+}
+
+TEST_F(Trial, WeightsThatDoWorseThanTheScheduleAreTakenBack) {
+  rig.now = {1'627'862'400 + 8 * 3600};
+  rig.cycles(6);
+  while (starts_cycle(rig.now)) rig.row();
+  const NetworkWeights<T, float> before = rig.controller->learning().weights;
+  push(other(1));
+  ASSERT_TRUE(row());
+  const ControllerSettings& s = rig.controller->settings();
+  int rows_on_trial = 0;
+  while (record.state == TrialState::on_trial && rows_on_trial < 60) {
+    for (int k = 0; k < 40; ++k) rig.controller->cycle().shadow.cycle(s, s.target_degc + 1, 22, 20.5, 0.6);
+    row();
+    ++rows_on_trial;
+  }
+  EXPECT_EQ(record.state, TrialState::rolled_back);
+  EXPECT_LE(rows_on_trial, 15) << "within a few cycles";
+  EXPECT_TRUE(rig.same_weights(before)) << "those from before the push";
+}
+
+TEST_F(Trial, AnOperatorMayTakeThemBackAndARestartInBetweenChangesNothing) {
+  while (starts_cycle(rig.now)) rig.row();
+  const NetworkWeights<T, float> before = rig.controller->learning().weights;
+  push(other(1));
+  ASSERT_TRUE(row());
+  open();  // the daemon was restarted: the way back lies on the disk
+  rows(10);
+  wish("rollback");
+  EXPECT_TRUE(row());
+  EXPECT_EQ(record.state, TrialState::rolled_back);
+  EXPECT_TRUE(rig.same_weights(before));
+}
+
+TEST_F(Trial, ADamagedCopyIsNoWayBackAndHarmsNothing) {
+  push(other(1));
+  ASSERT_TRUE(row());
+  std::fstream copy(folder.file("state") / "previous", std::ios::in | std::ios::out | std::ios::binary);
+  copy.seekp(5000);
+  copy.put('x');
+  copy.put('y');
+  copy.close();
+  while (starts_cycle(rig.now)) row();
+  const NetworkWeights<T, float> standing = rig.controller->learning().weights;
+  wish("rollback");
+  EXPECT_FALSE(row());
+  EXPECT_TRUE(rig.same_weights(standing));
+  EXPECT_EQ(record.state, TrialState::on_trial);
+}
+
+TEST_F(Trial, MemoriesKeepTheirMeaningUnderAnotherScaler) {
+  const Scaler<T> old = rig.controller->learning().scaler;
+  push(signed_by(blob_of<T>(*rig.controller,
+                            [](auto& p) {
+                              p.scaler.mean(0) += 1;
+                              p.scaler.scale(0) *= 2;
+                              for (int i = 0; i < Layout<T>::rooms; ++i) {
+                                p.scaler.mean(i) = p.scaler.mean(0);
+                                p.scaler.scale(i) = p.scaler.scale(0);
+                              }
+                              for (float& w : p.weights) w *= 0.5F;
+                            }),
+                 key, 1));
+  while (starts_cycle(rig.now)) rig.row();
+  const auto newest = rig.controller->replay().newest(0);
+  ASSERT_TRUE(row()) << text_of(record.refusal);
+  const Scaler<T>& now = rig.controller->learning().scaler;
+  const auto& after = rig.controller->replay().newest(0);
+  EXPECT_NE(after[0], newest[0]);
+  EXPECT_NEAR(static_cast<double>(after[0]) * now.scale(0) + now.mean(0),
+              static_cast<double>(newest[0]) * old.scale(0) + old.mean(0), 1e-4);
+}
+
+TEST_F(Trial, WishesReachTheLadder) {
+  wish("release");
+  row();
+  rig.cycles(2);
+  EXPECT_EQ(rig.decision().reason, Reason::released_by_hand);
+  wish("hand-back");
+  row();
+  rig.cycles(2);
+  EXPECT_EQ(rig.decision().mode, Mode::learn);
+}
+
+}  // namespace
+}  // namespace airside::weights

@@ -1,0 +1,199 @@
+// airside keygen, sign, push, rollback, hand-back, release: how weights, and an operator's word, get to a box.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+
+#include "hal/atomic_file.hpp"
+#include "hal/blob_file.hpp"
+#include "hal/input_error.hpp"
+#include "hal/mailbox.hpp"
+#include "hal/signature.hpp"
+#include "hal/site_settings.hpp"
+#include "hal/storage_file.hpp"
+#include "tools/command.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Writes a file that must not exist yet, with just these permissions from its first byte on.
+void write_new(const fs::path& path, const std::string& text, mode_t mode) {
+  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+  if (fd < 0) {
+    throw hal::InputError(path.string(), std::strerror(errno), "a new file", "choose another name with -o");
+  }
+  const hal::StorageFile file(fd);
+  const auto bytes = std::as_bytes(std::span(text));
+  hal::StoreResult<void> done = file.write_at(bytes, 0, "write key");
+  if (done) done = file.sync(hal::Sync::full, "sync key");
+  if (!done) {
+    ::unlink(path.c_str());
+    throw hal::InputError(path.string(), hal::describe(done.error()), "a disk with room for a key", "make room");
+  }
+}
+
+struct KeygenCommand {
+  std::string out = "airside", name;
+  bool json = false;
+
+  void run() const {
+    const fs::path secret = out + ".key", open = out + ".pub";
+    for (const fs::path& path : {secret, open}) {
+      if (!fs::exists(path)) continue;
+      throw hal::InputError(path.string(), "a file that is already there", "a new name", "choose another with -o");
+    }
+    const hal::SecretKey key = hal::make_key(name.empty() ? fs::path(out).filename().string() : name);
+    write_new(secret, hal::secret_key_text(key), 0600);
+    write_new(open, hal::public_key_text(key.open), 0644);
+    const std::string id = hal::hex_of(key.open.id);
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"secret", secret.string()}, {"public", open.string()}, {"key_id", id}}.dump());
+      return;
+    }
+    fmt::print("wrote {} (keep it on this host) and {} (id {})\n", secret.string(), open.string(), id);
+    fmt::print("Copy {} to /etc/airside/keys/ of every box that shall take your weights.\n", open.filename().string());
+  }
+};
+
+struct SignCommand {
+  std::string blob, key, out;
+  std::uint64_t counter = 0;
+  bool json = false;
+
+  void run() const {
+    std::vector<std::byte> bytes = hal::read_blob_file(blob);
+    const hal::SecretKey secret = hal::read_secret_key(key);
+    // Seconds since 1970 rise by themselves on every host that signs; a box takes only what is newer.
+    const std::uint64_t count = counter != 0 ? counter : static_cast<std::uint64_t>(std::time(nullptr));
+    hal::sign_blob(bytes, secret, count);
+    const std::string path = out.empty() ? blob : out;
+    hal::write_blob_file(path, bytes);
+    const std::string id = hal::hex_of(secret.open.id);
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"blob", path}, {"key_id", id}, {"security_counter", count}}.dump());
+      return;
+    }
+    fmt::print("signed {} with key {} ({}), counter {}\n", path, id, secret.open.name, count);
+  }
+};
+
+/// The inbox that a person means: a folder, or the site file of a box on this machine.
+std::string inbox_of(const std::string& target) {
+  if (fs::path(target).extension() != ".toml") return target;
+  const std::string inbox = hal::read_site_file(target, hal::site_rules()).inbox_dir;
+  if (!inbox.empty()) return inbox;
+  throw hal::InputError(target + ": [inbox] dir", "an empty text", "a folder that the daemon looks into",
+                        "name one in the site file");
+}
+
+void drop(const std::string& target, const std::string& name, std::span<const std::byte> bytes) {
+  const std::string inbox = inbox_of(target);
+  std::error_code error;
+  if (!fs::is_directory(inbox, error)) {
+    throw hal::InputError(inbox, error ? error.message() : "no folder", "the inbox of a box, or a copy of it to carry",
+                          "give the folder of [inbox] dir in its site file, or that site file");
+  }
+  const hal::StoreResult<void> written = hal::write_file_atomically((fs::path(inbox) / name).string(), bytes);
+  if (!written) {
+    throw hal::InputError(inbox, hal::describe(written.error()), "a folder that this user may write",
+                          "run it as the user airside, or ask the box's administrator");
+  }
+}
+
+struct PushCommand {
+  std::string blob, target;
+  bool json = false;
+
+  void run() const {
+    const std::vector<std::byte> bytes = hal::read_blob_file(blob);
+    BlobHeader header;
+    std::memcpy(&header, bytes.data(), sizeof header);
+    if (header.key_id == hal::KeyId{}) {
+      throw hal::InputError(blob + ": key_id", "an unsigned blob", "a signed one, since boxes take no other",
+                            "airside sign " + blob + " --key YOUR.key");
+    }
+    drop(target, std::string(hal::Mailbox::blob_name), bytes);
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"blob", blob}, {"bytes", bytes.size()}, {"inbox", inbox_of(target)}}.dump());
+      return;
+    }
+    fmt::print("{} ({} bytes) lies in {}; the daemon looks within 6 min, and then tries it for a day\n", blob,
+               bytes.size(), inbox_of(target));
+  }
+};
+
+/// A wish of one word, dropped as an empty file.
+struct WishCommand {
+  std::string target;
+  std::string_view wish;
+  const char* sentence;
+  bool json = false;
+
+  void run() const {
+    drop(target, std::string(wish), {});
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"wish", wish}, {"inbox", inbox_of(target)}}.dump());
+      return;
+    }
+    fmt::print("{}\n", sentence);
+  }
+};
+
+constexpr const char* json_help = "print one JSON object and nothing else on standard output";
+constexpr const char* target_help = "the box's inbox folder, or its site file";
+
+void add_wish(CLI::App& app, const char* name, std::string_view wish, const char* help, const char* sentence) {
+  auto self = std::make_shared<WishCommand>();
+  self->wish = wish;
+  self->sentence = sentence;
+  CLI::App* c = app.add_subcommand(name, help);
+  c->add_option("target", self->target, target_help)->required();
+  c->add_flag("--json", self->json, json_help);
+  c->callback([self] { self->run(); });
+}
+
+}  // namespace
+
+void add_weights(CLI::App& app) {
+  auto keygen = std::make_shared<KeygenCommand>();
+  CLI::App* k = app.add_subcommand("keygen", "make a pair of keys: one signs weights, the other lets boxes know them");
+  k->add_option("-o,--out", keygen->out, "NAME.key and NAME.pub are written")->capture_default_str();
+  k->add_option("--name", keygen->name, "whose key it is, for people (default: NAME)");
+  k->add_flag("--json", keygen->json, json_help);
+  k->callback([keygen] { keygen->run(); });
+
+  auto sign = std::make_shared<SignCommand>();
+  CLI::App* s = app.add_subcommand("sign", "sign a weight blob, so that boxes take it");
+  s->add_option("blob", sign->blob, "the blob")->required();
+  s->add_option("--key", sign->key, "secret key that `airside keygen` made")->required();
+  s->add_option("-o,--out", sign->out, "signed blob (default: the blob itself)");
+  s->add_option("--counter", sign->counter, "must rise from blob to blob (default: seconds since 1970)");
+  s->add_flag("--json", sign->json, json_help);
+  s->callback([sign] { sign->run(); });
+
+  auto push = std::make_shared<PushCommand>();
+  CLI::App* p = app.add_subcommand("push", "give a signed weight blob to a box");
+  p->add_option("blob", push->blob, "a signed blob")->required();
+  p->add_option("target", push->target, target_help)->required();
+  p->add_flag("--json", push->json, json_help);
+  p->callback([push] { push->run(); });
+
+  add_wish(app, "rollback", hal::Mailbox::rollback_name, "let a box go back to the weights before the last push",
+           "the daemon goes back within 6 min, if it still has the weights from before");
+  add_wish(app, "release", hal::Mailbox::release_name,
+           "let a box stop writing, so that the AHU's own controller takes over",
+           "the daemon stops writing within 18 min, until `airside hand-back`");
+  add_wish(app, "hand-back", hal::Mailbox::hand_back_name, "give a released or overridden AHU back to the box",
+           "the daemon takes over again within 18 min");
+}
+
+}  // namespace airside::tools
