@@ -107,9 +107,40 @@ std::string state_text(const Snapshot& s) {
                      : state == "expert"  ? "It follows the expert's schedule"
                      : state == "release" ? "It writes nothing: the AHU is released to its own control"
                                           : "Its state is \"" + state + '"';
-  if (fault != "none") return text + ", because of a fault: " + fault + (signal.empty() ? "." : " at " + signal + '.');
-  if (!s.flag("has_weights")) return text + ", because it has no weights yet.";
+  if (s.text("reason") != "none") text += ": " + s.text("why") + " (" + s.text("way_out") + ")";
+  if (fault != "none") return text + ". Fault: " + fault + (signal.empty() ? "." : " at " + signal + '.');
   return text + "; no fault.";
+}
+
+/// Every alarm that is up, with the time since when; empty without any.
+std::string alarms_text(const Snapshot& s) {
+  std::string text;
+  for (const json& alarm : s.object().value("alarms", json::array())) {
+    if (!alarm.is_object() || !alarm.contains("reason") || !alarm.contains("since")) continue;
+    text += (text.empty() ? "Alarms: " : "; ") + alarm.value("reason", "") + " since " + alarm.value("since", "");
+  }
+  return text.empty() ? text : text + '.';
+}
+
+std::string shadows_text(const Snapshot& s) {
+  const auto expert = s.number("expert_setpoint_degc"), g36 = s.number("g36_setpoint_degc");
+  if (!expert || !g36) return "";
+  std::string text = fmt::format("Now the schedule would set {:.2f} degC, Guideline 36 {:.2f} degC.", *expert, *g36);
+  const auto ours = s.number("mean_error_k"), schedule = s.number("schedule_mean_error_k");
+  if (ours && schedule && *schedule > 0) {
+    text += fmt::format(
+        " In the last working hours the rooms' mean was {:.2f} K off; under the schedule it would have been {:.2f} K.",
+        *ours, *schedule);
+  }
+  return text;
+}
+
+std::string pushed_text(const Snapshot& s) {
+  const std::string state = s.text("pushed_weights"), refusal = s.text("pushed_refusal");
+  std::string text =
+      state == "none" ? "No weights have been pushed" : "Pushed weights " + s.text("pushed_crc") + ": " + state;
+  if (refusal != "none") text += "; the last blob was refused: " + refusal;
+  return text + '.';
 }
 
 std::string rooms_text(const Snapshot& s) {
@@ -169,8 +200,10 @@ std::string sentences(const Snapshot& s, double age) {
   const std::string storage = s.text("storage");
   const std::uint64_t generation = s.count("generation");
   std::string text = fmt::format("{} ({})\n", s.text("site"), s.text("topology"));
-  for (const std::string& line : {state_text(s), rooms_text(s), setpoint_text(s), learning_text(s)})
-    text += line + '\n';
+  for (const std::string& line : {state_text(s), alarms_text(s), rooms_text(s), setpoint_text(s), shadows_text(s),
+                                  learning_text(s), pushed_text(s)}) {
+    if (!line.empty()) text += line + '\n';
+  }
   text += storage == "ok" ? fmt::format("Storage is in order, generation {}.\n", generation)
                           : fmt::format("Storage: {} (generation {}).\n", storage, generation);
   text += link_text(s);

@@ -1,0 +1,129 @@
+// The whole way of weights: keygen, sign, push, and a daemon that takes them on trial and confirms them; killed at any
+// instant it ends as if nothing had been.
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "airside/splitmix64.hpp"
+#include "closed_loop/bench.hpp"
+
+namespace airside::weights {
+namespace {
+
+namespace fs = std::filesystem;
+using closed_loop::Bench;
+using closed_loop::Child;
+
+/// A bench with keys, its own blob signed, and an inbox.
+class PushBench {
+ public:
+  explicit PushBench(const std::string& name)
+      : bench({.name = name, .plant = closed_loop::rc_room(), .expert_days = 1, .days = 2}) {
+    for (const char* part : {"keys", "inbox"}) fs::create_directories(bench.file(part));
+    EXPECT_EQ(run({"keygen", "-o", bench.file("ann")}), 0);
+    fs::copy(bench.file("ann.pub"), bench.file("keys") / "ann.pub");
+    EXPECT_EQ(run({"sign", bench.file("weights.blob"), "--key", bench.file("ann.key"), "-o", bench.file("signed.blob"),
+                   "--counter", "10"}),
+              0);
+    bench.start_server();
+  }
+  int run(std::vector<std::string> words) {
+    words.insert(words.begin(), bench.program("airside").string());
+    return Child(words, bench.file("said.txt")).wait(60).value_or(-1);
+  }
+  std::string said() const {
+    std::ifstream in(bench.file("said.txt"));
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  nlohmann::json status() const {
+    std::ifstream in(bench.file("state") / "status.json");
+    return nlohmann::json::parse(in, nullptr, false);
+  }
+
+  Bench bench;
+};
+
+TEST(PushedWeights, AreTakenOnTrialAndConfirmedAfterADay) {
+  PushBench b("push");
+  ASSERT_EQ(b.run({"push", b.bench.file("signed.blob"), b.bench.file("site.toml")}), 0) << b.said();
+  const auto daemon = b.bench.start_daemon();
+  ASSERT_EQ(daemon->wait(120), 0) << daemon->said();
+  EXPECT_NE(daemon->said().find("taken; on trial"), std::string::npos) << daemon->said();
+  EXPECT_NE(daemon->said().find("confirmed after a day"), std::string::npos) << daemon->said();
+  const auto status = b.status();
+  EXPECT_EQ(status["pushed_weights"], "confirmed");
+  EXPECT_EQ(status["pushed_refusal"], "none");
+  EXPECT_TRUE(fs::is_empty(b.bench.file("inbox")));
+}
+
+TEST(PushedWeights, AKilledDaemonTakesThemOnceAndEndsAsAnUndisturbedOne) {
+  PushBench calm("push_calm"), killed("push_killed");
+  for (PushBench* b : {&calm, &killed}) {
+    // One signature for both, since each bench has a key of its own: what is compared is the control that follows.
+    ASSERT_EQ(b->run({"push", b->bench.file("signed.blob"), b->bench.file("site.toml")}), 0);
+  }
+  ASSERT_EQ(calm.bench.start_daemon()->wait(120), 0);
+  SplitMix64 draw(3);
+  for (int kill = 0; kill < 12; ++kill) {
+    const auto daemon = killed.bench.start_daemon();
+    const std::size_t rows = killed.bench.logged_rows() + 3 + draw.below(6);
+    while (daemon->running() && killed.bench.logged_rows() < rows) closed_loop::sleep_s(0.0005);
+    daemon->signal(SIGKILL);
+    daemon->wait(10);
+  }
+  ASSERT_EQ(killed.bench.start_daemon()->wait(120), 0);
+  closed_loop::expect_same_rows(killed.bench.log(), calm.bench.log());
+  EXPECT_EQ(killed.status()["pushed_weights"], "confirmed");
+}
+
+TEST(PushedWeights, AnUnsignedBlobIsRefusedBeforeItLeaves) {
+  PushBench b("push_unsigned");
+  EXPECT_EQ(b.run({"push", b.bench.file("weights.blob"), b.bench.file("site.toml")}), 1);
+  EXPECT_NE(b.said().find("an unsigned blob"), std::string::npos) << b.said();
+  EXPECT_EQ(b.run({"push", b.bench.file("signed.blob"), b.bench.file("nowhere")}), 1);
+  EXPECT_NE(b.said().find("inbox"), std::string::npos) << b.said();
+  EXPECT_EQ(b.run({"keygen", "-o", b.bench.file("ann")}), 1) << "a key is never written over";
+}
+
+TEST(PushedWeights, WithoutAPushTheDaemonsRowsAreTheSimulations) {
+  PushBench b("push_none");
+  const auto daemon = b.bench.start_daemon();
+  ASSERT_EQ(daemon->wait(120), 0) << daemon->said();
+  closed_loop::expect_same_rows(b.bench.log(), b.bench.expected());
+}
+
+TEST(CrashLoop, TheThirdStartWithinTenMinutesRunsTheScheduleForAnHour) {
+  PushBench b("crash_loop");
+  for (int start = 0; start < 3; ++start) {
+    const auto daemon = b.bench.start_daemon(false, {"--crash-limit", "3"});
+    const std::size_t rows = b.bench.logged_rows() + 6;
+    while (daemon->running() && b.bench.logged_rows() < rows) closed_loop::sleep_s(0.0005);
+    if (start < 2) {
+      EXPECT_EQ(b.status()["reason"], "none");
+    } else {
+      EXPECT_EQ(b.status()["reason"], "crash loop");
+      EXPECT_EQ(b.status()["state"], "expert");
+    }
+    daemon->signal(SIGKILL);
+    daemon->wait(10);
+  }
+}
+
+TEST(CrashLoop, AnHourWithoutARestartEndsIt) {
+  PushBench b("crash_calm");
+  for (int start = 0; start < 2; ++start) {
+    const auto daemon = b.bench.start_daemon(false, {"--crash-limit", "3"});
+    closed_loop::sleep_s(0.05);
+    daemon->signal(SIGKILL);
+    daemon->wait(10);
+  }
+  const auto daemon = b.bench.start_daemon(false, {"--crash-limit", "3"});
+  ASSERT_EQ(daemon->wait(120), 0) << daemon->said();
+  EXPECT_NE(daemon->said().find("starts within ten minutes"), std::string::npos) << daemon->said();
+  EXPECT_EQ(b.status()["reason"], "none") << "the room was given back after an hour";
+}
+
+}  // namespace
+}  // namespace airside::weights
