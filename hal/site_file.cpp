@@ -18,12 +18,18 @@ struct OwnKey {
   const char* key;
 };
 constexpr OwnKey own_keys[] = {
-    {"target_degc", "room_temp_degc in [target]"}, {"work_start_h", "work_start in [target]"},
-    {"work_end_h", "work_end in [target]"},        {"weekday_only", "weekday_only in [target]"},
-    {"daylight_saving", "daylight_saving in [clock]"}, {"utc_offset_h", "utc_offset_h in [clock]"},
-    {"action_min_degc", "min_degc in [setpoint]"}, {"action_max_degc", "max_degc in [setpoint]"},
-    {"action_step_k", "step_k in [setpoint]"},     {"limit_change_k", "max_change_k in [setpoint]"},
-    {"round_k", "round_k in [setpoint]"},          {"expert_work_degc", "work_degc in [expert]"},
+    {"target_degc", "room_temp_degc in [target]"},
+    {"work_start_h", "work_start in [target]"},
+    {"work_end_h", "work_end in [target]"},
+    {"weekday_only", "weekday_only in [target]"},
+    {"daylight_saving", "daylight_saving in [clock]"},
+    {"utc_offset_h", "utc_offset_h in [clock]"},
+    {"action_min_degc", "min_degc in [setpoint]"},
+    {"action_max_degc", "max_degc in [setpoint]"},
+    {"action_step_k", "step_k in [setpoint]"},
+    {"limit_change_k", "max_change_k in [setpoint]"},
+    {"round_k", "round_k in [setpoint]"},
+    {"expert_work_degc", "work_degc in [expert]"},
     {"expert_off_degc", "off_degc in [expert]"},
 };
 

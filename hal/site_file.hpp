@@ -74,8 +74,8 @@ struct SiteFile {
   ClockSource clock = ClockSource::system;
   int daylight_saving = 0;  ///< [clock]: 0 none, 1 eu, 2 us; the schedule follows it, the log does not
   double utc_offset_h = 0;  ///< of local standard time, hours east
-  std::string state_dir;  ///< [state] dir
-  std::string log_dir;    ///< [log] dir
+  std::string state_dir;    ///< [state] dir
+  std::string log_dir;      ///< [log] dir
   int log_max_files = 40;
   double log_max_file_mb = 8;
   std::string history_log;   ///< [history] log

@@ -127,9 +127,8 @@ BlobFacts read_blob_facts(const std::string& path) {
   std::memcpy(&crc, header.digest.data(), sizeof crc);
   const auto body = std::span(file).subspan(sizeof header, payload);
   // The checksum is the same for every topology; any one that is compiled in will do.
-  for_each_topology([&]<class T>(T) {
-    out.digest_ok = payload == header.payload_bytes && crc == blob_digest(header, body);
-  });
+  for_each_topology(
+      [&]<class T>(T) { out.digest_ok = payload == header.payload_bytes && crc == blob_digest(header, body); });
   if (error) {
     try {
       hal::throw_blob_error(*error, path);

@@ -133,7 +133,7 @@ class Controller {
     stand_on(usable_ ? Mode::learn : Mode::run, usable_ ? Reason::none : held);
     if (decision_.mode < Mode::expert) {
       const double in_range = std::clamp(proposal, settings_.action_min_degc, settings_.action_max_degc);
-      decision_.command = envelope.limit(in_range, cycle_.last_setpoint_degc, expert);
+      decision_.command = envelope.limit(worth_a_write(in_range), cycle_.last_setpoint_degc, expert);
     }
     return decision_;
   }
@@ -311,6 +311,13 @@ class Controller {
         {v.data() + L::vav_on, static_cast<std::size_t>(L::rooms)}, v(L::outdoor_temp));
   }
 
+  /// The proposal, or the standing setpoint where the move to it is not worth a write.
+  double worth_a_write(double proposal_degc) {
+    const double standing = cycle_.last_setpoint_degc;
+    if (settings_.writes_per_day <= 0 || !std::isfinite(standing)) return proposal_degc;
+    return cycle_.budget.allows(proposal_degc - standing, settings_.writes_per_day) ? proposal_degc : standing;
+  }
+
   /// What the AHU made of a command.
   void account(const Expected<Applied>& applied) {
     const CivilTime t = decision_.time;
@@ -323,6 +330,7 @@ class Controller {
     if (!applied) return;
     cycle_.refused_writes = 0;
     cycle_.ladder.set(Reason::write_refused, false, t);
+    if (settings_.writes_per_day > 0 && applied->setpoint_degc != cycle_.last_setpoint_degc) cycle_.budget.spend();
     const double altered_k = std::abs(applied->setpoint_degc - decision_.command.setpoint_degc());
     cycle_.ladder.set(Reason::setpoint_altered, altered_k > foreign_k, t);
     const bool rests = cycle_.excitation.cycle(applied->setpoint_degc, settings_.excitation_k);

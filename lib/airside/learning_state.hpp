@@ -13,6 +13,7 @@
 #include "airside/splitmix64.hpp"
 #include "airside/validation.hpp"
 #include "airside/watch.hpp"
+#include "airside/write_budget.hpp"
 
 namespace airside {
 
@@ -44,6 +45,7 @@ struct CycleState {
   ShadowWatch shadow{};
   Spell supply_ignores{};
   Guideline36 guideline36{};
+  WriteBudget budget{};
   typename Reading<T>::Vector last_value = Reading<T>::Vector::Zero();  ///< at the last decision
   typename Reading<T>::Vector row_value = Reading<T>::Vector::Zero();   ///< at the last row in between
   CivilTime last_time;

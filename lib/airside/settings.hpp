@@ -77,6 +77,7 @@ struct ControllerSettings {
   double limit_change_k = 6.0;  ///< largest change from one cycle to the next
   double round_k = 0.01;        ///< resolution of what is written (OPEN-18)
   double hold_s = 1080;         ///< a lost signal keeps its last good value so long
+  double writes_per_day = 0;    ///< 0: no limit; else setpoints written on average, for registers in EEPROM
 
   // Ladder (DESIGN.md "Thresholds of the ladder")
   double frozen_s = 3600;          ///< all signals unchanged for so long: the device repeats itself
@@ -185,6 +186,7 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
     AIRSIDE_REAL(limit_change_k, 0.01, 50),
     AIRSIDE_REAL(round_k, 0.001, 1),
     AIRSIDE_REAL(hold_s, 0, 86400),
+    AIRSIDE_REAL(writes_per_day, 0, 80),
     AIRSIDE_REAL(frozen_s, 720, 86400),
     AIRSIDE_REAL(disagree_k, 1, 50),
     AIRSIDE_REAL(drift_k, 0.1, 50),

@@ -73,7 +73,8 @@ TEST(ModbusPlant, SensesEverySignalRoundedAsThePointMapSays) {
   EXPECT_EQ(reading->setpoint_degc, 18.0);
   EXPECT_EQ(reading->supply_temp_degc, 16.5);
   EXPECT_EQ(reading->time.seconds, clock_epoch.seconds + 86400);
-  EXPECT_EQ(bench.link.counters().exchanges, 3U) << "one block of input and one of holding registers, and the fingerprint";
+  EXPECT_EQ(bench.link.counters().exchanges, 3U)
+      << "one block of input and one of holding registers, and the fingerprint";
   ASSERT_TRUE(bench.plant.sense());
   EXPECT_EQ(bench.link.counters().exchanges, 5U) << "which is asked once a connection";
 }

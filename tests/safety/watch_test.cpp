@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "airside/splitmix64.hpp"
+#include "airside/write_budget.hpp"
 
 namespace airside {
 namespace {
@@ -83,6 +84,30 @@ TEST(Spell, LastsOnlyWithoutABreakAndStartsAnewWhenTheClockIsSetBack) {
   EXPECT_FALSE(spell.lasts(true, {t.seconds + 1200}, 600));
   EXPECT_FALSE(spell.lasts(true, {t.seconds - 5000}, 600));
   EXPECT_TRUE(spell.lasts(true, {t.seconds - 4400}, 600));
+}
+
+TEST(WriteBudget, KeepsItsAverageWhateverIsWished) {
+  for (const double largest_k : {0.1, 0.6, 3.0, 6.0}) {
+    WriteBudget budget;
+    SplitMix64 draw(8);
+    int writes = 0;
+    constexpr int days = 200;
+    for (int i = 0; i < days * cycles_per_day; ++i) {
+      if (!budget.allows(largest_k * draw.symmetric(), 20)) continue;
+      budget.spend();
+      ++writes;
+    }
+    EXPECT_LE(writes, 20 * days + 20) << largest_k;
+    EXPECT_GE(writes, 5 * days) << largest_k << ": it must still control";
+  }
+}
+
+TEST(WriteBudget, ALargeMoveIsNeverLateAndASmallOneWaits) {
+  WriteBudget budget;
+  EXPECT_TRUE(budget.allows(4.5, 20)) << "the schedule's step, without a token";
+  EXPECT_FALSE(budget.allows(0.3, 20));
+  for (int i = 0; i < cycles_per_day; ++i) budget.allows(0, 20);
+  EXPECT_TRUE(budget.allows(0.06, 20)) << "rested for a day";
 }
 
 }  // namespace
