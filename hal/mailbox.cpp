@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cstring>
+#include <string_view>
 
 namespace airside::hal {
 namespace {
@@ -40,9 +41,10 @@ bool Mailbox::find_blob() {
     for (long at = 0; at < got;) {
       DirectoryEntry entry;
       std::memcpy(&entry, entries + at, sizeof entry);
-      const char* text = entries + at + name_offset;
-      if (is_blob_name(text) && std::strlen(text) < sizeof blob_) {
-        std::strcpy(blob_, text);
+      const std::string_view name(entries + at + name_offset);
+      if (is_blob_name(name) && name.size() < sizeof blob_) {
+        std::memcpy(blob_, name.data(), name.size());
+        blob_[name.size()] = '\0';
         return true;
       }
       at += entry.length;
@@ -65,16 +67,16 @@ void Mailbox::read_blob(std::span<std::byte> blob, Mail& mail) {
 Mail Mailbox::collect(std::span<std::byte> blob) {
   Mail mail;
   if (!dir_.is_open()) return mail;
-  mail.hand_back = take(hand_back_name.data());
-  mail.release = take(release_name.data());
-  mail.rollback = take(rollback_name.data());
+  mail.hand_back = take(hand_back_name);
+  mail.release = take(release_name);
+  mail.rollback = take(rollback_name);
   if (find_blob()) read_blob(blob, mail);
   return mail;
 }
 
 void Mailbox::finish(bool accepted) {
   if (blob_[0] == '\0') return;
-  const bool kept = !accepted && ::renameat(dir_.descriptor(), blob_, dir_.descriptor(), refused_name.data()) == 0;
+  const bool kept = !accepted && ::renameat(dir_.descriptor(), blob_, dir_.descriptor(), refused_name) == 0;
   if (!kept) take(blob_);
   blob_[0] = '\0';
 }

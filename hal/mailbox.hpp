@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "hal/storage_file.hpp"
 
@@ -21,14 +20,14 @@ struct Mail {
 
 class Mailbox {
  public:
-  static constexpr std::string_view blob_name = "weights.blob";
-  static constexpr std::string_view rollback_name = "rollback";
-  static constexpr std::string_view release_name = "release";
-  static constexpr std::string_view hand_back_name = "hand-back";
+  static constexpr const char* blob_name = "weights.blob";
+  static constexpr const char* rollback_name = "rollback";
+  static constexpr const char* release_name = "release";
+  static constexpr const char* hand_back_name = "hand-back";
 
   /// Opens or makes the folder; one that cannot be had stays empty for ever. Errors: none.
   explicit Mailbox(const std::string& dir);
-  static constexpr std::string_view refused_name = "refused";
+  static constexpr const char* refused_name = "refused";
 
   /// Takes wishes out, and reads one blob into `blob`: any file `*.blob`, as it comes from a stick too. The blob itself
   /// stays until finish(), so that a crash in between loses nothing. Cost: a few system calls, no heap.

@@ -38,14 +38,14 @@ KeyId id_of(const std::array<std::uint8_t, 32>& key) {
 }
 
 const unsigned char* bytes_at(std::span<const std::byte> bytes) {
-  return static_cast<const unsigned char*>(static_cast<const void*>(bytes.data()));
+  return reinterpret_cast<const unsigned char*>(bytes.data());
 }
 
 /// Ed25519ph of domain and everything but the signature itself.
 crypto_sign_state signed_part(std::span<const std::byte> blob) {
   crypto_sign_state state;
   crypto_sign_init(&state);
-  crypto_sign_update(&state, static_cast<const unsigned char*>(static_cast<const void*>(domain)), sizeof domain);
+  crypto_sign_update(&state, reinterpret_cast<const unsigned char*>(domain), sizeof domain);
   crypto_sign_update(&state, bytes_at(blob), blob.size() - blob_signature_bytes);
   return state;
 }

@@ -121,7 +121,7 @@ struct PushCommand {
       throw hal::InputError(blob + ": key_id", "an unsigned blob", "a signed one, since boxes take no other",
                             "airside sign " + blob + " --key YOUR.key");
     }
-    drop(target, std::string(hal::Mailbox::blob_name), bytes);
+    drop(target, hal::Mailbox::blob_name, bytes);
     if (json) {
       fmt::print("{}\n", nlohmann::json{{"blob", blob}, {"bytes", bytes.size()}, {"inbox", inbox_of(target)}}.dump());
       return;

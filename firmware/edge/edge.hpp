@@ -75,6 +75,7 @@ class Edge final : public Daemon {
     open_log();
     open_store();
     status_.emplace(site_.state_dir);
+    trial_.open_inbox();
     if (options_.crash_limit > 0) recent_starts_ = starts_.record(crash_window_s);
     const CivilTime resumed = load_state(blob_crc);
     if (resumed.seconds == 0) {
@@ -141,7 +142,7 @@ class Edge final : public Daemon {
     write_status(t, sensed);
     service_.tell("WATCHDOG=1");  // only a row that came through every stage is a sign of life
     say_rung(controller.decision());
-    if (options_.crash_limit > 0 && recent_starts_ > 0 && t.seconds - began_.seconds >= hour_s) {
+    if (options_.crash_limit > 0 && recent_starts_ > 0 && hal::monotonic_ns() - began_ns_ >= hour_s * 1'000'000'000) {
       starts_.clear();
       recent_starts_ = 0;
     }
@@ -158,7 +159,7 @@ class Edge final : public Daemon {
 
   /// What is known when control begins.
   void report_start(CivilTime t) {
-    began_ = t;
+    began_ns_ = hal::monotonic_ns();
     report_clock(t);
     if (options_.crash_limit > 0 && recent_starts_ >= options_.crash_limit) {
       say("{} starts within ten minutes; the schedule runs for an hour", recent_starts_);
@@ -405,8 +406,8 @@ class Edge final : public Daemon {
   WeightsTrial<T> trial_;
   bool learning_exchanged_ = false;  ///< and not committed yet
   int recent_starts_ = 0;
-  CivilTime began_;       ///< row of this run's start
-  CivilTime newest_row_;  ///< the latest that a clock which can be right has told
+  std::int64_t began_ns_ = 0;  ///< of this run
+  CivilTime newest_row_;       ///< the latest that a clock which can be right has told
   Spell clock_is_behind_;
   bool state_lost_ = false;
   Reason said_reason_ = Reason::none;

@@ -57,13 +57,15 @@ class WeightsTrial {
   WeightsTrial(const std::string& keys_dir, const std::string& inbox_dir, const std::string& state_dir,
                std::uint64_t meaning, hal::Sync sync, std::string scope)
       : keys_(hal::KeyRing::load(keys_dir)),
-        mailbox_(inbox_dir),
+        inbox_dir_(inbox_dir),
         copy_(state_dir, meaning, sync),
         scope_(std::move(scope)),
         bytes_(std::make_unique<std::array<std::byte, WeightBlob<T>::max_bytes>>()),
         payload_(std::make_unique<Payload>()),
         weights_(std::make_unique<NetworkWeights<T, float>>()) {}
 
+  /// Opens or makes the inbox; before, nothing is collected.
+  void open_inbox() { mailbox_ = hal::Mailbox(inbox_dir_); }
   /// Once a row, before its commit. Returns whether the learning state was exchanged.
   bool row(CivilTime t, Controller<T>& controller, TrialRecord& record) {
     const hal::Mail mail = mailbox_.collect(*bytes_);
@@ -148,8 +150,7 @@ class WeightsTrial {
   bool roll_back(Controller<T>& controller, TrialRecord& record, const char* why) {
     const Scaler<T> present = controller.learning().scaler;
     // Read to a place of its own first: a copy that is damaged must not harm what stands.
-    const hal::StoreResult<void> read =
-        copy_.load({static_cast<std::byte*>(static_cast<void*>(before_.get())), sizeof(Learning)});
+    const hal::StoreResult<void> read = copy_.load(std::as_writable_bytes(std::span(before_.get(), 1)));
     if (!read) {
       say("no way back: {}", hal::describe(read.error()));
       return false;
@@ -162,7 +163,7 @@ class WeightsTrial {
   }
 
   static std::span<const std::byte> learning_bytes(const Controller<T>& controller) {
-    return {static_cast<const std::byte*>(static_cast<const void*>(&controller.learning())), sizeof(Learning)};
+    return std::as_bytes(std::span(&controller.learning(), 1));
   }
 
   /// Where the key's counter stands, or an empty place for it; nullptr where all are taken.
@@ -179,7 +180,8 @@ class WeightsTrial {
   }
 
   hal::KeyRing keys_;
-  hal::Mailbox mailbox_;
+  std::string inbox_dir_;
+  hal::Mailbox mailbox_{""};
   hal::StateCopy copy_;
   std::string scope_;
   std::unique_ptr<std::array<std::byte, WeightBlob<T>::max_bytes>> bytes_;

@@ -153,7 +153,6 @@ class Guideline36 {
   std::int32_t pending_s_ = 0;  ///< time not yet used up by steps
   std::int32_t was_occupied_ = 0;
   std::int32_t started_ = 0;
-  std::int32_t reserved_ = 0;
 };
 
 }  // namespace airside

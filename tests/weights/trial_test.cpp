@@ -30,6 +30,7 @@ class Trial : public ::testing::Test {
   void open() {
     trial = std::make_unique<edge::WeightsTrial<T>>(folder.file("keys").string(), folder.file("inbox").string(),
                                                     folder.file("state").string(), 5, hal::Sync::none, "Room 301");
+    trial->open_inbox();
   }
 
   void push(const Bytes& bytes) {
