@@ -166,14 +166,14 @@ class WeightsTrial {
     return std::as_bytes(std::span(&controller.learning(), 1));
   }
 
-  /// Where the key's counter stands, or an empty place for it; nullptr where all are taken.
-  static TrialRecord::Counter* counter_of(TrialRecord& record, const hal::KeyId& key) {
+  /// Where the key's counter stands, or a place for it: an empty one, or that of a key which is not trusted any more.
+  TrialRecord::Counter* counter_of(TrialRecord& record, const hal::KeyId& key) const {
     for (auto& counter : record.counter) {
       if (counter.key == key) return &counter;
     }
     for (auto& counter : record.counter) {
-      if (counter.key != hal::KeyId{}) continue;
-      counter.key = key;
+      if (counter.key != hal::KeyId{} && keys_.find(counter.key) != nullptr) continue;
+      counter = {.key = key, .highest = 0};
       return &counter;
     }
     return nullptr;

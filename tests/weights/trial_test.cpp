@@ -114,6 +114,16 @@ TEST_F(Trial, CountersBelongToTheirKey) {
   EXPECT_TRUE(row()) << "his third, though hers was the thousandth";
 }
 
+TEST_F(Trial, KeysThatComeAndGoOverTheYearsDoNotUseUpTheCounters) {
+  for (int year = 0; year < 40; ++year) {
+    const hal::SecretKey next = hal::make_key("key of " + std::to_string(year));
+    std::ofstream(folder.file("keys") / "next.pub") << hal::public_key_text(next.open);
+    open();
+    push(signed_by(other(1), next, 1));
+    ASSERT_TRUE(row()) << year << ": " << text_of(record.refusal);
+  }
+}
+
 struct Refused {
   const char* name;
   Fault fault;
