@@ -1,5 +1,5 @@
-// The whole way of weights: keygen, sign, push, and a daemon that takes them on trial and confirms them; killed at any
-// instant it ends as if nothing had been.
+// The whole way of weights: keygen, sign, push, and a daemon that takes them on trial and confirms them; killed while
+// the trial runs it ends as if nothing had been.
 
 #include <gtest/gtest.h>
 
@@ -58,10 +58,10 @@ TEST(PushedWeights, AreTakenOnTrialAndConfirmedAfterADay) {
   EXPECT_TRUE(fs::is_empty(b.bench.file("inbox")));
 }
 
-TEST(PushedWeights, AKilledDaemonTakesThemOnceAndEndsAsAnUndisturbedOne) {
+TEST(PushedWeights, ADaemonKilledDuringTheTrialEndsAsAnUndisturbedOne) {
   PushBench calm("push_calm"), killed("push_killed");
   for (PushBench* b : {&calm, &killed}) {
-    // One signature for both, since each bench has a key of its own: what is compared is the control that follows.
+    // The keys differ, the weights do not: what is compared is the control that follows.
     ASSERT_EQ(b->run({"push", b->bench.file("signed.blob"), b->bench.file("site.toml")}), 0);
   }
   ASSERT_EQ(calm.bench.start_daemon()->wait(120), 0);

@@ -172,7 +172,9 @@ TEST_F(Trial, RefusesWhatIsNotSoundAndChangesNothing) {
     push(bytes);
     // Between two decisions, so that learning moves nothing either.
     while (starts_cycle(rig.now)) row();
+    const NetworkWeights<T, float> before = rig.controller->learning().weights;
     EXPECT_FALSE(row()) << r.name;
+    EXPECT_TRUE(rig.same_weights(before)) << r.name;
     EXPECT_EQ(record.refusal, r.fault) << r.name << ": " << text_of(record.refusal);
     EXPECT_EQ(record.state, TrialState::none) << r.name;
     EXPECT_TRUE(std::filesystem::exists(folder.file("inbox") / "refused")) << r.name;
