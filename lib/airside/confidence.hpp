@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "airside/exponential.hpp"
 #include "airside/settings.hpp"
 
 namespace airside {
@@ -11,7 +12,7 @@ namespace airside {
 /// c_t = b_c exp(-loss / sigma_c) + (1 - b_c) c_{t-1}.  Source: spec 6.2, Eq 26. A loss that is not finite counts
 /// as complete surprise.
 inline double confidence_step(const ControllerSettings& s, double confidence, double loss) {
-  const double trust = std::isfinite(loss) ? std::exp(-loss / s.confidence_scale) : 0.0;
+  const double trust = std::isfinite(loss) ? exponential(-loss / s.confidence_scale) : 0.0;
   return s.confidence_smoothing * trust + (1.0 - s.confidence_smoothing) * confidence;
 }
 

@@ -80,6 +80,7 @@ class Controller {
     resumed_ = false;
     cycle_.ladder.tick(t);
     if (!sensed) return;
+    see_setpoint(sensed->setpoint_degc);
     const Expected<ValidReading<T>> valid = check(t, *sensed);
     watch(t, *sensed, valid);
     if (!valid || !valid->learnable()) return;
@@ -96,11 +97,12 @@ class Controller {
     // Where nobody knows the hour, the working hours' setpoint: it costs energy, the night's would cost comfort.
     const double expert = cycle_.ladder.active(Reason::clock_not_set, t) ? settings_.expert_work_degc
                                                                          : expert_setpoint_degc(settings_, t);
+    if (sensed) see_setpoint(sensed->setpoint_degc);
     if (sensed && !(resumed_ && t.seconds - cycle_.last_time.seconds == cycle_s)) adopt_setpoint(t, *sensed);
     if (sensed) cycle_.contact = sensed->contact;
     resumed_ = false;
     const double g36 = decision_.g36_degc;
-    decision_ = {.time = t, .command = envelope.limit(expert, cycle_.last_setpoint_degc, expert)};
+    decision_ = {.time = t, .command = envelope.limit(expert, cycle_.standing, expert)};
     decision_.expert_degc = expert;
     decision_.g36_degc = g36;
     decision_.confidence = cycle_.confidence;
@@ -133,7 +135,7 @@ class Controller {
     stand_on(usable_ ? Mode::learn : Mode::run, usable_ ? Reason::none : held);
     if (decision_.mode < Mode::expert) {
       const double in_range = std::clamp(proposal, settings_.action_min_degc, settings_.action_max_degc);
-      decision_.command = envelope.limit(worth_a_write(in_range), cycle_.last_setpoint_degc, expert);
+      decision_.command = envelope.limit(worth_a_write(in_range), cycle_.standing, expert);
     }
     return decision_;
   }
@@ -141,12 +143,14 @@ class Controller {
   /// Remembers what the AHU took and learns from the cycle that just ended.
   /// Errors: a refused command is remembered as unknown, and nothing is learned from the cycle it would have begun.
   void absorb(const Expected<Applied>& applied) {
-    const double setpoint = applied ? applied->setpoint_degc : unknown;
+    // Where nothing was written, what was read still stands.
+    const bool stands = !applied && decision_.mode == Mode::release;
+    const double setpoint = applied ? applied->setpoint_degc : stands ? cycle_.last_setpoint_degc : unknown;
     if (!applied && decision_.fault == Fault::none && decision_.mode != Mode::release)
       decision_.fault = applied.error();
     account(applied);
     cycle_.network_expected_degc = cycle_.head_expected_degc = Decision::none;
-    if (usable_ && std::isfinite(setpoint)) expect(decision_.time, setpoint);
+    if (usable_ && applied && std::isfinite(setpoint)) expect(decision_.time, setpoint);
     if (completed_ && !repeats_the_last(newest_)) replay_.push(newest_);
     if (completed_ && decision_.mode == Mode::learn) learn();
     const bool follows = decision_.time.seconds - cycle_.last_time.seconds == cycle_s;
@@ -156,6 +160,8 @@ class Controller {
     cycle_.last_value = now_;
     cycle_.last_time = decision_.time;
     cycle_.last_setpoint_degc = setpoint;
+    if (applied) cycle_.standing.is(setpoint);
+    if (!applied && !stands) cycle_.standing.may_be(decision_.command.setpoint_degc());
     cycle_.commanded_degc = applied ? decision_.command.setpoint_degc() : unknown;
     cycle_.ours = applied && decision_.mode <= Mode::run ? 1 : 0;
     const std::int32_t usable_before = follows ? cycle_.usable_cycles : 0;
@@ -170,7 +176,8 @@ class Controller {
   /// An operator gives the AHU back: everything that waits for a person ends.
   void hand_back() {
     cycle_.ladder.hand_back();
-    cycle_.flips = cycle_.refused_writes = 0;
+    cycle_.hands = HandsWatch();
+    cycle_.refused_writes = 0;
   }
 
   const Decision& decision() const { return decision_; }
@@ -215,9 +222,9 @@ class Controller {
     double canary_k, replay_k;
   };
   Wildness wildness(const Scaler<T>& scaler, const NetworkWeights<T, Scalar>& weights) {
-    pack(weights, scratch_.kernels, packed_);
-    const ForecastModel<T, Scalar> other{scaler, packed_, scratch_};
-    Wildness found{canary_excess_k<T>(settings_, scaler, packed_, scratch_), 0};
+    pack(weights, scratch_.kernels, scratch_.packed);
+    const ForecastModel<T, Scalar> other{scaler, scratch_.packed, scratch_};
+    Wildness found{canary_excess_k<T>(settings_, scaler, scratch_.packed, scratch_), 0};
     const int n = std::min(replay_.size(), 32);
     for (int age = 0; age < n; ++age) {
       const Remembered past = remembered(replay_.newest(age));
@@ -253,7 +260,7 @@ class Controller {
     return training_.step(settings_, learner_settings_, learning_, replay_, scratch_, learning_.weights);
   }
   /// Makes the weights that train_step() changed the ones in use.
-  void prepare() { pack(learning_.weights, scratch_.kernels, packed_); }
+  void prepare() { pack(learning_.weights, scratch_.kernels, scratch_.packed); }
 
  private:
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -276,6 +283,16 @@ class Controller {
     return decision_;
   }
 
+  /// What stands in the register. A decision that is made again after a crash may find its own write there, a step from
+  /// what stood before at most: then both count, so that it is made as it was.
+  void see_setpoint(double standing_degc) {
+    if (!std::isfinite(standing_degc)) return;
+    StandingSetpoint either = cycle_.standing;
+    either.may_be(standing_degc);
+    if (!resumed_ || either.high_degc - either.low_degc > settings_.limit_change_k) either.is(standing_degc);
+    cycle_.standing = either;
+  }
+
   /// The AHU's own word counts: after a start, a refused write or another hand on it, its setpoint is what it shows.
   /// Nothing is learned from the cycle that this breaks. Another hand is left alone for a while; a device that was out
   /// of touch may have fallen back to a default, and one that was slow shows what it was told.
@@ -284,12 +301,10 @@ class Controller {
     if (!std::isfinite(standing) || (std::isfinite(known) && std::abs(standing - known) <= foreign_k)) return;
     const bool late = std::abs(standing - cycle_.commanded_degc) <= foreign_k;
     if (std::isfinite(known) && !late && !resumed_ && sensed.contact == cycle_.contact) {
-      constexpr std::int64_t day_s = 86400;
-      if (t.seconds - cycle_.flip_s > day_s || t.seconds < cycle_.flip_s) cycle_.flips = 0;
-      cycle_.flip_s = t.seconds;
-      ++cycle_.flips;
+      // Who sets again what was left to him fights nobody.
+      const bool fights = decision_.mode != Mode::release && cycle_.hands.third_in_a_day(t);
       const auto patience_s = static_cast<std::int64_t>(settings_.override_h * 3600);
-      cycle_.ladder.hold(cycle_.flips >= 3 ? Reason::two_masters : Reason::overridden, t, patience_s);
+      cycle_.ladder.hold(fights ? Reason::two_masters : Reason::overridden, t, patience_s);
     }
     cycle_.last_setpoint_degc = standing;
     cycle_.usable_cycles = 0;
@@ -354,6 +369,19 @@ class Controller {
     cycle_.worse_cycles = 0;
   }
 
+  /// A gain that has turned round is believed again when it is sane beyond doubt. A head that was led astray would
+  /// take weeks to find back, so after a day it begins anew, and learns from the schedule's steps.
+  void watch_gain(CivilTime t) {
+    constexpr std::int64_t day_s = 86400;
+    const bool suspect = cycle_.ladder.active(Reason::gain_reversed, t) && !learning_.head.gain_is_sane();
+    const bool reversed = learning_.head.gain_is_reversed() || suspect;
+    if (cycle_.gain_reversed.lasts(reversed, t, day_s)) {
+      learning_.head.reset(settings_, settings_.head_gain_prior, settings_.head_gain_prior_sd);
+      cycle_.gain_reversed = Spell();
+    }
+    cycle_.ladder.set(Reason::gain_reversed, reversed, t);
+  }
+
   /// A transition like the last one to the bit is no news: a device that repeats itself must not fill the memory.
   bool repeats_the_last(const Row& row) const { return replay_.size() > 0 && replay_.newest(0) == row; }
 
@@ -414,7 +442,7 @@ class Controller {
       f.x(HeadFeatures::setpoint_change) = cycle_.last_setpoint_degc - cycle_.before_setpoint_degc;
       learning_.head.grow(settings_, 1.0 / cycles_per_day);
       learning_.head.update(settings_, cycle_.last_time, f, moved);
-      cycle_.ladder.set(Reason::gain_reversed, learning_.head.gain_is_reversed(), t);
+      watch_gain(t);
     }
     if (cycle_.has_weights == 0) return;
     compare_with_schedule(t);
@@ -454,7 +482,7 @@ class Controller {
     return fuse(effective_confidence(settings_, cycle_.confidence), chosen, decision_.expert_degc);
   }
 
-  ForecastModel<T, Scalar> model() { return {learning_.scaler, packed_, scratch_}; }
+  ForecastModel<T, Scalar> model() { return {learning_.scaler, scratch_.packed, scratch_}; }
 
   double head_choice(CivilTime t, double last_degc) {
     if (!has_features_ || learning_.head.updates() == 0) return unknown;
@@ -475,7 +503,7 @@ class Controller {
   }
 
   void learn() {
-    const Fault fault = training_.learn(settings_, learner_settings_, learning_, replay_, packed_, scratch_);
+    const Fault fault = training_.learn(settings_, learner_settings_, learning_, replay_, scratch_);
     cycle_.refused_updates = fault == Fault::none ? 0 : cycle_.refused_updates + 1;
     if (fault != Fault::none && decision_.fault == Fault::none) decision_.fault = fault;
     if (cycle_.refused_updates < settings_.refused_updates) return;
@@ -514,8 +542,7 @@ class Controller {
   ReplayRing<T, Scalar> replay_;
 
   ShadowTraining<T, Scalar> training_;
-  PackedWeights<T, Scalar> packed_;
-  NetworkScratch<T, Scalar> scratch_;
+  NetworkScratch<T, Scalar> scratch_;  ///< between two calls the weights in use are packed in it
 
   Decision decision_ = schedule_decision();
   Vector now_ = Vector::Zero();

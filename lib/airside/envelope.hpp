@@ -3,11 +3,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "airside/command.hpp"
 #include "airside/settings.hpp"
 
 namespace airside {
+
+/// What stands in the AHU's register, degC: one value where it is known, a range after writes whose fate is not, NaN
+/// where nothing was ever written or read.
+struct StandingSetpoint {
+  double low_degc = std::numeric_limits<double>::quiet_NaN();
+  double high_degc = std::numeric_limits<double>::quiet_NaN();
+
+  void is(double degc) { low_degc = high_degc = degc; }
+  void may_be(double degc) {
+    low_degc = std::fmin(low_degc, degc);  // takes the number of a number and a NaN
+    high_degc = std::fmax(high_degc, degc);
+  }
+};
 
 /// Limits a proposal: finite, then clamp, then rate, then round.
 class SafetyEnvelope {
@@ -21,13 +35,17 @@ class SafetyEnvelope {
   /// limit then, since any other choice would invent a value.
   /// Errors: none; every input, NaN included, yields a safe Command.
   Command limit(double proposal_degc, double last_degc, double fallback_degc) const {
+    return limit(proposal_degc, StandingSetpoint{last_degc, last_degc}, fallback_degc);
+  }
+  /// The same, within one step of whatever may stand. A range stays narrower than a step, since each setpoint that
+  /// was written lay within one of both its ends.
+  Command limit(double proposal_degc, const StandingSetpoint& standing, double fallback_degc) const {
     double a = std::isfinite(proposal_degc) ? proposal_degc : fallback_degc;
-    if (!std::isfinite(a)) a = std::isfinite(last_degc) ? last_degc : max_;
+    if (!std::isfinite(a)) a = std::isfinite(standing.low_degc) ? standing.low_degc : max_;
     double low = min_, high = max_;
-    if (std::isfinite(last_degc)) {
-      const double from = std::clamp(last_degc, min_, max_);
-      low = std::max(min_, from - change_);
-      high = std::min(max_, from + change_);
+    if (std::isfinite(standing.low_degc) && std::isfinite(standing.high_degc)) {
+      low = std::max(min_, std::clamp(standing.high_degc, min_, max_) - change_);
+      high = std::max(low, std::min(max_, std::clamp(standing.low_degc, min_, max_) + change_));
     }
     a = std::clamp(a, low, high);
     // Rounding must not undo a limit: towards the inside where the nearest step lies outside.

@@ -26,9 +26,10 @@ constexpr auto footprint_ledger() {
       {"weights", "network in use", net, 160 * kb},
       {"optimizer", "target network, Adam moments, step counter", sizeof(Learner<T, float>), 480 * kb},
       {"head", "room head: regressors, profile, covariance", sizeof(RoomHead<T>), 240 * kb},
-      {"replay", "10,080 transitions", sizeof(ReplayRing<T, float>), 3200 * kb},
-      {"shadow", "network in training, network packed for decisions", net + sizeof(PackedWeights<T, float>), 320 * kb},
-      {"scratch", "activations of one tile, gradients", sizeof(NetworkScratch<T, float>), 1024 * kb},
+      {"replay", "remembered transitions", sizeof(ReplayRing<T, float>), 3200 * kb},
+      {"shadow", "network in training", net, 160 * kb},
+      {"scratch", "activations of one tile, gradients, the network that runs", sizeof(NetworkScratch<T, float>),
+       1024 * kb},
       {"cycle", "validator and the last two readings", sizeof(CycleState<T>), 8 * kb},
       {"controller", "everything above and the candidates", sizeof(C), 5120 * kb},
   });

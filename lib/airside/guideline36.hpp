@@ -130,9 +130,9 @@ class Guideline36 {
 
   /// The requests seen now stand for the time since the last reading.
   void step(const Guideline36Settings& s) {
-    const int before_s = running_s_;
+    const std::int32_t before_s = running_s_;
     running_s_ += s.period_s;
-    pending_s_ += running_s_ - std::max(before_s, std::min(s.delay_s, running_s_));
+    pending_s_ += running_s_ - std::max(before_s, std::min<std::int32_t>(s.delay_s, running_s_));
     for (; pending_s_ >= s.step_s; pending_s_ -= s.step_s) {
       const int excess = requests_ - s.ignored_requests;
       const double change = excess <= 0 ? s.trim_k : -std::min(s.respond_k * excess, s.respond_max_k);

@@ -56,8 +56,11 @@ enum class Reason : std::uint8_t {
   writes_refused = 22,          ///< the AHU refused the schedule's setpoint too
   map_differs = 23,             ///< the device is not the one that the point map describes
   released_by_hand = 24,        ///< an operator asked for it
+  map_refused = 25,             ///< the device refuses a request that the point map makes
+  gateway_failed = 26,          ///< a gateway does not reach the device behind it
+  order_doubted = 27,           ///< a value makes sense only in another order of its words
 };
-constexpr int reason_count = 25;
+constexpr int reason_count = 28;
 
 /// What a reason asks for. Texts are whole phrases for log, status and page.
 struct Rung {
@@ -227,6 +230,27 @@ constexpr Rung rung_of(Reason reason) {
     case Reason::released_by_hand:
       return {"released by hand",           Mode::release, false, true, "an operator has released the AHU",
               "ends when it is handed back"};
+    case Reason::map_refused:
+      return {"map refused",
+              Mode::learn,
+              true,
+              false,
+              "the device refuses a request that the point map makes",
+              "ends when it answers; correct function, address or type in points.csv, airside probe shows which"};
+    case Reason::gateway_failed:
+      return {"gateway failed",
+              Mode::learn,
+              true,
+              false,
+              "a gateway does not reach the device behind it",
+              "ends when it does; look at the gateway and at unit_id"};
+    case Reason::order_doubted:
+      return {"order doubted",
+              Mode::learn,
+              true,
+              false,
+              "a value makes sense only in another order of its words",
+              "ends when it makes sense as the map has it; airside probe shows which order fits"};
   }
   return {"unknown", Mode::release, false, true, "unknown", "unknown"};
 }
@@ -282,7 +306,8 @@ class Ladder {
     Reason found = Reason::none;
     for (int i = 1; i < reason_count; ++i) {
       const auto r = static_cast<Reason>(i);
-      if (active(r, t) && rung_of(r).mode >= rung_of(found).mode) found = r;
+      if (!active(r, t)) continue;
+      if (rung_of(r).mode >= rung_of(found).mode) found = r;  // uncovered: so far numbers rise with the rungs
     }
     return found;
   }

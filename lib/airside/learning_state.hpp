@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "airside/envelope.hpp"
 #include "airside/guideline36.hpp"
 #include "airside/ladder.hpp"
 #include "airside/learner.hpp"
@@ -19,7 +20,7 @@ namespace airside {
 
 /// Counts up whenever the meaning of a byte of LearningState or CycleState changes, sizes apart: saved state of another
 /// number is not read.
-constexpr std::uint32_t state_version = 3;
+constexpr std::uint32_t state_version = 4;
 
 /// What learning has produced: saved as one generation. Plain bytes, no pointers.
 template <Topology T, class Scalar>
@@ -43,7 +44,9 @@ struct CycleState {
   DriftWatch<Layout<T>::rooms> drift{};
   ExcitationWatch excitation{};
   ShadowWatch shadow{};
+  HandsWatch hands{};
   Spell supply_ignores{};
+  Spell gain_reversed{};
   Guideline36 guideline36{};
   WriteBudget budget{};
   typename Reading<T>::Vector last_value = Reading<T>::Vector::Zero();  ///< at the last decision
@@ -53,6 +56,7 @@ struct CycleState {
   HeadFeatures features;                  ///< of the last decision, its own setpoint change left 0
   double last_setpoint_degc = unknown;    ///< applied since last_time
   double before_setpoint_degc = unknown;  ///< applied until last_time
+  StandingSetpoint standing;              ///< what may stand in the register
   double commanded_degc = unknown;        ///< what was written at last_time, whatever the AHU made of it
   double confidence = 0.5;
   double network_expected_degc = unknown;
@@ -60,8 +64,6 @@ struct CycleState {
   double network_error_k2 = 0.01;  ///< running mean of squared one-cycle errors
   double head_error_k2 = 0.01;
   std::uint64_t contact = 0;         ///< of the last reading, see Reading
-  std::int64_t flip_s = 0;           ///< when somebody else last set the setpoint
-  std::int32_t flips = 0;            ///< how often within a day
   std::int32_t refused_writes = 0;   ///< in a row
   std::int32_t refused_updates = 0;  ///< in a row
   std::int32_t worse_cycles = 0;     ///< working cycles in a row in which the schedule's shadow was closer

@@ -52,7 +52,7 @@ struct BatchView {
 ///   L_STRB = mean (S1 - S')^2          L_TDB = mean (D' - Y)^2, no gradient through Y
 ///   L_RC = mean max(0, -(S1 - S) D')   L_rec = mean (S^ - S)^2
 /// Shape: samples first .. first+rows-1 of the batch; outputs in scratch.short_term, deviation, reconstruction,
-/// bootstrap (Y); derivatives to scratch.d_*.  Source: spec 4.
+/// bootstrap_of (Y); derivatives to scratch.d_*.  Source: spec 4.
 template <Topology T, class Scalar>
 void output_losses(const BatchView<T, Scalar>& batch, int first, int rows, const LossWeights& weights,
                    NetworkScratch<T, Scalar>& scratch, LossTerms& sum) {
@@ -68,7 +68,7 @@ void output_losses(const BatchView<T, Scalar>& batch, int first, int rows, const
     const Scalar* const short_term = scratch.short_term.row(r);
     const Scalar* const deviation = scratch.deviation.row(r);
     const Scalar* const reconstruction = scratch.reconstruction.row(r);
-    const Scalar* const bootstrap = scratch.bootstrap.row(r);
+    const Scalar* const bootstrap = scratch.bootstrap_of(first + r);
     Scalar strb = 0, tdb = 0, rc = 0, rec = 0;
     for (int i = 0; i < L::rooms; ++i) {
       const Scalar strb_error = short_term[i] - s1[i];

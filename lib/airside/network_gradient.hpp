@@ -24,24 +24,25 @@ void load_tile(const BatchView<T, Scalar>& batch, int first, int rows, bool succ
   }
 }
 
-/// Y = g (F_TDB + F_STRB - S1) with the target network on (S1, E1, A): Dec(f_res + f_short) is both.
-/// Source: spec 4, term 2.
+/// Y = g (F_TDB + F_STRB - S1) with the target network, which is the one packed, on (S1, E1, A): Dec(f_res + f_short)
+/// is both. Source: spec 4, term 2.
 template <Topology T, class Scalar>
 void bootstrap_tile(const BatchView<T, Scalar>& batch, int first, int rows, double gamma,
                     NetworkScratch<T, Scalar>& s) {
   using L = Layout<T>;
   load_tile(batch, first, rows, true, s);
-  tile_forward(s.kernels, s.packed_target, rows, s.act);
+  tile_forward(s.kernels, s.packed, rows, s.act);
   Scalar* const f_long = s.act.strb_1.row(0);
   const Scalar* const f_res = s.act.tdb_1.row(0);
   for (int i = 0; i < rows * latent_width; ++i) f_long[i] += f_res[i];
   constexpr int width = TileOutputs<T, Scalar>::width;
-  layer_forward(s.kernels, s.packed_target, Layer::dec, rows, f_long, latent_width, s.bootstrap.row(0), width);
+  layer_forward(s.kernels, s.packed, Layer::dec, rows, f_long, latent_width, s.short_term.row(0), width);
   const Scalar g = static_cast<Scalar>(gamma);
   for (int r = 0; r < rows; ++r) {
     const Scalar* const s1 = batch.row(first + r) + L::inputs;
-    Scalar* const y = s.bootstrap.row(r);
-    for (int i = 0; i < L::rooms; ++i) y[i] = g * (y[i] - s1[i]);
+    const Scalar* const later = s.short_term.row(r);
+    Scalar* const y = s.bootstrap_of(first + r);
+    for (int i = 0; i < L::rooms; ++i) y[i] = g * (later[i] - s1[i]);
   }
 }
 
@@ -194,13 +195,10 @@ void accumulate_gradient(int n, NetworkScratch<T, Scalar>& s) {
     for (std::size_t i = 0; i < latent_width; ++i) dec[o * latent_width + i] += tangent_sum[i];
 }
 
-/// Packs both networks and clears the padded copies, once a batch.
+/// Makes the padded copies, once a batch.
 template <Topology T, class Scalar>
-void begin_batch(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<T, Scalar>& target,
-                 NetworkScratch<T, Scalar>& s) {
+void begin_batch(const NetworkWeights<T, Scalar>& weights, NetworkScratch<T, Scalar>& s) {
   using L = Layout<T>;
-  pack(weights, s.kernels, s.packed);
-  pack(target, s.kernels, s.packed_target);
   s.act.input_s.values.fill(0);
   s.act.input_a.values.fill(0);
   for (int o = 0; o < encoder_width; ++o) {
@@ -211,11 +209,24 @@ void begin_batch(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<
   }
 }
 
-/// Forward pass, targets and losses of one tile; F included.
+/// Targets of the group that starts at sample `first`; then the network itself is packed. One after the other, so that
+/// only one packed network is ever needed.
 template <Topology T, class Scalar>
-void tile_losses(const NetworkWeights<T, Scalar>& weights, const BatchView<T, Scalar>& batch, int first, int rows,
-                 const LossSettings<T>& settings, NetworkScratch<T, Scalar>& s, LossTerms& sum) {
-  bootstrap_tile(batch, first, rows, settings.gamma, s);
+void begin_group(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<T, Scalar>& target,
+                 const BatchView<T, Scalar>& batch, int first, double gamma, NetworkScratch<T, Scalar>& s) {
+  pack(target, s.kernels, s.packed);
+  const int end = std::min(batch.size, first + group_samples);
+  for (int at = first; at < end; at += tile_samples)
+    bootstrap_tile(batch, at, std::min(tile_samples, end - at), gamma, s);
+  pack(weights, s.kernels, s.packed);
+}
+
+/// Forward pass, targets and losses of one tile; F included. Tiles come in order, from 0 by tile_samples.
+template <Topology T, class Scalar>
+void tile_losses(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<T, Scalar>& target,
+                 const BatchView<T, Scalar>& batch, int first, int rows, const LossSettings<T>& settings,
+                 NetworkScratch<T, Scalar>& s, LossTerms& sum) {
+  if (first % group_samples == 0) begin_group(weights, target, batch, first, settings.gamma, s);
   load_tile(batch, first, rows, false, s);
   tile_forward(s.kernels, s.packed, rows, s.act);
   decode(s.kernels, s.packed, rows, s.act, s.short_term, s.deviation);
@@ -232,9 +243,9 @@ LossTerms batch_losses(const NetworkWeights<T, Scalar>& weights, const NetworkWe
                        const BatchView<T, Scalar>& batch, const LossSettings<T>& settings,
                        NetworkScratch<T, Scalar>& s) {
   LossTerms sum;
-  begin_batch(weights, target, s);
+  begin_batch(weights, s);
   for (int first = 0; first < batch.size; first += tile_samples)
-    tile_losses(weights, batch, first, std::min(tile_samples, batch.size - first), settings, s, sum);
+    tile_losses(weights, target, batch, first, std::min(tile_samples, batch.size - first), settings, s, sum);
   return mean_losses<T>(sum, batch.size, settings.weights);
 }
 
@@ -246,13 +257,13 @@ LossTerms batch_gradient(const NetworkWeights<T, Scalar>& weights, const Network
                          NetworkScratch<T, Scalar>& s) {
   using L = Layout<T>;
   LossTerms sum;
-  begin_batch(weights, target, s);
+  begin_batch(weights, s);
   s.gradient.values.fill(0);
   s.gradient_s.values.fill(0);
   s.gradient_a.values.fill(0);
   for (int first = 0; first < batch.size; first += tile_samples) {
     const int rows = std::min(tile_samples, batch.size - first);
-    tile_losses(weights, batch, first, rows, settings, s, sum);
+    tile_losses(weights, target, batch, first, rows, settings, s, sum);
     losses_reverse(weights, rows, s);
     constraint_tangent(rows, s);
     accumulate_gradient(rows, s);

@@ -6,12 +6,10 @@
 #include <cstdint>
 
 #include "airside/kernels.hpp"
+#include "airside/memory_size.hpp"
 #include "airside/network.hpp"
 
 namespace airside {
-
-/// Samples that pass through the network together, so that one tile's activations stay in cache.
-constexpr int tile_samples = 48;
 
 constexpr int padded_columns(int columns) { return (columns + kernel_columns - 1) / kernel_columns * kernel_columns; }
 
@@ -83,13 +81,18 @@ struct TileDeltas {
 template <Topology T, class Scalar>
 using TileOutputs = TileRows<Scalar, tile_samples, padded_columns(Layout<T>::rooms)>;
 
+/// Samples whose bootstrap targets stand side by side: a whole batch, in whole tiles.
+constexpr int group_samples = (max_batch + tile_samples - 1) / tile_samples * tile_samples;
+
 template <Topology T, class Scalar>
 struct NetworkScratch {
   using Activations = TileActivations<T, Scalar, 2 * tile_samples>;
 
   Kernels<Scalar> kernels = strict_kernels<Scalar>();
 
-  PackedWeights<T, Scalar> packed, packed_target;
+  /// The network that runs. In a batch the target network stands here first, then the one in training; between batches
+  /// it is whatever its user packed last.
+  PackedWeights<T, Scalar> packed;
   /// W of the two input layers with rows padded to the kernels' multiple, and their gradients.
   TileRows<Scalar, encoder_width, Activations::signals_width> weight_s, gradient_s;
   TileRows<Scalar, encoder_width, Activations::exogenous_width> weight_a, gradient_a;
@@ -97,11 +100,16 @@ struct NetworkScratch {
 
   Activations act;
   TileDeltas<Scalar> delta;
-  TileOutputs<T, Scalar> short_term, deviation, reconstruction, bootstrap;
+  TileOutputs<T, Scalar> short_term, deviation, reconstruction;
   TileOutputs<T, Scalar> d_short_term, d_deviation, d_reconstruction;
+  /// Y of a group's samples. Shape: group_samples x rooms.
+  std::array<Scalar, static_cast<std::size_t>(group_samples) * static_cast<std::size_t>(Layout<T>::rooms)> bootstrap;
   /// dF by the two encoders' inputs.
   TileRows<Scalar, tile_samples, Activations::signals_width> slope_s;
   TileRows<Scalar, tile_samples, Activations::exogenous_width> slope_a;
+
+  /// Y of sample i of the batch, while its group is at work.
+  Scalar* bootstrap_of(int i) { return bootstrap.data() + i % group_samples * Layout<T>::rooms; }
 };
 
 }  // namespace airside

@@ -8,11 +8,10 @@
 #include <type_traits>
 
 #include "airside/losses.hpp"
+#include "airside/memory_size.hpp"
 #include "airside/splitmix64.hpp"
 
 namespace airside {
-
-constexpr int replay_capacity = 42 * 240;  ///< transitions kept (spec 5)
 
 /// Shape: Capacity rows [S E A S1 E1], scaled. Plain data: rows in slots, then the count of all rows ever pushed;
 /// row number k (from 0) lies in slot k % Capacity.

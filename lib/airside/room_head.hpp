@@ -10,6 +10,8 @@
 #include <cstdint>
 
 #include "airside/expert.hpp"
+#include "airside/exponential.hpp"
+#include "airside/memory_size.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/validation.hpp"
@@ -46,7 +48,7 @@ class RoomHead {
  public:
   static constexpr int regressors = HeadFeatures::count;
   static constexpr int slots = cycles_per_day;
-  static constexpr int day_types = 2;
+  static constexpr int day_types = max_day_types;
   static constexpr int states = regressors + slots * day_types;
   using State = Eigen::Matrix<double, states, 1>;
   /// Too large for a stack, and for Eigen's limit on fixed matrices: an array seen through a map.
@@ -115,6 +117,9 @@ class RoomHead {
   /// Whether colder supply air makes the rooms warmer, beyond doubt: gain + 2 sd < 0.
   bool gain_is_reversed() const { return theta_(HeadFeatures::setpoint_change) + 2 * gain_sd() < 0; }
 
+  /// Whether colder supply air makes the rooms colder, beyond doubt: gain - 2 sd > 0.
+  bool gain_is_sane() const { return theta_(HeadFeatures::setpoint_change) - 2 * gain_sd() > 0; }
+
   /// The setpoint that removes `head_correction` of the present error by the end of the cycle, degC.
   double setpoint_degc(const ControllerSettings& s, CivilTime t, const HeadFeatures& f, double room_mean_degc,
                        double setpoint_before_degc) const {
@@ -146,6 +151,7 @@ class RoomHead {
   /// days' profile plus an unknown difference, as sure as the prior has it. Changes nothing where there is one.
   /// Cost: O(states^2).
   void complete_day_types(const ControllerSettings& s) {
+    if constexpr (day_types == 1) return;
     Covariance p = covariance();
     constexpr int known = regressors + slots;
     if (s.head_day_types != 2 || !(p.diagonal().template tail<slots>().array() == 0).all()) return;
@@ -211,14 +217,14 @@ class RoomHead {
 
   /// Prior covariance of two slots that lie `d` slots apart, K^2.
   static double profile_covariance(const ControllerSettings& s, int d) {
-    return s.head_profile_sd_k * s.head_profile_sd_k * std::exp(-std::min(d, slots - d) / s.head_profile_length);
+    return s.head_profile_sd_k * s.head_profile_sd_k * exponential(-std::min(d, slots - d) / s.head_profile_length);
   }
 
   void add_profile_covariance(const ControllerSettings& s, double share) {
     const double variance = share * s.head_profile_sd_k * s.head_profile_sd_k;
     std::array<double, slots> kernel{};
     for (int d = 0; d < slots; ++d) {
-      kernel[static_cast<std::size_t>(d)] = variance * std::exp(-std::min(d, slots - d) / s.head_profile_length);
+      kernel[static_cast<std::size_t>(d)] = variance * exponential(-std::min(d, slots - d) / s.head_profile_length);
     }
     const int types = s.head_day_types;
     Covariance p = covariance();

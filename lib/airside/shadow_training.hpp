@@ -20,27 +20,26 @@ template <Topology T, class Scalar>
 class ShadowTraining {
  public:
   using Learning = LearningState<T, Scalar>;
-  using Packed = PackedWeights<T, Scalar>;
   using Scratch = NetworkScratch<T, Scalar>;
   using Ring = ReplayRing<T, Scalar>;
 
-  /// Trains a copy and takes it over if it is sound; `packed` then holds the new weights.
+  /// Trains a copy and takes it over if it is sound; the weights in use are packed in `scratch` afterwards.
   /// Errors: learning_rejected; weights, moments and target are then those in use, and the moments zero.
   Fault learn(const ControllerSettings& s, const LearnerSettings<T>& learner, Learning& learning, const Ring& replay,
-              Packed& packed, Scratch& scratch) {
+              Scratch& scratch) {
     if (s.updates_per_cycle == 0 || replay.size() == 0) return Fault::none;
     shadow_ = learning.weights;
     for (int i = 0; i < s.updates_per_cycle; ++i) (void)step(s, learner, learning, replay, scratch, shadow_);
     // Weights that are no numbers are refused with or without the gate: nothing could learn its way back from them.
-    const bool sound = s.gate != 0 ? passes(s, learner, learning, replay, packed, scratch) : all_finite(shadow_);
+    const bool sound = s.gate != 0 ? passes(s, learner, learning, replay, scratch) : all_finite(shadow_);
     if (!sound) {
       ++learning.rejected;
       learning.learner.reset(learning.weights);
-      return Fault::learning_rejected;
+    } else {
+      learning.weights = shadow_;
     }
-    learning.weights = shadow_;
-    pack(learning.weights, scratch.kernels, packed);
-    return Fault::none;
+    pack(learning.weights, scratch.kernels, scratch.packed);
+    return sound ? Fault::none : Fault::learning_rejected;
   }
 
   /// One optimiser step of `weights` on a batch of the replay. Returns the losses before it.
@@ -64,7 +63,7 @@ class ShadowTraining {
   /// Finite, within the trust region, not worse on the held-back slots than gate_loss_ratio allows, and no wilder on
   /// canary states.
   bool passes(const ControllerSettings& s, const LearnerSettings<T>& learner, const Learning& learning,
-              const Ring& replay, Packed& packed, Scratch& scratch) {
+              const Ring& replay, Scratch& scratch) {
     if (!all_finite(shadow_) || !trusted(learning.weights, s.trust_ratio)) return false;
     const std::uint32_t held = static_cast<std::uint32_t>(replay.size()) / 10;
     if (held > 0) {
@@ -75,7 +74,7 @@ class ShadowTraining {
       const double after = learning.learner.evaluate(shadow_, batch, learner.loss, scratch).strb;
       if (!(after <= s.gate_loss_ratio * before + 1e-3)) return false;
     }
-    return canary_passes(s, learning, packed, scratch);
+    return canary_passes(s, learning, scratch);
   }
 
   /// ||shadow - weights|| <= ratio ||weights||: one poisoned batch cannot carry them far.
@@ -91,11 +90,11 @@ class ShadowTraining {
 
   /// Sane on canary states, or at least no wilder than the weights in use: else weights that were strange from the
   /// start could never learn their way out.
-  bool canary_passes(const ControllerSettings& s, const Learning& learning, Packed& packed, Scratch& scratch) {
-    const double excess_in_use = canary_excess_k<T>(s, learning.scaler, packed, scratch);
-    pack(shadow_, scratch.kernels, packed);
-    const double excess = canary_excess_k<T>(s, learning.scaler, packed, scratch);
-    pack(learning.weights, scratch.kernels, packed);
+  bool canary_passes(const ControllerSettings& s, const Learning& learning, Scratch& scratch) {
+    pack(learning.weights, scratch.kernels, scratch.packed);
+    const double excess_in_use = canary_excess_k<T>(s, learning.scaler, scratch.packed, scratch);
+    pack(shadow_, scratch.kernels, scratch.packed);
+    const double excess = canary_excess_k<T>(s, learning.scaler, scratch.packed, scratch);
     return std::isfinite(excess) && excess <= excess_in_use;
   }
 

@@ -185,13 +185,15 @@ class Validator {
   /// One room far from the median of the good ones is replaced by it; with more of them nobody knows who is right.
   Fault disagreement(ValidReading<T>& out) {
     constexpr int rooms = Layout<T>::rooms;
-    std::array<double, static_cast<std::size_t>(rooms)> good;
+    std::array<double, static_cast<std::size_t>(rooms)> good;  // in order
     std::size_t count = 0;
     for (int r = 0; r < rooms; ++r) {
-      if (faults_[static_cast<std::size_t>(r)] == Fault::none) good[count++] = out.value_(r);
+      if (faults_[static_cast<std::size_t>(r)] != Fault::none) continue;
+      std::size_t at = count++;
+      for (; at > 0 && good[at - 1] > out.value_(r); --at) good[at] = good[at - 1];
+      good[at] = out.value_(r);
     }
     if (count < 3) return Fault::none;
-    std::sort(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(count));
     const double median = 0.5 * (good[(count - 1) / 2] + good[count / 2]);
     int outliers = 0;
     for (int r = 0; r < rooms; ++r) {

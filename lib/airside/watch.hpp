@@ -32,6 +32,25 @@ class Spell {
   std::int64_t begun_ = 0;
 };
 
+/// How often somebody else sets what this controller has set. Source: RELIABILITY row 25.
+class HandsWatch {
+ public:
+  /// Takes one time more; returns whether it is the third within 24 h.
+  constexpr bool third_in_a_day(CivilTime t) {
+    constexpr std::int64_t day_s = 86400;
+    const bool set_back = times_ > 0 && t.seconds < last_s_;
+    if (set_back) times_ = 0;
+    const bool third = times_ >= 2 && t.seconds - before_last_s_ < day_s;
+    before_last_s_ = last_s_;
+    last_s_ = t.seconds;
+    times_ = times_ < 2 ? times_ + 1 : 2;
+    return third;
+  }
+
+ private:
+  std::int64_t before_last_s_ = 0, last_s_ = 0, times_ = 0;
+};
+
 /// Whether one room leaves the others slowly: its distance from their mean over a day against that over two weeks.
 /// Shape: one pair of means a room. Units: K. Source: RELIABILITY row 7; DESIGN.md "Thresholds of the ladder".
 template <int Rooms>

@@ -10,7 +10,8 @@
 namespace airside {
 namespace {
 
-/// 16 bytes of columns: the widest vector that every 64-bit baseline has; elsewhere the compiler takes it apart.
+#if defined(__SSE2__) || defined(__ARM_NEON)
+/// 16 bytes of columns: the widest vector that every 64-bit baseline has.
 template <class Scalar>
 struct Lanes;
 template <>
@@ -21,10 +22,18 @@ template <>
 struct Lanes<double> {
   typedef double Vector __attribute__((vector_size(16)));
 };
+constexpr int vectors = 4;  ///< summed side by side
+#else
+/// A CPU without vectors: GCC would keep them, and so every sum, in memory. Two rows of eight sums fit its registers.
+template <class Scalar>
+struct Lanes {
+  typedef Scalar Vector;
+};
+constexpr int vectors = 8;
+#endif
 
 template <class Scalar>
-constexpr int lanes = 16 / static_cast<int>(sizeof(Scalar));
-constexpr int vectors = 4;  ///< summed side by side
+constexpr int lanes = static_cast<int>(sizeof(typename Lanes<Scalar>::Vector) / sizeof(Scalar));
 template <class Scalar>
 constexpr int block = vectors* lanes<Scalar>;
 static_assert(kernel_columns % block<float> == 0 && kernel_columns % block<double> == 0);

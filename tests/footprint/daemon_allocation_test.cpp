@@ -68,6 +68,7 @@ void expect_no_heap(const std::string& name, std::size_t rows) {
   EXPECT_GT(rows - before, 240U) << "no midnight was crossed";
   EXPECT_GT(here.daemon().transitions(), pushed + 100) << "nothing was learned";
   EXPECT_TRUE(std::filesystem::exists(bench.file("state") / "status.json"));
+  EXPECT_TRUE(std::filesystem::exists(bench.file("state") / "weights.blob")) << "none were given out";
   std::printf("%s: %zu rows without a heap event\n", T::name, rows - before);
   closed_loop::LogText log = bench.log();
   closed_loop::LogText expected = bench.expected();

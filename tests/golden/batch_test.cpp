@@ -33,15 +33,15 @@ std::vector<std::vector<double>> outputs_of(int n, Kernels<Scalar> kernels) {
   const auto scratch = make_scratch<Scalar>(kernels);
   std::vector<std::vector<double>> out;
   LossTerms sum;
-  begin_batch(weights, target, *scratch);
+  begin_batch(weights, *scratch);
   for (int first = 0; first < n; first += tile_samples) {
     const int count = std::min(tile_samples, n - first);
-    tile_losses(weights, view_of(rows), first, count, settings_of_meta().loss, *scratch, sum);
+    tile_losses(weights, target, view_of(rows), first, count, settings_of_meta().loss, *scratch, sum);
     for (int r = 0; r < count; ++r) {
       std::vector<double> row;
-      for (const auto* part :
-           {&scratch->short_term, &scratch->deviation, &scratch->reconstruction, &scratch->bootstrap})
-        for (int i = 0; i < L::rooms; ++i) row.push_back(static_cast<double>(part->row(r)[i]));
+      for (const Scalar* part : {scratch->short_term.row(r), scratch->deviation.row(r), scratch->reconstruction.row(r),
+                                 scratch->bootstrap_of(first + r)})
+        for (int i = 0; i < L::rooms; ++i) row.push_back(static_cast<double>(part[i]));
       for (int j = 0; j < L::inputs; ++j) {
         const double by_s = j < L::signals ? static_cast<double>(scratch->slope_s.row(r)[j]) : 0;
         const double by_a = j >= L::rooms ? static_cast<double>(scratch->slope_a.row(r)[j - L::rooms]) : 0;
@@ -108,10 +108,10 @@ TEST(GoldenForward, CandidatesSharingAStateGetTheSameForecastAsSamples) {
                       std::span<const double>(setpoints), *scratch,
                       std::span<RoomForecast<FiveZone, double>>(forecasts));
   LossTerms sum;
-  begin_batch(weights, weights, *scratch);
+  begin_batch(weights, *scratch);
   for (int first = 0; first < 100; first += tile_samples) {
     const int count = std::min(tile_samples, 100 - first);
-    tile_losses(weights, view_of(samples), first, count, {}, *scratch, sum);
+    tile_losses(weights, weights, view_of(samples), first, count, {}, *scratch, sum);
     for (int r = 0; r < count; ++r)
       for (std::size_t i = 0; i < L::rooms; ++i) {
         const auto& f = forecasts[static_cast<std::size_t>(first + r)];

@@ -86,6 +86,35 @@ TEST(ControllerLadder, TheThirdForeignSetpointInADayEndsInReleaseUntilHandedBack
   EXPECT_NE(rig.setpoint, 21.0);
 }
 
+TEST(ControllerLadder, AStepIsCountedFromWhatWasSeenLastAlsoBetweenTwoDecisionsAndAfterARestart) {
+  ControllerSettings settings = product_settings();
+  settings.limit_change_k = 1;
+  Rig rig(settings);
+  rig.cycles(6);
+  rig.row();
+  rig.setpoint = 26.5;  // somebody's, seen in the row between
+  rig.row();
+  rig.row();
+  const auto nothing = [](Reading<T>) { return Expected<Reading<T>>(tl::unexpected(Fault::no_reading)); };
+  const Decision& d = rig.controller->decide(rig.now, nothing(rig.reading()));
+  EXPECT_GE(d.command.setpoint_degc(), 25.5 - 1e-9);
+  rig.controller->absorb(tl::unexpected(Fault::not_applied));
+  const double asked = d.command.setpoint_degc();
+  // A crash, and the AHU shows what was asked for, or restarted at its default meanwhile.
+  const CycleState<T> before = rig.controller->cycle();
+  for (const double shown : {asked, 19.0}) {
+    rig.controller->cycle() = before;
+    EXPECT_EQ(rig.controller->restored(), Fault::none);
+    rig.setpoint = shown;
+    const double a = rig.controller->decide({rig.now.seconds + cycle_s}, Expected<Reading<T>>(rig.reading()))
+                         .command.setpoint_degc();
+    EXPECT_NEAR(a, shown, 1 + 1e-9);
+    if (shown == asked) {
+      EXPECT_NEAR(a, 26.5, 1 + 1e-9) << "its write may not have been done";
+    }
+  }
+}
+
 TEST(ControllerLadder, AnOverrideADayIsNoFight) {
   Rig rig;
   rig.cycles(6);

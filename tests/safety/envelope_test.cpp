@@ -45,6 +45,33 @@ TEST(SafetyEnvelope, KnowsNoRateWhereTheLastSetpointIsUnknown) {
   EXPECT_EQ(limited(19, inf), 19);
 }
 
+TEST(SafetyEnvelope, KeepsWithinOneStepOfWhateverMayStandAfterAWriteOfUnknownFate) {
+  const SafetyEnvelope envelope(limits(2.0));
+  StandingSetpoint standing;
+  EXPECT_EQ(envelope.limit(19, standing, 25).setpoint_degc(), 19) << "nothing is known yet";
+  standing.is(22);
+  standing.may_be(23.5);
+  EXPECT_NEAR(envelope.limit(26, standing, 25).setpoint_degc(), 24, 1e-12);
+  EXPECT_NEAR(envelope.limit(19, standing, 25).setpoint_degc(), 21.5, 1e-12);
+  for (int i = 0; i < 50; ++i) standing.may_be(envelope.limit(i % 2 == 0 ? 18 : 27, standing, 25).setpoint_degc());
+  EXPECT_LE(standing.high_degc - standing.low_degc, 2.0 + 1e-12) << "and never closes in on nothing";
+  standing.is(25);
+  EXPECT_NEAR(envelope.limit(26, standing, 25).setpoint_degc(), 26, 1e-12) << "one reading ends the doubt";
+  StandingSetpoint first_write;
+  first_write.may_be(20);
+  EXPECT_NEAR(envelope.limit(26, first_write, 25).setpoint_degc(), 22, 1e-12);
+}
+
+TEST(SafetyEnvelope, KnowsNoRateWhereOneEndOfTheRangeIsNoNumber) {
+  const ControllerSettings s = product_settings();
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  const SafetyEnvelope envelope(s);
+  EXPECT_EQ(envelope.limit(s.limit_min_degc, StandingSetpoint{s.limit_max_degc, unknown}, 22).setpoint_degc(),
+            s.limit_min_degc);
+  EXPECT_EQ(envelope.limit(s.limit_min_degc, StandingSetpoint{unknown, s.limit_max_degc}, 22).setpoint_degc(),
+            s.limit_min_degc);
+}
+
 TEST(SafetyEnvelope, StartsFromTheNearerLimitWhereTheLastSetpointLiesOutside) {
   EXPECT_EQ(limited(20, 40), 25);
   EXPECT_EQ(limited(26, 5), 20);

@@ -97,5 +97,32 @@ TEST(Ladder, EveryReasonSaysWhyAndHowItEnds) {
   }
 }
 
+TEST(Ladder, NoReasonHoldsNothing) {
+  Ladder ladder;
+  ladder.hold(Reason::none, noon, 3600);
+  ladder.set(Reason::none, true, noon);
+  EXPECT_EQ(ladder.gravest(noon), Reason::none);
+  EXPECT_FALSE(ladder.active(Reason::none, noon));
+  EXPECT_EQ(rung_of(static_cast<Reason>(200)).mode, Mode::release) << "a number that nobody knows is the gravest";
+}
+
+TEST(Ladder, HoldingAgainBeginsTheTimeAnewButNotItsBeginning) {
+  Ladder ladder;
+  ladder.hold(Reason::overridden, noon, 3600);
+  ladder.hold(Reason::overridden, later(1800), 3600);
+  EXPECT_EQ(ladder.since_s(Reason::overridden), noon.seconds);
+  EXPECT_TRUE(ladder.active(Reason::overridden, later(5399)));
+  EXPECT_FALSE(ladder.active(Reason::overridden, later(5400)));
+}
+
+TEST(Ladder, AClockSetBackLeavesWhatHasNoEndWithoutOne) {
+  Ladder ladder;
+  ladder.tick(noon);
+  ladder.set(Reason::map_differs, true, noon);
+  ladder.tick(later(-86400));
+  EXPECT_TRUE(ladder.active(Reason::map_differs, later(1'000'000'000)));
+  EXPECT_EQ(ladder.since_s(Reason::map_differs), later(-86400).seconds);
+}
+
 }  // namespace
 }  // namespace airside

@@ -267,5 +267,34 @@ TEST_F(ValidatorTest, RefusesADeviceThatRepeatsEveryDigitForAnHour) {
 
 TEST_F(ValidatorTest, CallsNoDeviceFrozenInWhichOneSignalMoves) { settle(50); }
 
+TEST_F(ValidatorTest, FindsNoMedianAmongTwoGoodRooms) {
+  settle(3);
+  Reading<T> r = reading(row++);
+  for (int i = 0; i < 3; ++i) r.value(i) = nan;
+  r.value(3) = 27.0;
+  const auto seen = validator.check(r);
+  ASSERT_TRUE(seen) << "nobody can say which of two is wrong";
+  EXPECT_EQ(seen->held(), 3);
+  EXPECT_EQ(validator.faults()[3], Fault::none);
+}
+
+TEST_F(ValidatorTest, CountsAFrozenDeviceAnewWhereTheClockWasSetBack) {
+  Reading<T> r = reading(0);
+  for (int i = 0; i < 10; ++i, r.time.seconds += row_s) EXPECT_TRUE(validator.check(r));
+  r.time = reading(-50).time;
+  for (int i = 0; i < 10; ++i, r.time.seconds += row_s) EXPECT_TRUE(validator.check(r)) << i;
+  EXPECT_TRUE(validator.check(r));
+  r.time.seconds += row_s;
+  EXPECT_EQ(validator.check(r).error(), Fault::frozen);
+}
+
+TEST_F(ValidatorTest, NamesTheFirstOfSeveralLostSignals) {
+  Reading<T> r = reading(0);
+  r.value(2) = nan;
+  r.value(4) = 1e9;
+  EXPECT_EQ(validator.check(r).error(), Fault::not_finite);
+  EXPECT_EQ(validator.lost_signal(), 2);
+}
+
 }  // namespace
 }  // namespace airside

@@ -75,6 +75,23 @@ TEST(ShadowWatch, JudgesNothingBeforeItHasSeenHoursAndNothingThatIsNoNumber) {
   EXPECT_FALSE(watch.worse(s.worse_k));
 }
 
+TEST(HandsWatch, OnlyTheThirdWithinADayIsAFight) {
+  constexpr std::int64_t hour_s = 3600, start_s = 1'700'000'000;
+  HandsWatch daily;
+  for (int day = 0; day < 10; ++day) EXPECT_FALSE(daily.third_in_a_day({start_s + day * 24 * hour_s})) << day;
+  HandsWatch twice;
+  for (int day = 0; day < 10; ++day) {
+    EXPECT_FALSE(twice.third_in_a_day({start_s + day * 24 * hour_s})) << day;
+    EXPECT_FALSE(twice.third_in_a_day({start_s + (day * 24 + 8) * hour_s})) << day;
+  }
+  HandsWatch fight;
+  EXPECT_FALSE(fight.third_in_a_day({start_s}));
+  EXPECT_FALSE(fight.third_in_a_day({start_s + 5 * hour_s}));
+  EXPECT_TRUE(fight.third_in_a_day({start_s + 10 * hour_s}));
+  EXPECT_TRUE(fight.third_in_a_day({start_s + 15 * hour_s}));
+  EXPECT_FALSE(fight.third_in_a_day({start_s})) << "the clock was set back: the count begins anew";
+}
+
 TEST(Spell, LastsOnlyWithoutABreakAndStartsAnewWhenTheClockIsSetBack) {
   Spell spell;
   const CivilTime t{1'000'000};
@@ -108,6 +125,15 @@ TEST(WriteBudget, ALargeMoveIsNeverLateAndASmallOneWaits) {
   EXPECT_FALSE(budget.allows(0.3, 20));
   for (int i = 0; i < cycles_per_day; ++i) budget.allows(0, 20);
   EXPECT_TRUE(budget.allows(0.06, 20)) << "rested for a day";
+}
+
+TEST(ShadowWatch, LearnsNothingFromASetpointThatIsUnknown) {
+  const ControllerSettings settings = product_settings();
+  ShadowWatch watch;
+  watch.cycle(settings, 30.0, std::nan(""), 20.5, 0.5);
+  EXPECT_EQ(watch.ours_k(), 0.0);
+  watch.cycle(settings, 30.0, 21.0, 20.5, 0.5);
+  EXPECT_GT(watch.ours_k(), 0.0);
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ class BlobOfEveryTopology : public ::testing::Test {};
 using Topologies = ::testing::Types<FiveZone, ThreeVav, EightVavFourFcu>;
 TYPED_TEST_SUITE(BlobOfEveryTopology, Topologies);
 
-TYPED_TEST(BlobOfEveryTopology, ComesBackToTheBit) {
+TYPED_TEST(BlobOfEveryTopology, Row45WithoutItComesBackToTheBit) {
   for (const bool with_head : {false, true}) {
     const auto before = some_payload<TypeParam>(with_head);
     BlobHeader header;
@@ -167,7 +167,7 @@ TEST(Blob, OfAnotherRoomNamesTheField) {
   EXPECT_STREQ(read.error().field, "topology_hash");
 }
 
-TEST(Blob, EachFieldThatDoesNotFitIsNamed) {
+TEST(Blob, Row45Row46EachFieldThatDoesNotFitIsNamed) {
   const Bytes b = encode<ThreeVav>(*some_payload<ThreeVav>(true));
   using H = BlobHeader;
   expect_refused<ThreeVav>(
@@ -194,7 +194,7 @@ TEST(Blob, EachFieldThatDoesNotFitIsNamed) {
       b, [](H& h) { h.site_scope[0] = 'A'; }, Fault::blob_scope, "site_scope", "B");
 }
 
-TEST(Blob, ScopeFitsOnlyItsSiteAndAnEmptyOneFitsAll) {
+TEST(Blob, Row46WithoutItScopeFitsItsSiteAndAnEmptyOneFitsAll) {
   BlobHeader header;
   const std::string scope = "Room 301";
   std::copy(scope.begin(), scope.end(), header.site_scope.begin());

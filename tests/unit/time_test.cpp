@@ -114,7 +114,7 @@ TEST(RunCycles, SkipsTheRowsThatAClockJumpsOver) {
   EXPECT_EQ(rows[3], at(0, 13, 12));
 }
 
-TEST(ExpertSchedule, ChangesAtSevenAndAtNineteen) {
+TEST(ExpertSchedule, Row29WithoutItChangesAtSevenAndAtNineteen) {
   const ControllerSettings s = paper_settings();
   EXPECT_EQ(expert_setpoint_degc(s, at(0, 6, 59, 59)), 25.0);
   EXPECT_EQ(expert_setpoint_degc(s, at(0, 7, 0)), 20.5);
@@ -191,7 +191,7 @@ TEST(DaylightSaving, TheAmericanOneChangesAtTwoOnTheWall) {
   EXPECT_EQ(local_time(us, -5, autumn).seconds, autumn.seconds);
 }
 
-TEST(DaylightSaving, EveryRowExistsOnceOnDaysOf23And25Hours) {
+TEST(DaylightSaving, Row29EveryRowExistsOnceOnDaysOf23And25Hours) {
   // The schedule begins at seven on the wall on all three days, and a day always has 80 cycles.
   ControllerSettings s = product_settings();
   s.daylight_saving = 1;

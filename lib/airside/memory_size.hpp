@@ -1,0 +1,19 @@
+#pragma once
+// How much memory a controller takes, chosen for the whole build (AIRSIDE_SMALL_MEMORY). `full` is the box with an
+// operating system; `small` fits the static RAM of one microcontroller (DESIGN.md "Without an operating system").
+
+namespace airside {
+
+#ifdef AIRSIDE_SMALL_MEMORY
+constexpr int replay_capacity = 3 * 80;  ///< transitions kept: three days of cycles
+constexpr int max_batch = 128;           ///< samples of one optimiser step
+constexpr int tile_samples = 8;          ///< samples that pass through the network together
+constexpr int max_day_types = 1;         ///< daily profiles of the room head: none of its own for days off
+#else
+constexpr int replay_capacity = 42 * 240;  ///< transitions kept (spec 5)
+constexpr int max_batch = 1000;            ///< samples of one optimiser step
+constexpr int tile_samples = 48;  ///< samples that pass through the network together: activations stay in cache
+constexpr int max_day_types = 2;  ///< daily profiles of the room head
+#endif
+
+}  // namespace airside
