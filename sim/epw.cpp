@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <sstream>
 #include <string_view>
 #include <vector>
 
@@ -53,7 +54,7 @@ Columns split(std::string_view line) {
 
 class Reader {
  public:
-  explicit Reader(const std::string& path) : path_(path), file_(path) {
+  Reader(std::istream& file, const std::string& path) : path_(path), file_(file) {
     if (!file_) fail_file("no readable file", "an EPW weather file", "check the path");
   }
 
@@ -265,7 +266,7 @@ class Reader {
   }
 
   std::string path_;
-  std::ifstream file_;
+  std::istream& file_;
   int line_number_ = 0;
   Location location_;
   int interval_s_ = 3600, first_interval_ = 0;
@@ -278,7 +279,14 @@ class Reader {
 }  // namespace
 
 std::shared_ptr<const Weather> read_epw(const std::string& path, const EpwDemand& demand) {
-  return Reader(path).read(demand);
+  std::ifstream file(path);
+  return Reader(file, path).read(demand);
+}
+
+std::shared_ptr<const Weather> read_epw_text(const std::string& text, const std::string& path,
+                                             const EpwDemand& demand) {
+  std::istringstream file(text);
+  return Reader(file, path).read(demand);
 }
 
 }  // namespace airside::sim

@@ -24,6 +24,10 @@ struct EpwDemand {
 /// Cost: 8760 lines, about 15 ms.
 std::shared_ptr<const Weather> read_epw(const std::string& path, const EpwDemand& demand = {});
 
+/// The same for text already in memory; `path` stands in messages.
+std::shared_ptr<const Weather> read_epw_text(const std::string& text, const std::string& path,
+                                             const EpwDemand& demand = {});
+
 /// Writes a table as EPW; `year` is written into the records and gives the weekday of the period's start.
 /// Any number of records an hour that divides 60 min is written as the format's header allows.
 /// Errors: hal::InputError if the file cannot be written.

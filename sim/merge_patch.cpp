@@ -1,5 +1,7 @@
 #include "sim/merge_patch.hpp"
 
+#include <fmt/format.h>
+
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -54,7 +56,7 @@ class KeyChecker {
 };
 
 /// The part of the parser's message after its own position.
-std::string reason_of(const nlohmann::json::parse_error& error) {
+std::string reason_of(const nlohmann::json::exception& error) {
   const std::string text = error.what();
   const auto colon = text.find(": ");
   return colon == std::string::npos ? text : text.substr(colon + 2);
@@ -62,12 +64,26 @@ std::string reason_of(const nlohmann::json::parse_error& error) {
 
 }  // namespace
 
+void refuse_deep_json(int depth, const std::string& place) {
+  if (depth <= deepest_json) return;
+  throw hal::InputError(place, fmt::format("brackets in brackets, more than {} deep", deepest_json),
+                        "a model or a room", "see that this is the right file");
+}
+
+void refuse_json_number(const nlohmann::json::out_of_range& error, const std::string& place) {
+  throw hal::InputError(place, reason_of(error), "numbers of at most 1.8e308", "correct the number");
+}
+
 nlohmann::json parse_json(const std::string& text, const std::string& place) {
   KeyChecker keys;
   nlohmann::json parsed;
   try {
-    parsed = nlohmann::json::parse(
-        text, [&keys](int, nlohmann::json::parse_event_t event, nlohmann::json& value) { return keys(event, value); });
+    parsed = nlohmann::json::parse(text, [&](int depth, nlohmann::json::parse_event_t event, nlohmann::json& value) {
+      refuse_deep_json(depth, place);
+      return keys(event, value);
+    });
+  } catch (const nlohmann::json::out_of_range& error) {
+    refuse_json_number(error, place);
   } catch (const nlohmann::json::parse_error& error) {
     const std::size_t byte = error.byte > 0 ? error.byte - 1 : 0;
     throw hal::InputError(place_at(place, text, byte), "text that is not JSON (" + reason_of(error) + ")",

@@ -37,6 +37,8 @@ class PlantModel {
   /// Holds this supply-air temperature setpoint from time() on. degC.
   virtual void set_setpoint(double setpoint_degc) = 0;
   virtual const Sensors& sensors() const = 0;
+  /// The room itself, where this is one whose sensors have faults.
+  virtual const PlantModel& truth() const { return *this; }
   /// For a report's header: model, variant, weather, seed.
   virtual std::string description() const = 0;
 };

@@ -8,6 +8,7 @@
 
 #include "hal/input_error.hpp"
 #include "hal/toml_section.hpp"
+#include "sim/merge_patch.hpp"
 
 namespace airside::sim {
 namespace {
@@ -27,6 +28,7 @@ std::string joined(const std::vector<std::string>& words) {
 Json parse_object(const std::string& text, const std::string& place) {
   std::set<std::string> seen;
   const auto refuse_duplicates = [&](int depth, Json::parse_event_t event, Json& parsed) {
+    refuse_deep_json(depth, place);
     if (event == Json::parse_event_t::key && depth == 1 && !seen.insert(parsed.get<std::string>()).second) {
       throw hal::InputError(place + ": " + parsed.get<std::string>(), "the field twice", "each field once",
                             "remove one of the two");
@@ -36,6 +38,8 @@ Json parse_object(const std::string& text, const std::string& place) {
   Json json;
   try {
     json = Json::parse(text, refuse_duplicates);
+  } catch (const Json::out_of_range& error) {
+    refuse_json_number(error, place);
   } catch (const Json::parse_error& error) {
     const auto upto = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
     const auto line = 1 + std::count(text.begin(), upto, '\n');

@@ -55,6 +55,11 @@ TEST(JsonReader, RefusesAKeyGivenTwice) {
   EXPECT_EQ(complaint(R"({"a": {"x": 0}, "b": {"x": 1}})"), "");
 }
 
+TEST(JsonReader, RefusesNumbersThatNoDoubleHoldsAndBottomlessBrackets) {
+  EXPECT_NE(complaint(R"({"a": 1e999})").find("number overflow"), std::string::npos) << complaint(R"({"a": 1e999})");
+  EXPECT_NE(complaint("{\"a\":" + std::string(200000, '[')).find("brackets in brackets"), std::string::npos);
+}
+
 TEST(JsonReader, NamesAFileThatIsNotThere) {
   EXPECT_THROW(read_json("/nonexistent/model.epJSON"), hal::InputError);
   EXPECT_THROW(read_json("/tmp"), hal::InputError);

@@ -130,5 +130,14 @@ TEST(PerturbedRoom, TuningAndStudySetsShareNoRoom) {
   }
 }
 
+TEST(RoomFile, RefusesNumbersThatNoDoubleHoldsAndBottomlessBrackets) {
+  expect_complaint(R"({"shgc": 1e999})", "here.json", "number overflow");
+  const std::string deep = "{\"seed\": " + std::string(200000, '[') + std::string(200000, ']') + "}";
+  expect_complaint(deep, "here.json", "brackets in brackets");
+  EXPECT_NE(complaint("{\"seed\": " + std::string(90, '[') + std::string(90, ']') + "}").find("a whole number"),
+            std::string::npos)
+      << "so deep is read, and is no seed";
+}
+
 }  // namespace
 }  // namespace airside::sim

@@ -1,0 +1,53 @@
+#pragma once
+// Faults of sensors and of the AHU as a script: what happens, when, for how long, to which signal. What the bus and the
+// box can do wrong beside that is made by `airside chaos` and by the tests.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/log_csv.hpp"
+
+namespace airside::sim {
+
+enum class FaultKind : std::uint8_t {
+  not_a_number,      ///< a signal has no value
+  set_to,            ///< a signal reads the magnitude
+  offset,            ///< a signal reads so much too high
+  stuck,             ///< a signal repeats its value
+  drift,             ///< a signal reads too high by so much more each day
+  all_stuck,         ///< the device repeats all its values
+  all_offset,        ///< all rooms read so much too high
+  setpoint_clamped,  ///< the AHU takes at most this setpoint
+  setpoint_by_hand,  ///< somebody sets this setpoint once
+  setpoint_fought,   ///< somebody sets this setpoint again and again, every 12 min
+  setpoint_ignored,  ///< the AHU shows the setpoint, and goes on with the one before
+  restarted,         ///< the AHU stands at this default until it is told another
+};
+
+/// What a kind is called in a script, and what its magnitude is.
+struct FaultKindText {
+  FaultKind kind;
+  const char* name;
+  bool on_signal;         ///< needs the name of a signal
+  const char* magnitude;  ///< unit and meaning; empty: none
+  const char* meaning;
+};
+std::span<const FaultKindText> fault_kinds();
+
+/// One fault. Hours count from the start of the run.
+struct ScriptedFault {
+  FaultKind kind;
+  double begin_h = 0, for_h = 0;
+  int signal = -1;  ///< index among the topology's signals; -1 where the kind has none
+  double magnitude = 0;
+};
+using FaultScript = std::vector<ScriptedFault>;
+
+/// Reads `begin_h,for_h,fault,signal,magnitude` lines under that header; # begins a comment line. Any order, any
+/// overlap.  Errors: hal::InputError naming line and field; nothing of a bad file is used.
+/// Source: FORMATS.md "Faults of a simulated room".
+FaultScript read_fault_script(const std::string& path, const hal::TopologyCounts& counts);
+
+}  // namespace airside::sim
