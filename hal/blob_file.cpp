@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
@@ -27,8 +29,12 @@ std::vector<std::byte> read_blob_file(const std::string& path) {
                      fmt::format("{} to {} bytes", sizeof(BlobHeader), largest_blob_bytes),
                      "copy the file again, whole; it is no weight blob as it is");
   }
-  std::vector<std::byte> bytes(size);
+  std::vector<std::byte> bytes(static_cast<std::size_t>(size));
   std::ifstream in(path, std::ios::binary);
+  if (!in.is_open()) {
+    throw InputError(path, std::strerror(errno), "a weight blob that this user may read",
+                     "give it to the user or the group that runs this, such as by chgrp airside");
+  }
   if (!in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size))) {
     throw InputError(path, "a file that ends early", fmt::format("{} bytes", size), "copy the file again");
   }

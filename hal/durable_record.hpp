@@ -14,6 +14,9 @@ namespace airside::hal {
 constexpr std::uint64_t record_magic = 0x3130454449535241u;  ///< "ARSIDE01" in file order
 constexpr std::uint32_t record_version = 1;
 
+/// No box reaches it; a record beyond it would leave no number for the next one.
+constexpr std::uint64_t largest_count = std::uint64_t{1} << 62;
+
 enum class RecordKind : std::uint32_t { row = 1, learning = 2 };
 
 /// Stands at offset 0 of a slot; the payload follows.

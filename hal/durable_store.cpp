@@ -29,45 +29,72 @@ StoreResult<DurableStore> DurableStore::open(const char* dir, const StoreLayout&
   DurableStore store;
   store.layout_ = layout;
   store.sync_ = sync;
-  auto folder = StorageFile::open_dir(dir);
-  if (!folder) return tl::make_unexpected(folder.error());
-  store.dir_ = std::move(*folder);
-  const int dir_fd = store.dir_.descriptor();
-  auto lock = StorageFile::open(dir_fd, "lock", true, "open lock of state folder");
-  if (!lock) return tl::make_unexpected(lock.error());
-  store.lock_ = std::move(*lock);
-  if (::flock(store.lock_.descriptor(), LOCK_EX | LOCK_NB) != 0) {
-    return tl::make_unexpected(store_error(errno, "lock state folder"));
-  }
-  const std::uint64_t journal_bytes = store.ring_slots() * store.stride();
-  const auto open_all = [&](StorageFile(&files)[2], const char* const(&names)[2], std::uint64_t bytes,
-                            const char* step) -> StoreResult<void> {
-    for (int i = 0; i < 2; ++i) {
-      auto file = StorageFile::open(dir_fd, names[i], true, step);
-      if (!file) return tl::make_unexpected(file.error());
-      files[i] = std::move(*file);
-      if (const auto done = files[i].reserve(bytes, step); !done) return done;
-    }
-    return {};
-  };
-  const std::size_t row_end = payload_offset + layout.row_bytes;
-  if (auto done = open_all(store.row_, row_names, row_end, "open row record"); !done) {
-    return tl::make_unexpected(done.error());
-  }
-  if (auto done = open_all(store.learning_, learning_names, row_end + layout.learning_bytes, "open learning record");
-      !done) {
-    return tl::make_unexpected(done.error());
-  }
-  if (auto done = open_all(store.replay_, replay_names, journal_bytes, "open replay journal"); !done) {
-    return tl::make_unexpected(done.error());
-  }
-  if (sync == Sync::full && ::fsync(dir_fd) != 0) {
-    return tl::make_unexpected(store_error(errno, "sync state folder"));
-  }
+  store.path_ = dir;
   store.scratch_bytes_ = std::max(store.stride(), chunk_bytes / store.stride() * store.stride());
   store.scratch_ = std::make_unique<std::byte[]>(store.scratch_bytes_);
-  if (const auto done = store.scan(); !done) return tl::make_unexpected(done.error());
+  store.ready_ = store.make_ready();
+  if (!store.ready_ && store.ready_.error().fault == StoreFault::locked) {
+    return tl::make_unexpected(store.ready_.error());
+  }
+  store.scan();
   return store;
+}
+
+/// Everything that a commit needs, as far as it is not there yet. What fails may leave files that can only be read.
+StoreResult<void> DurableStore::make_ready() {
+  if (!dir_.is_open()) {
+    auto folder = StorageFile::open_dir(path_.c_str());
+    if (!folder) return tl::make_unexpected(folder.error());
+    dir_ = std::move(*folder);
+  }
+  StoreResult<void> failed;
+  if (!lock_.is_open()) {
+    auto lock = StorageFile::open(dir_.descriptor(), "lock", true, "open lock of state folder");
+    if (!lock) {
+      failed = tl::make_unexpected(lock.error());
+      lock = StorageFile::open_to_read(dir_.descriptor(), "lock", "open lock of state folder");
+    }
+    if (lock && ::flock(lock->descriptor(), LOCK_EX | LOCK_NB) != 0) {
+      return tl::make_unexpected(store_error(errno, "lock state folder"));
+    }
+    // A lock that can only be read holds other daemons off too; one that is not there is tried again.
+    if (lock) lock_ = std::move(*lock);
+  }
+  const auto opened = open_everything();
+  return failed ? opened : failed;
+}
+
+StoreResult<void> DurableStore::open_files(StorageFile (&files)[2], const char* const (&names)[2], std::uint64_t bytes,
+                                           const char* step) {
+  StoreResult<void> failed;
+  for (int i = 0; i < 2; ++i) {
+    auto file = StorageFile::open(dir_.descriptor(), names[i], true, step);
+    if (file) {
+      if (const auto done = file->reserve(bytes, step); !done) failed = done;
+      files[i] = std::move(*file);
+      continue;
+    }
+    failed = tl::make_unexpected(file.error());
+    if (files[i].is_open()) continue;
+    auto to_read = StorageFile::open_to_read(dir_.descriptor(), names[i], step);
+    if (to_read) files[i] = std::move(*to_read);
+    if (!to_read && to_read.error().fault != StoreFault::not_found) out_of_reach_ = true;
+  }
+  return failed;
+}
+
+StoreResult<void> DurableStore::open_everything() {
+  const std::uint64_t row_end = payload_offset + layout_.row_bytes;
+  const auto rows = open_files(row_, row_names, row_end, "open row record");
+  const auto learning = open_files(learning_, learning_names, row_end + layout_.learning_bytes, "open learning record");
+  const auto replay = open_files(replay_, replay_names, ring_slots() * stride(), "open replay journal");
+  for (const auto* opened : {&rows, &learning, &replay}) {
+    if (!*opened) return *opened;
+  }
+  if (sync_ == Sync::full && ::fsync(dir_.descriptor()) != 0) {
+    return tl::make_unexpected(store_error(errno, "sync state folder"));
+  }
+  return {};
 }
 
 std::uint64_t DurableStore::run_length(std::uint64_t number, std::uint64_t end) const {
@@ -120,6 +147,15 @@ StoreResult<void> DurableStore::commit(const StoredState& state) {
   if (state.learning.size() != layout_.learning_bytes || state.row.size() != layout_.row_bytes ||
       state.replay.size() != layout_.transition_bytes * layout_.ring_capacity) {
     return fail(StoreFault::wrong_size, "commit state");
+  }
+  if (!ready_) {
+    ready_ = make_ready();
+    if (!ready_) return ready_;
+  }
+  if (out_of_reach_) {
+    scan();
+    if (highest_generation_ > 0) return fail(StoreFault::unread, "commit state");
+    out_of_reach_ = false;
   }
   learning_in_doubt_ = learning_in_doubt_ || state.learning_changed;
   rewrite_replay_ = rewrite_replay_ || state.replay_count < committed_.replay_count ||

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "hal/durable_record.hpp"
 #include "hal/log_position.hpp"
@@ -71,23 +72,29 @@ struct LoadedState {
 const char* text_of(LoadOutcome outcome);
 
 /// The store. One process at a time: the folder is locked while it is open.
+/// A medium that fails is tried again by every commit(), also when it failed at open(): a disk that was full, a mount
+/// that came late. What such a medium still gives to read is loaded.
 /// Cost: no heap after open().
 class DurableStore {
  public:
-  /// Opens or makes the folder, locks it and reserves the space of all files.
-  /// Errors: locked, read_only, no_space, not_found, io.
+  /// Opens or makes the folder, locks it and reserves the space of all files; ready() tells what of it failed.
+  /// Errors: locked.
   static StoreResult<DurableStore> open(const char* dir, const StoreLayout& layout, Sync sync = Sync::full);
+  /// Why nothing can be committed yet. Errors: read_only, no_space, not_found, io.
+  const StoreResult<void>& ready() const { return ready_; }
 
   DurableStore(DurableStore&&) = default;
   DurableStore& operator=(DurableStore&&) = default;
 
-  /// Finds the newest generation that is whole; commits go on from it. Call it before the first commit.
-  /// Errors: io; wrong_size; other_layout when the files belong to another topology or build.
+  /// Finds the newest generation that is whole, forces it to the medium, and lets commits go on from it. Call it before
+  /// the first commit. A record that cannot be read counts as damaged.
+  /// Errors: wrong_size; other_layout when the files belong to another topology or build.
   StoreResult<LoadedState> load(const StateBuffers& into);
 
   /// Makes `state` the newest generation.
-  /// Errors: no_space, read_only, io, wrong_size; the generation before then still stands, and the next commit writes
-  /// everything that is in doubt again.
+  /// Errors: no_space, read_only, io, not_found, wrong_size; the generation before then still stands, and the next
+  /// commit writes everything that is in doubt again. unread: the medium was away at load(), is there now, and holds
+  /// records: load() them, or load() and commit anew.
   /// Cost: 5 to 9 system calls, three of them fdatasync, plus a few µs for each transition.
   StoreResult<void> commit(const StoredState& state);
 
@@ -112,6 +119,10 @@ class DurableStore {
   };
 
   DurableStore() = default;
+  StoreResult<void> make_ready();
+  StoreResult<void> open_files(StorageFile (&files)[2], const char* const (&names)[2], std::uint64_t bytes,
+                               const char* step);
+  StoreResult<void> open_everything();
   std::size_t stride() const { return sizeof(JournalEntry) + (layout_.transition_bytes + 7) / 8 * 8; }
   std::uint64_t ring_slots() const { return std::uint64_t{layout_.ring_capacity} + layout_.spare_slots; }
   std::uint64_t first_transition(std::uint64_t count) const {
@@ -122,20 +133,21 @@ class DurableStore {
   StoreResult<void> write_replay(std::uint64_t first, std::uint64_t end, std::uint64_t epoch,
                                  std::span<const std::byte> replay);
   /// Returns the first transition from which on all are whole.
-  StoreResult<std::uint64_t> read_replay(const RecordHeader& header, std::span<std::byte> replay);
+  std::uint64_t read_replay(const RecordHeader& header, std::span<std::byte> replay);
   StoreResult<void> write_record(const StorageFile& file, const RecordHeader& header, const StoredState& state) const;
   /// A header that is not whole comes back with generation 0.
-  StoreResult<RecordHeader> read_header(const StorageFile& file, RecordKind kind);
-  StoreResult<bool> read_row(int slot, const RecordHeader& header, std::span<std::byte> row) const;
-  StoreResult<bool> read_learning(int slot, const RecordHeader& header, std::span<std::byte> learning) const;
-  StoreResult<bool> read_row_copy(int slot, const RecordHeader& header, std::span<std::byte> row) const;
-  StoreResult<void> scan();
+  RecordHeader read_header(const StorageFile& file, RecordKind kind);
+  bool read_row(int slot, const RecordHeader& header, std::span<std::byte> row) const;
+  bool read_learning(int slot, const RecordHeader& header, std::span<std::byte> learning) const;
+  bool read_row_copy(int slot, const RecordHeader& header, std::span<std::byte> row) const;
+  void scan();
   struct Candidate;
-  StoreResult<bool> read_candidate(const Candidate& candidate, const StateBuffers& into);
+  bool read_candidate(const Candidate& candidate, const StateBuffers& into);
   LoadedState adopt(const Candidate& candidate, std::uint64_t first_whole, std::span<std::byte> replay);
 
   StoreLayout layout_;
   Sync sync_ = Sync::full;
+  std::string path_;
   StorageFile dir_, lock_;
   StorageFile row_[2], learning_[2], replay_[2];
   std::unique_ptr<std::byte[]> scratch_;  ///< one row record, or a run of journal entries
@@ -144,6 +156,8 @@ class DurableStore {
   RecordHeader row_header_[2], learning_header_[2];  ///< as scan() found them
   std::uint64_t highest_generation_ = 0;             ///< seen in any slot, so that a new record is always the newest
   std::uint32_t damaged_ = 0;                        ///< slots that are neither empty nor whole
+  StoreResult<void> ready_ = tl::make_unexpected(StoreError{StoreFault::not_found, 0, "open state folder"});
+  bool out_of_reach_ = false;  ///< load() could not look at all files
   bool other_layout_ = false;
   bool learning_in_doubt_ = true;
   bool rewrite_replay_ = true;

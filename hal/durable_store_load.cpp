@@ -5,6 +5,20 @@
 
 namespace airside::hal {
 
+namespace {
+
+/// Reads all of `into`, twice where the medium says that it failed: a sector may answer at the second time.
+bool read_whole(const StorageFile& file, std::span<std::byte> into, std::uint64_t offset, bool* failed = nullptr) {
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const auto got = file.read_at(into, offset, "read state");
+    if (got) return *got == into.size();
+  }
+  if (failed != nullptr) *failed = true;
+  return false;
+}
+
+}  // namespace
+
 /// A generation that load() may choose: a row record with its learning record, or a learning record with its copy
 /// of the row.
 struct DurableStore::Candidate {
@@ -23,62 +37,56 @@ const char* text_of(LoadOutcome outcome) {
   return "unknown";
 }
 
-StoreResult<RecordHeader> DurableStore::read_header(const StorageFile& file, RecordKind kind) {
+RecordHeader DurableStore::read_header(const StorageFile& file, RecordKind kind) {
   RecordHeader header;
+  if (!file.is_open()) return header;
   const auto bytes = std::as_writable_bytes(std::span(&header, 1));
-  const auto got = file.read_at(bytes, 0, "read record");
-  if (!got) return tl::make_unexpected(got.error());
+  std::fill(bytes.begin(), bytes.end(), std::byte{0});  // a file that has no space yet is empty, not damaged
+  bool failed = false;
+  const bool read = read_whole(file, bytes, 0, &failed);
   const bool empty = std::all_of(bytes.begin(), bytes.end(), [](std::byte b) { return b == std::byte{0}; });
-  if (*got == bytes.size() && header.header_digest == header.digest() && header.magic == record_magic &&
+  if (read && header.header_digest == header.digest() && header.magic == record_magic &&
       header.kind == static_cast<std::uint32_t>(kind)) {
     const std::size_t learning = kind == RecordKind::learning ? layout_.learning_bytes : 0;
     if (header.layout == layout_.hash() && header.version == record_version &&
         header.payload_bytes == layout_.row_bytes + learning) {
-      return header;
+      if (header.generation <= largest_count && header.replay_count <= largest_count) return header;
+      ++damaged_;
+    } else {
+      other_layout_ = true;
     }
-    other_layout_ = true;
-  } else if (*got > 0 && !empty) {
+  } else if (!empty || failed) {
     ++damaged_;
   }
   header = {};
   return header;
 }
 
-StoreResult<void> DurableStore::scan() {
+void DurableStore::scan() {
   damaged_ = 0;
   other_layout_ = false;
   for (int slot = 0; slot < 2; ++slot) {
-    const auto row = read_header(row_[slot], RecordKind::row);
-    if (!row) return tl::make_unexpected(row.error());
-    const auto learning = read_header(learning_[slot], RecordKind::learning);
-    if (!learning) return tl::make_unexpected(learning.error());
-    row_header_[slot] = *row;
-    learning_header_[slot] = *learning;
-    highest_generation_ = std::max({highest_generation_, row->generation, learning->generation});
+    row_header_[slot] = read_header(row_[slot], RecordKind::row);
+    learning_header_[slot] = read_header(learning_[slot], RecordKind::learning);
+    highest_generation_ =
+        std::max({highest_generation_, row_header_[slot].generation, learning_header_[slot].generation});
   }
-  return {};
 }
 
-StoreResult<bool> DurableStore::read_row(int slot, const RecordHeader& header, std::span<std::byte> row) const {
-  const auto got = row_[slot].read_at(row, payload_offset, "read row record");
-  if (!got) return tl::make_unexpected(got.error());
-  return *got == row.size() && digest64(row) == header.payload_digest;
+bool DurableStore::read_row(int slot, const RecordHeader& header, std::span<std::byte> row) const {
+  return read_whole(row_[slot], row, payload_offset) && digest64(row) == header.payload_digest;
 }
 
-StoreResult<bool> DurableStore::read_row_copy(int slot, const RecordHeader& header, std::span<std::byte> row) const {
-  const auto got = learning_[slot].read_at(row, payload_offset + layout_.learning_bytes, "read learning record");
-  if (!got) return tl::make_unexpected(got.error());
-  return *got == row.size() && digest64(row, header.learning_digest) == header.payload_digest;
+bool DurableStore::read_row_copy(int slot, const RecordHeader& header, std::span<std::byte> row) const {
+  return read_whole(learning_[slot], row, payload_offset + layout_.learning_bytes) &&
+         digest64(row, header.learning_digest) == header.payload_digest;
 }
 
-StoreResult<bool> DurableStore::read_learning(int slot, const RecordHeader& header,
-                                              std::span<std::byte> learning) const {
-  const auto got = learning_[slot].read_at(learning, payload_offset, "read learning record");
-  if (!got) return tl::make_unexpected(got.error());
-  return *got == learning.size() && digest64(learning) == header.learning_digest;
+bool DurableStore::read_learning(int slot, const RecordHeader& header, std::span<std::byte> learning) const {
+  return read_whole(learning_[slot], learning, payload_offset) && digest64(learning) == header.learning_digest;
 }
 
-StoreResult<std::uint64_t> DurableStore::read_replay(const RecordHeader& header, std::span<std::byte> replay) {
+std::uint64_t DurableStore::read_replay(const RecordHeader& header, std::span<std::byte> replay) {
   const std::uint64_t end = header.replay_count;
   const std::size_t size = layout_.transition_bytes;
   std::uint64_t first_whole = first_transition(end);
@@ -86,8 +94,8 @@ StoreResult<std::uint64_t> DurableStore::read_replay(const RecordHeader& header,
     const std::uint64_t run = run_length(number, end);
     const std::span<std::byte> chunk(scratch_.get(), static_cast<std::size_t>(run) * stride());
     std::memset(chunk.data(), 0, chunk.size());
-    const auto got = replay_[header.epoch & 1].read_at(chunk, number % ring_slots() * stride(), "read replay journal");
-    if (!got) return tl::make_unexpected(got.error());
+    // What cannot be read stays zero, which is the entry of no number but 0, and of that with another digest.
+    (void)read_whole(replay_[header.epoch & 1], chunk, number % ring_slots() * stride());
     for (std::uint64_t i = 0; i < run; ++i, ++number) {
       const auto record = chunk.subspan(static_cast<std::size_t>(i) * stride(), stride());
       JournalEntry entry;
@@ -104,11 +112,10 @@ StoreResult<std::uint64_t> DurableStore::read_replay(const RecordHeader& header,
   return first_whole;
 }
 
-StoreResult<bool> DurableStore::read_candidate(const Candidate& candidate, const StateBuffers& into) {
-  const auto row = candidate.row_slot >= 0 ? read_row(candidate.row_slot, candidate.header, into.row)
+bool DurableStore::read_candidate(const Candidate& candidate, const StateBuffers& into) {
+  const bool row = candidate.row_slot >= 0 ? read_row(candidate.row_slot, candidate.header, into.row)
                                            : read_row_copy(candidate.learning_slot, candidate.header, into.row);
-  if (!row || !*row) return row;
-  return read_learning(candidate.learning_slot, candidate.header, into.learning);
+  return row && read_learning(candidate.learning_slot, candidate.header, into.learning);
 }
 
 LoadedState DurableStore::adopt(const Candidate& candidate, std::uint64_t first_whole, std::span<std::byte> replay) {
@@ -124,6 +131,14 @@ LoadedState DurableStore::adopt(const Candidate& candidate, std::uint64_t first_
                 candidate.learning_slot};
   learning_in_doubt_ = false;
   rewrite_replay_ = false;
+  out_of_reach_ = false;
+  // A killed process may have left the record in the kernel's memory alone. The next commit overwrites the other slot,
+  // so this one must stand on the medium first; where it cannot be forced there, it is the one to be overwritten.
+  const bool from_row = candidate.row_slot >= 0;
+  const StorageFile& file = from_row ? row_[candidate.row_slot] : learning_[candidate.learning_slot];
+  const bool forced = file.sync(sync_, "sync loaded record").has_value();
+  if (!forced && from_row) committed_.row_slot = 1 - candidate.row_slot;
+  if (!forced && !from_row) learning_in_doubt_ = true;
   LoadedState state;
   state.generation = h.generation;
   state.learning_generation = h.learning_generation;
@@ -146,7 +161,10 @@ StoreResult<LoadedState> DurableStore::load(const StateBuffers& into) {
       into.replay.size() != layout_.transition_bytes * layout_.ring_capacity) {
     return tl::make_unexpected(StoreError{StoreFault::wrong_size, 0, "load state"});
   }
-  if (const auto done = scan(); !done) return tl::make_unexpected(done.error());
+  out_of_reach_ = false;
+  if (!ready_) ready_ = make_ready();
+  if (!dir_.is_open()) out_of_reach_ = true;
+  scan();
   Candidate candidates[4];
   int count = 0;
   bool whole_row[2] = {false, false};
@@ -157,9 +175,7 @@ StoreResult<LoadedState> DurableStore::load(const StateBuffers& into) {
     const int slot = newer_first(row_header_, i);
     const RecordHeader& header = row_header_[slot];
     if (header.generation == 0) continue;
-    const auto row = read_row(slot, header, into.row);
-    if (!row) return tl::make_unexpected(row.error());
-    if (!*row) {
+    if (!read_row(slot, header, into.row)) {
       ++damaged_;
       continue;
     }
@@ -181,15 +197,12 @@ StoreResult<LoadedState> DurableStore::load(const StateBuffers& into) {
   }
   for (const bool take_incomplete : {false, true}) {
     for (int i = 0; i < count; ++i) {
-      const auto whole = read_candidate(candidates[i], into);
-      if (!whole) return tl::make_unexpected(whole.error());
-      if (!*whole) continue;
+      if (!read_candidate(candidates[i], into)) continue;
       const RecordHeader& header = candidates[i].header;
-      const auto first_whole = read_replay(header, into.replay);
-      if (!first_whole) return tl::make_unexpected(first_whole.error());
-      const bool complete = *first_whole == first_transition(header.replay_count);
+      const std::uint64_t first_whole = read_replay(header, into.replay);
+      const bool complete = first_whole == first_transition(header.replay_count);
       if (!complete && !take_incomplete) continue;
-      LoadedState state = adopt(candidates[i], *first_whole, into.replay);
+      LoadedState state = adopt(candidates[i], first_whole, into.replay);
       state.outcome = !complete                                                    ? LoadOutcome::replay_incomplete
                       : candidates[i].row_slot >= 0 && header.generation == newest ? LoadOutcome::newest
                                                                                    : LoadOutcome::older;

@@ -2,55 +2,51 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cstring>
 #include <string_view>
 
+#include "hal/folder_names.hpp"
+
 namespace airside::hal {
 namespace {
-
-/// As the kernel writes it; getdents64(2). opendir() would ask the heap.
-struct DirectoryEntry {
-  std::uint64_t inode;
-  std::int64_t next;
-  std::uint16_t length;
-  std::uint8_t type;
-};
-constexpr std::size_t name_offset = 19;
 
 bool is_blob_name(std::string_view name) { return name.size() > 5 && name.ends_with(".blob") && name.front() != '.'; }
 
 }  // namespace
 
-Mailbox::Mailbox(const std::string& dir) {
+Mailbox::Mailbox(const std::string& dir) : path_(dir) {
   if (dir.empty()) return;
   auto opened = StorageFile::open_dir(dir.c_str());
   if (opened) dir_ = std::move(*opened);
 }
 
+Mailbox::Seen Mailbox::look(const char* name) const {
+  struct stat status {};
+  const bool is_there = ::fstatat(dir_.descriptor(), name, &status, AT_SYMLINK_NOFOLLOW) == 0;
+  return is_there && !S_ISDIR(status.st_mode) ? Seen{status.st_ino, status.st_ctim} : Seen{};
+}
+
+bool Mailbox::is_new(int wish) {
+  const Seen seen = look(wish_names[wish]);
+  const bool differs = seen.inode != 0 && !(seen == told_[wish]);
+  told_[wish] = seen;
+  return differs;
+}
+
 bool Mailbox::take(const char* name) { return ::unlinkat(dir_.descriptor(), name, 0) == 0; }
 
 bool Mailbox::find_blob() {
-  alignas(8) char entries[4096];
-  if (::lseek(dir_.descriptor(), 0, SEEK_SET) < 0) return false;
-  for (int round = 0; round < 64; ++round) {
-    const long got = ::syscall(SYS_getdents64, dir_.descriptor(), entries, sizeof entries);
-    if (got <= 0) return false;
-    for (long at = 0; at < got;) {
-      DirectoryEntry entry;
-      std::memcpy(&entry, entries + at, sizeof entry);
-      const std::string_view name(entries + at + name_offset);
-      if (is_blob_name(name) && name.size() < sizeof blob_) {
-        std::memcpy(blob_, name.data(), name.size());
-        blob_[name.size()] = '\0';
-        return true;
-      }
-      at += entry.length;
-    }
-  }
-  return false;
+  (void)for_each_name(dir_.descriptor(), [this](const char* entry) {
+    const std::string_view name(entry);
+    // A folder cannot be taken away, and must not stand before the blobs behind it for ever.
+    if (!is_blob_name(name) || name.size() >= sizeof blob_ || look(entry).inode == 0) return true;
+    std::memcpy(blob_, name.data(), name.size());
+    blob_[name.size()] = '\0';
+    return false;
+  });
+  return blob_[0] != '\0';
 }
 
 void Mailbox::read_blob(std::span<std::byte> blob, Mail& mail) {
@@ -66,19 +62,31 @@ void Mailbox::read_blob(std::span<std::byte> blob, Mail& mail) {
 
 Mail Mailbox::collect(std::span<std::byte> blob) {
   Mail mail;
+  if (!dir_.is_open() && !path_.empty()) {
+    auto opened = StorageFile::open_dir(path_.c_str());
+    if (opened) dir_ = std::move(*opened);
+  }
   if (!dir_.is_open()) return mail;
-  mail.hand_back = take(hand_back_name);
-  mail.release = take(release_name);
-  mail.rollback = take(rollback_name);
-  if (find_blob()) read_blob(blob, mail);
+  mail.hand_back = is_new(0);
+  mail.release = is_new(1);
+  mail.rollback = is_new(2);
+  if (blob_[0] == '\0' && find_blob()) read_blob(blob, mail);
   return mail;
 }
 
 void Mailbox::finish(bool accepted) {
-  if (blob_[0] == '\0') return;
-  const bool kept = !accepted && ::renameat(dir_.descriptor(), blob_, dir_.descriptor(), refused_name) == 0;
-  if (!kept) take(blob_);
-  blob_[0] = '\0';
+  bool changed = false;
+  for (int wish = 0; wish < 3; ++wish) {
+    if (told_[wish].inode == 0 || !(look(wish_names[wish]) == told_[wish])) continue;
+    changed = take(wish_names[wish]) || changed;
+  }
+  if (blob_[0] != '\0') {
+    const bool kept = !accepted && ::renameat(dir_.descriptor(), blob_, dir_.descriptor(), refused_name) == 0;
+    changed = kept || take(blob_) || changed;
+    blob_[0] = '\0';
+  }
+  // What was done must not come back with a power cut, long after another wish was done.
+  if (changed) (void)::fsync(dir_.descriptor());
 }
 
 }  // namespace airside::hal

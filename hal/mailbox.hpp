@@ -1,9 +1,11 @@
 #pragma once
 // The box's inbox: a folder into which people and other programs put weights and wishes. It is looked into every row,
-// without heap, and whatever lies there is taken away, so that it cannot fill up or be done twice.
+// without heap. What lies there is reported once, and taken away after the commit that holds its effect: a crash in
+// between neither loses a wish nor does it twice to the same state.
 
 #include <cstddef>
 #include <cstdint>
+#include <ctime>
 #include <span>
 #include <string>
 
@@ -25,23 +27,36 @@ class Mailbox {
   static constexpr const char* release_name = "release";
   static constexpr const char* hand_back_name = "hand-back";
 
-  /// Opens or makes the folder; one that cannot be had stays empty for ever. Errors: none.
+  /// Opens or makes the folder. Errors: none; one that cannot be had is empty, and tried again at each collect().
   explicit Mailbox(const std::string& dir);
   static constexpr const char* refused_name = "refused";
 
-  /// Takes wishes out, and reads one blob into `blob`: any file `*.blob`, as it comes from a stick too. The blob itself
-  /// stays until finish(), so that a crash in between loses nothing. Cost: a few system calls, no heap.
+  /// Tells the wishes that are new, and reads one blob into `blob`: any file `*.blob`, as it comes from a stick too.
+  /// Everything stays where it is until finish(). Cost: a few system calls, no heap.
   Mail collect(std::span<std::byte> blob);
-  /// Takes the blob of the last collect() away; a refused one stands as `refused` for whoever looks for it.
+  /// Takes the wishes and the blob of the last collect() away; a refused blob stands as `refused` for whoever looks.
   void finish(bool accepted);
   bool is_open() const { return dir_.is_open(); }
 
  private:
+  /// A file as it was when its wish was told.
+  struct Seen {
+    std::uint64_t inode = 0;
+    timespec changed{};
+    bool operator==(const Seen& other) const {
+      return inode == other.inode && changed.tv_sec == other.changed.tv_sec && changed.tv_nsec == other.changed.tv_nsec;
+    }
+  };
+  static constexpr const char* wish_names[3] = {hand_back_name, release_name, rollback_name};
+  Seen look(const char* name) const;
+  bool is_new(int wish);
   bool take(const char* name);
   bool find_blob();
   void read_blob(std::span<std::byte> blob, Mail& mail);
 
+  std::string path_;
   StorageFile dir_;
+  Seen told_[3];         ///< by wish; inode 0: none
   char blob_[256] = {};  ///< name of the blob that waits for finish()
 };
 

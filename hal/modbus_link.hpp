@@ -8,33 +8,14 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
-#include <tl/expected.hpp>
 #include <variant>
 
+#include "hal/modbus_frame.hpp"
+
 namespace airside::hal {
-
-enum class LinkError : std::uint8_t {
-  backing_off,        ///< the last attempt failed; the next one is not due yet
-  connect_failed,     ///< nobody answers at the address
-  timed_out,          ///< no whole answer before the deadline
-  closed_by_peer,     ///< FIN, RST or a vanished device
-  bad_frame,          ///< protocol number, length, checksum or echo do not fit
-  wrong_transaction,  ///< a late or invented answer
-  wrong_unit,         ///< another unit's answer
-  exception_answer,   ///< the device refused; the code is beside it
-  bad_request,        ///< the caller's function, address or count is none that Modbus knows
-};
-const char* text_of(LinkError error);
-
-/// Why an exchange gave nothing. `exception` is the device's code with exception_answer, else 0.
-struct LinkFault {
-  LinkError error;
-  std::uint8_t exception = 0;
-};
-template <class V>
-using LinkResult = tl::expected<V, LinkFault>;
 
 /// Host name or address; names are looked up once, at construction, where waiting hurts nobody.
 struct TcpAddress {
@@ -56,7 +37,8 @@ struct LinkSettings {
   int unit = 1;                      ///< 0..255 on TCP, 1..247 on a serial line
   double exchange_deadline_s = 2.0;  ///< connecting, sending, waiting and retries together; (0, 10]
   double backoff_first_s = 1.0;      ///< wait after a failed exchange, doubled by each further one
-  double backoff_max_s = 60.0;       ///< up to this
+  /// Up to this: a wait and the exchange after it are over within 30 s.
+  double backoff_max_s = 20.0;
 };
 
 /// Since construction; wrong_ids counts transactions, units and late answers found on an idle line.
@@ -75,9 +57,11 @@ class ModbusLink {
   /// Reads out.size() registers (function 3, 4) or bits (1, 2, as 0/1), at most 125 or 2000.
   /// Errors: LinkFault. Cost: at most exchange_deadline_s; no heap once connected.
   LinkResult<void> read(int function, int addr, std::span<std::uint16_t> out);
-  /// Writes one coil (5, 0/1), one register (6) or up to 123 registers (16).
+  /// Writes one coil (5, 0/1), one register (6) or up to 123 registers (16); with `only_on`, on the connection of that
+  /// generation() and no other, which may lead to another device.
   /// Errors: LinkFault. Cost: at most exchange_deadline_s; no heap once connected.
-  LinkResult<void> write(int function, int addr, std::span<const std::uint16_t> values);
+  LinkResult<void> write(int function, int addr, std::span<const std::uint16_t> values,
+                         std::optional<std::uint64_t> only_on = std::nullopt);
 
   bool connected() const { return fd_ >= 0; }
   /// Rises with each new connection, so that a caller knows when to verify and re-read.
@@ -91,17 +75,14 @@ class ModbusLink {
   void close();
 
  private:
-  static constexpr std::size_t header_bytes = 7;
-  static constexpr std::size_t max_pdu_bytes = 253;
-  static constexpr std::size_t max_adu_bytes = header_bytes + max_pdu_bytes;
-
   bool is_tcp() const { return std::holds_alternative<TcpAddress>(settings_.address); }
-  LinkResult<void> transact(std::span<const std::uint8_t> pdu, std::size_t answer_bytes);
-  LinkResult<void> attempt(std::span<const std::uint8_t> pdu, std::size_t answer_bytes, std::int64_t deadline_ns);
-  LinkResult<void> ensure_connected(std::int64_t deadline_ns);
+  using OnlyOn = std::optional<std::uint64_t>;
+  LinkResult<void> transact(std::span<const std::uint8_t> pdu, std::size_t answer_bytes, OnlyOn only_on = {});
+  LinkResult<void> attempt(std::span<const std::uint8_t> pdu, std::size_t answer_bytes, std::int64_t deadline_ns,
+                           OnlyOn only_on);
+  LinkResult<void> ensure_connected(std::int64_t deadline_ns, OnlyOn only_on);
   LinkResult<void> exchange_tcp(std::span<const std::uint8_t> pdu, std::int64_t deadline_ns);
   LinkResult<void> exchange_rtu(std::span<const std::uint8_t> pdu, std::size_t answer_bytes, std::int64_t deadline_ns);
-  LinkResult<void> check_answer(std::span<const std::uint8_t> pdu, std::size_t answer_bytes);
   void quiet_line(std::int64_t deadline_ns);
   void account(const LinkResult<void>& result);
   void start_backoff();
@@ -116,8 +97,8 @@ class ModbusLink {
   std::int64_t silence_ns_ = 0;  ///< serial: 3.5 characters
   std::int64_t not_before_ns_ = 0;
   double backoff_s_ = 0;
-  std::array<std::uint8_t, max_adu_bytes + 2> request_{};
-  std::array<std::uint8_t, max_adu_bytes + 2> answer_{};
+  std::array<std::uint8_t, max_frame_bytes> request_{};
+  std::array<std::uint8_t, max_frame_bytes> answer_{};
   std::span<const std::uint8_t> answer_pdu_;
   LinkCounters counters_;
 };

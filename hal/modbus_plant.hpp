@@ -21,6 +21,7 @@ struct ModbusPlantOptions {
   double settle_s = 0.0;  ///< how long the setpoint's read-back may lag behind the write, s
   /// Local standard time, s east of UTC, where the map has no clock_s; without it the machine's time zone.
   std::optional<int> utc_offset_s;
+  double clock_speed = 1.0;  ///< as of SystemClock
 };
 
 /// The age of readings as the device's own heartbeat tells it.
@@ -48,7 +49,7 @@ class ModbusPlant {
   ModbusPlant(const PointMap& map, ModbusLink& link, const ModbusPlantOptions& options = {})
       : link_(&link),
         setpoint_(map, "setpoint", options.settle_s),
-        clock_({}, options.utc_offset_s),
+        clock_({}, options.utc_offset_s, options.clock_speed),
         poller_(points_to_read(map)),
         fingerprint_(map.fingerprint()) {
     if (const Point* beat = map.find("heartbeat"); beat != nullptr && beat->writable()) {
@@ -64,17 +65,19 @@ class ModbusPlant {
   /// Errors: no_reading where the link failed; other_device where the map's fingerprint is not the device's.
   /// Cost: one exchange a block of registers, one more after a new connection; no heap.
   Expected<Reading<T>> sense() {
+    setpoint_.saw(std::numeric_limits<double>::quiet_NaN());
     const LinkResult<void> polled = poller_.poll(*link_);
     last_fault_ = polled ? std::nullopt : std::optional(polled.error());
     if (!polled) {
       ++lost_polls_;
       return tl::unexpected(Fault::no_reading);
     }
-    if (!identified()) return tl::unexpected(Fault::other_device);
+    if (!identified()) return tl::unexpected(other_device_ ? Fault::other_device : Fault::no_reading);
     Reading<T> reading;
     reading.contact = link_->generation() + lost_polls_;
     for (int i = 0; i < Layout<T>::signals; ++i) reading.value[i] = poller_.value(i);
     if (setpoint_slot_ >= 0) reading.setpoint_degc = poller_.value(setpoint_slot_);
+    setpoint_.saw(reading.setpoint_degc);
     if (supply_slot_ >= 0) reading.supply_temp_degc = poller_.value(supply_slot_);
     reading.time = clock_.now();
     if (clock_slot_ >= 0) {
@@ -100,9 +103,10 @@ class ModbusPlant {
   /// False: it could not be written. Cost: at most 3 exchanges.
   bool beat() {
     if (!heartbeat_) return true;
-    if (other_device_) return false;
+    if (other_device_ || identified_generation_ != link_->generation()) return false;
+    heartbeat_->saw(beat_value_);  // its steps need no care
     const double next = beat_value_ >= heartbeat_->point().max ? heartbeat_->point().min : beat_value_ + 1;
-    if (!heartbeat_->write(*link_, next)) return false;
+    if (!heartbeat_->write(*link_, next, identified_generation_)) return false;
     beat_value_ = next;
     return true;
   }
@@ -112,6 +116,10 @@ class ModbusPlant {
   /// Why the last sense() failed.
   const std::optional<LinkFault>& last_fault() const { return last_fault_; }
   std::uint8_t last_exception() const { return poller_.last_exception(); }
+  /// What the last sense() found wrong, as ModbusPoller tells it: alarms for whoever made the map or keeps the bus.
+  bool map_refused() const { return poller_.map_refused(); }
+  bool gateway_failed() const { return poller_.gateway_failed(); }
+  const Point* order_doubted() const { return poller_.order_doubted(); }
   std::uint64_t setpoint_writes() const { return setpoint_.writes(); }
   std::uint64_t map_fingerprint() const { return fingerprint_; }
   /// Whether the device at the other end tells another fingerprint than the point map's.
@@ -127,9 +135,11 @@ class ModbusPlant {
       std::array<std::uint16_t, 2> words{};
       const std::span<std::uint16_t> used(words.data(), static_cast<std::size_t>(identity_->width()));
       const LinkResult<void> read = link_->read(identity_->fc, identity_->addr, used);
+      // 1 to 3: it has no such register. Whatever else came in the place of an answer, it is asked again next time.
+      const bool has_none = !read && read.error().exception >= 1 && read.error().exception <= 3;
+      if (!read && !has_none) return false;
       const Expected<double> told = read ? decode(*identity_, used) : tl::unexpected(Fault::no_reading);
       other_device_ = !told || *told != identity_value_;
-      if (!read && read.error().error != LinkError::exception_answer) return false;  // asked again next time
     }
     identified_generation_ = link_->generation();
     return !other_device_;

@@ -16,14 +16,18 @@ class ModbusSetpoint {
   ModbusSetpoint(const PointMap& map, std::string_view name, double settle_s = 0.0);
 
   /// Writes `value` unless the policy is on-change and the device already holds it, then reads back.
+  /// A value is chosen one step from what the caller believes to stand there: what the last write() returned, or what
+  /// saw() was told since. After neither, what stands is read and returned and nothing is written; where it cannot be
+  /// read, the last value that was sent is sent again in the place of `value`, so that each step begins at a known one.
+  /// Nothing is written on another connection than `generation`.
   /// Where the device refuses, the other function (6 or 16) is tried once, and kept where it works.
   /// Returns the value read back, or the rounded value where nothing can be read back.
-  /// Errors: write_refused where the device answered with an exception; not_applied for a value that the point cannot
-  /// hold or that is outside its limits, a lost link, or a read-back that is no number. Cost: at most 4 exchanges and
-  /// settle_s; no heap.
-  Expected<double> write(ModbusLink& link, double value) { return write(link, value, link.generation()); }
-  /// The same, but nothing is written on another connection than `generation`: not_applied.
+  /// Errors: write_refused where the device answered with exception 1 to 4; not_applied for a value that the point
+  /// cannot hold or that is outside its limits, a lost link, or a read-back that is no number.
+  /// Cost: at most 4 exchanges and settle_s; no heap.
   Expected<double> write(ModbusLink& link, double value, std::uint64_t generation);
+  /// What a reading has shown to stand there; NaN where it did not.
+  void saw(double standing);
 
   /// Where the value taken is read; nullptr for a point that cannot be read back.
   const Point* readback() const { return has_readback_ ? &readback_ : nullptr; }
@@ -32,8 +36,10 @@ class ModbusSetpoint {
   std::uint64_t writes() const { return writes_; }
 
  private:
+  Expected<double> try_to_write(ModbusLink& link, double value, std::uint64_t generation);
   Expected<double> read_back(ModbusLink& link) const;
-  LinkResult<void> send(ModbusLink& link, std::span<const std::uint16_t> words);
+  LinkResult<void> send(ModbusLink& link, std::span<const std::uint16_t> words, std::uint64_t generation);
+  Expected<double> confirm(ModbusLink& link, double wish);
   bool same(double a, double b) const;
 
   Point point_, readback_;
@@ -42,6 +48,10 @@ class ModbusSetpoint {
   int function_;
   bool alternate_tried_ = false;
   double last_written_ = std::numeric_limits<double>::quiet_NaN();
+  double standing_ = std::numeric_limits<double>::quiet_NaN();   ///< what was last known to stand there
+  double unsettled_ = std::numeric_limits<double>::quiet_NaN();  ///< sent since, and nobody knows whether it was taken
+  bool told_ = false;                                            ///< the last write() returned standing_
+  bool seen_ = false;                                            ///< the last saw() did
   std::uint64_t last_generation_ = 0;
   std::uint64_t writes_ = 0;
 };

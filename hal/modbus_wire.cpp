@@ -18,7 +18,7 @@ WireResult wait_for(int fd, short events, std::int64_t deadline_ns) {
   while (true) {
     const std::int64_t left = deadline_ns - monotonic_ns();
     if (left <= 0) return WireResult::timed_out;
-    const timespec timeout = {left / 1'000'000'000, left % 1'000'000'000};
+    const timespec timeout = {static_cast<std::time_t>(left / 1'000'000'000), static_cast<long>(left % 1'000'000'000)};
     pollfd entry = {fd, events, 0};
     const int ready = ppoll(&entry, 1, &timeout, nullptr);
     if (ready > 0) return WireResult::done;
@@ -39,7 +39,8 @@ ssize_t receive_some(int fd, std::span<std::uint8_t> bytes) {
   return ::read(fd, bytes.data(), bytes.size());
 }
 
-bool try_again() { return errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK; }
+static_assert(EAGAIN == EWOULDBLOCK);
+bool try_again() { return errno == EINTR || errno == EAGAIN; }
 
 }  // namespace
 

@@ -12,10 +12,10 @@ namespace {
 
 constexpr std::int64_t slice_ns = 100'000'000;
 
-std::int64_t utc_seconds() {
+std::int64_t utc_ns() {
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);
-  return now.tv_sec;
+  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
 }
 
 /// Of standard time, also while daylight saving is in force.
@@ -36,16 +36,27 @@ bool sleep_until_ns(std::int64_t deadline_ns, const StopFlag& stop) {
   return false;
 }
 
-SystemClock::SystemClock(StopFlag stop, std::optional<int> utc_offset_s)
-    : stop_(stop), utc_offset_s_(utc_offset_s ? *utc_offset_s : machine_utc_offset_s()) {}
+SystemClock::SystemClock(StopFlag stop, std::optional<int> utc_offset_s, double speed)
+    : stop_(stop),
+      utc_offset_s_(utc_offset_s ? *utc_offset_s : machine_utc_offset_s()),
+      speed_(speed),
+      began_wall_ns_(utc_ns()),
+      began_ns_(monotonic_ns()) {}
 
-CivilTime SystemClock::now() const { return CivilTime{utc_seconds() + utc_offset_s_}; }
+std::int64_t SystemClock::site_ns() const {
+  const std::int64_t offset_ns = std::int64_t{utc_offset_s_} * 1'000'000'000;
+  if (speed_ == 1.0) return utc_ns() + offset_ns;
+  return began_wall_ns_ + offset_ns + std::llround(static_cast<double>(monotonic_ns() - began_ns_) * speed_);
+}
+
+CivilTime SystemClock::now() const { return CivilTime{site_ns() / 1'000'000'000}; }
 
 bool SystemClock::sleep_until(CivilTime t) const {
-  timespec wall{};
-  clock_gettime(CLOCK_REALTIME, &wall);
-  const std::int64_t left_s = t.seconds - (wall.tv_sec + utc_offset_s_);
-  return sleep_until_ns(monotonic_ns() + left_s * 1'000'000'000 - wall.tv_nsec, stop_);
+  const std::int64_t left_ns = t.seconds * 1'000'000'000 - site_ns();
+  due_ns_ = monotonic_ns() + (speed_ == 1.0 ? left_ns : std::llround(static_cast<double>(left_ns) / speed_));
+  const bool reached = sleep_until_ns(due_ns_, stop_);
+  woke_ns_ = monotonic_ns();
+  return reached;
 }
 
 ModbusPlantClock::ModbusPlantClock(const PointMap& map, ModbusLink& link, StopFlag stop, double stall_s)

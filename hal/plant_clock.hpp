@@ -36,15 +36,24 @@ bool sleep_until_ns(std::int64_t deadline_ns, const StopFlag& stop);
 /// neither skips nor repeats one.
 class SystemClock {
  public:
-  /// `utc_offset_s`: of local standard time, s east of UTC; without it the machine's time zone.
-  explicit SystemClock(StopFlag stop = {}, std::optional<int> utc_offset_s = std::nullopt);
+  /// `utc_offset_s`: of local standard time, s east of UTC; without it the machine's time zone. `speed`: from now on so
+  /// many times as fast as the machine's clock, for measurements.
+  explicit SystemClock(StopFlag stop = {}, std::optional<int> utc_offset_s = std::nullopt, double speed = 1.0);
   CivilTime now() const;
   /// False: told to stop before t. Cost: returns within 0.1 s of a stop.
   bool sleep_until(CivilTime t) const;
+  /// The instant that the last sleep_until waited for, and when it came back, in monotonic_ns().
+  std::int64_t due_ns() const { return due_ns_; }
+  std::int64_t woke_ns() const { return woke_ns_; }
 
  private:
+  std::int64_t site_ns() const;
+
   StopFlag stop_;
   int utc_offset_s_;
+  double speed_;
+  std::int64_t began_wall_ns_, began_ns_;
+  mutable std::int64_t due_ns_ = 0, woke_ns_ = 0;  ///< noted, of no influence
 };
 
 /// The clock of a plant that publishes clock_s and takes clock_advance_s: asks it to reach t, then waits.

@@ -276,6 +276,12 @@ void PointMap::check_topology(int vavs, int fcus, int powers) const {
     for (int place = 1; place <= counts[k]; ++place) at(point_name({placed_kinds[k], place}));
   }
   for (const char* name : {"mau_temp", "outdoor_temp", "rain", "setpoint"}) at(name);
+  if (const Point& setpoint = at("setpoint"); !setpoint.readable() && find("supply_temp") == nullptr) {
+    throw InputError(fmt::format("{}:{}, column readback", file_, setpoint.line),
+                     "a setpoint that cannot be read back, and no point supply_temp",
+                     "one of the two, so that somebody sees whether the AHU follows",
+                     "add supply_temp, or name the point that shows the setpoint taken");
+  }
   for (const Point& p : points_) {
     const auto name = placed(p.name);
     if (!name) continue;

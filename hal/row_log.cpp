@@ -1,6 +1,5 @@
 #include "hal/row_log.hpp"
 
-#include <dirent.h>
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -9,9 +8,9 @@
 #include <cerrno>
 #include <cstring>
 #include <string_view>
-#include <vector>
 
 #include "hal/civil_text.hpp"
+#include "hal/folder_names.hpp"
 
 namespace airside::hal {
 namespace {
@@ -56,43 +55,62 @@ bool RowLog::parse_name(const char* name, FileId& id) {
   return text == again;
 }
 
+RowLog::RowLog(const char* dir, const TopologyCounts& counts, const RowLogLimits& limits, Sync sync)
+    : path_(dir),
+      header_(log_header(counts, true)),
+      limits_{std::max(limits.max_files, 2), limits.max_file_bytes},
+      sync_(sync),
+      files_(std::make_unique<FileId[]>(static_cast<std::size_t>(limits_.max_files) + 1)),
+      text_(std::make_unique<char[]>(header_.size() + max_log_row_text)),
+      in_doubt_(std::make_unique<char[]>(max_log_row_text)) {
+  ready_ = make_ready();
+}
+
 StoreResult<RowLog> RowLog::open(const char* dir, const TopologyCounts& counts, const RowLogLimits& limits, Sync sync) {
-  RowLog log;
-  log.header_ = log_header(counts, true);
-  log.limits_ = {std::max(limits.max_files, 2), limits.max_file_bytes};
-  log.sync_ = sync;
-  log.text_ = std::make_unique<char[]>(log.header_.size() + max_log_row_text);
-  auto folder = StorageFile::open_dir(dir);
-  if (!folder) return tl::make_unexpected(folder.error());
-  log.dir_ = std::move(*folder);
-  if (::faccessat(log.dir_.descriptor(), ".", W_OK, AT_EACCESS) != 0) {
-    return tl::make_unexpected(store_error(errno, "open log folder"));
-  }
-  if (const auto done = log.list_files(); !done) return tl::make_unexpected(done.error());
-  if (const auto done = log.open_newest(); !done) return tl::make_unexpected(done.error());
+  RowLog log(dir, counts, limits, sync);
+  if (!log.ready_) return tl::make_unexpected(log.ready_.error());
   return log;
 }
 
-StoreResult<void> RowLog::list_files() {
-  const int fd = ::openat(dir_.descriptor(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  DIR* entries = fd < 0 ? nullptr : ::fdopendir(fd);
-  if (entries == nullptr) return tl::make_unexpected(store_error(errno, "list log folder"));
-  std::vector<FileId> found;
-  while (const dirent* entry = ::readdir(entries)) {
-    FileId id{};
-    if (parse_name(entry->d_name, id)) found.push_back(id);
+StoreResult<void> RowLog::make_ready() {
+  if (!dir_.is_open()) {
+    auto folder = StorageFile::open_dir(path_.c_str());
+    if (!folder) return tl::make_unexpected(folder.error());
+    dir_ = std::move(*folder);
   }
-  ::closedir(entries);
-  std::sort(found.begin(), found.end());
-  const auto keep = static_cast<std::size_t>(limits_.max_files);
-  const std::size_t surplus = found.size() > keep ? found.size() - keep : 0;
-  for (std::size_t i = 0; i < surplus; ++i) {
-    if (const auto done = remove(found[i]); !done) return done;
+  if (::faccessat(dir_.descriptor(), ".", W_OK, AT_EACCESS) != 0) {
+    return tl::make_unexpected(store_error(errno, "open log folder"));
   }
-  files_ = std::make_unique<FileId[]>(keep + 1);
-  file_count_ = found.size() - surplus;
-  std::copy(found.begin() + static_cast<std::ptrdiff_t>(surplus), found.end(), files_.get());
+  if (const auto done = list_files(); !done) return done;
+  return open_newest();
+}
+
+/// Puts a file among the newest, and removes the oldest where there are more than are kept.
+StoreResult<void> RowLog::keep(FileId id) {
+  FileId* const end = files_.get() + file_count_;
+  FileId* const place = std::lower_bound(files_.get(), end, id);
+  if (place != end && *place == id) return {};
+  std::move_backward(place, end, end + 1);
+  *place = id;
+  ++file_count_;
+  while (file_count_ > static_cast<std::size_t>(limits_.max_files)) {
+    if (const auto done = remove(files_[0]); !done) return done;
+    std::move(files_.get() + 1, files_.get() + file_count_, files_.get());
+    --file_count_;
+  }
   return {};
+}
+
+StoreResult<void> RowLog::list_files() {
+  file_count_ = 0;
+  StoreResult<void> kept;
+  const auto listed = for_each_name(dir_.descriptor(), [&](const char* name) {
+    FileId id{};
+    if (parse_name(name, id)) kept = keep(id);
+    return kept.has_value();
+  });
+  if (!listed) return tl::make_unexpected(store_error(errno, "list log folder"));
+  return kept;
 }
 
 StoreResult<void> RowLog::remove(FileId id) {
@@ -148,11 +166,13 @@ StoreResult<void> RowLog::find_last_row() {
     const std::size_t row = before == std::string_view::npos ? 0 : before + 1;
     end = begin + last + 1;
     const auto time = parse_civil_text(tail.substr(row, std::min(civil_text_size, last - row)));
-    if (time) {
-      last_time_ = *time;
+    // A sector that never reached the medium reads as zeros in the middle of a row.
+    if (time && tail.substr(row, last - row).find('\0') == std::string_view::npos) {
+      // A file of another day than its rows: what follows must still go to a file that sorts behind it.
+      last_time_ = std::max(*time, CivilTime{position_.day * 86400 - 1});
       break;
     }
-    // A line without a time: the header (nothing logged), or what a power cut left of a row.
+    // A line that is no row: the header (nothing logged), or what a power cut left of a row.
     if (before == std::string_view::npos) {
       end = 0;
       break;
@@ -173,6 +193,15 @@ StoreResult<void> RowLog::find_last_row() {
 }
 
 StoreResult<void> RowLog::resume(const LogPosition& committed) {
+  resume_at_ = committed;
+  if (!ready_) return ready_;
+  const auto done = follow(committed);
+  // Half done, the position is none: nothing may be appended there before it was done whole.
+  if (!done && done.error().fault != StoreFault::log_shorter) ready_ = done;
+  return done;
+}
+
+StoreResult<void> RowLog::follow(const LogPosition& committed) {
   const FileId id{committed.day, committed.part};
   file_.close();
   while (committed.bytes > 0 && file_count_ > 0 && files_[file_count_ - 1] > id) {
@@ -211,16 +240,15 @@ StoreResult<void> RowLog::start_file(FileId id) {
   sync_failed_ = false;
   new_file_unsynced_ = true;
   other_header_ = false;
-  if (file_count_ == 0 || files_[file_count_ - 1] != id) files_[file_count_++] = id;
-  while (file_count_ > static_cast<std::size_t>(limits_.max_files)) {
-    if (const auto done = remove(files_[0]); !done) return done;
-    std::move(files_.get() + 1, files_.get() + file_count_, files_.get());
-    --file_count_;
-  }
-  return {};
+  return keep(id);
 }
 
 StoreResult<void> RowLog::append(const LogRow& row) {
+  if (!ready_) {
+    ready_ = make_ready();
+    if (!ready_) return ready_;
+    if (const auto done = resume(resume_at_); !done && done.error().fault != StoreFault::log_shorter) return done;
+  }
   if (row.time <= last_time_) {
     return tl::make_unexpected(StoreError{StoreFault::out_of_order, 0, "append row to log"});
   }
@@ -255,7 +283,7 @@ StoreResult<void> RowLog::append(const LogRow& row) {
 StoreResult<void> RowLog::rewrite_in_doubt() {
   for (std::uint64_t at = synced_bytes_; at < position_.bytes;) {
     const std::uint64_t size = std::min<std::uint64_t>(position_.bytes - at, max_log_row_text);
-    const std::span<char> text(text_.get(), static_cast<std::size_t>(size));
+    const std::span<char> text(in_doubt_.get(), static_cast<std::size_t>(size));
     const auto got = file_.read_at(std::as_writable_bytes(text), at, "read log");
     if (!got) return tl::make_unexpected(got.error());
     if (*got == 0) break;

@@ -25,15 +25,19 @@ struct RowLogLimits {
 /// Cost: no heap after open().
 class RowLog {
  public:
-  /// Opens or makes the folder, finds the newest file and cuts a row off that a crash left unfinished.
-  /// Errors: not_found, read_only, io.
+  /// Opens or makes the folder, finds the newest file and cuts a row off that a crash left unfinished; ready() tells
+  /// what of it failed. A folder that failed is tried again by every append().
+  RowLog(const char* dir, const TopologyCounts& counts, const RowLogLimits& limits = {}, Sync sync = Sync::full);
+  /// The same. Errors: not_found, read_only, io.
   static StoreResult<RowLog> open(const char* dir, const TopologyCounts& counts, const RowLogLimits& limits = {},
                                   Sync sync = Sync::full);
+  /// Why nothing can be appended yet. Errors: not_found, read_only, io.
+  const StoreResult<void>& ready() const { return ready_; }
 
   /// Removes what was written after `committed`. bytes 0 removes nothing: then rows that already stand there are
   /// refused by append() as out_of_order.
   /// Errors: log_shorter when committed rows are missing (the log then goes on after the last whole row);
-  /// read_only, io.
+  /// read_only, io; those of a log that is not ready, which then resumes when it is.
   StoreResult<void> resume(const LogPosition& committed);
 
   /// Appends one row, starting a new file on a new day.
@@ -61,7 +65,9 @@ class RowLog {
   static constexpr std::size_t name_size = 40;
   static constexpr CivilTime before_all{std::numeric_limits<std::int64_t>::min()};
 
-  RowLog() = default;
+  StoreResult<void> make_ready();
+  StoreResult<void> follow(const LogPosition& committed);
+  StoreResult<void> keep(FileId id);
   static void write_name(char (&name)[name_size], FileId id);
   static bool parse_name(const char* name, FileId& id);
   StoreResult<void> list_files();
@@ -71,16 +77,19 @@ class RowLog {
   StoreResult<void> find_last_row();
   StoreResult<void> rewrite_in_doubt();
 
-  std::string header_;
+  std::string path_, header_;
   RowLogLimits limits_;
   Sync sync_ = Sync::full;
   StorageFile dir_, file_;
   std::unique_ptr<FileId[]> files_;  ///< oldest first; room for max_files + 1
   std::size_t file_count_ = 0;
-  std::unique_ptr<char[]> text_;  ///< header and one row
+  std::unique_ptr<char[]> text_;      ///< header and one row
+  std::unique_ptr<char[]> in_doubt_;  ///< rows that are written again; text_ may hold a new one then
   LogPosition position_;
   CivilTime last_time_ = before_all;
   std::uint64_t synced_bytes_ = 0;  ///< of the open file
+  StoreResult<void> ready_;
+  LogPosition resume_at_;  ///< of the last resume(); done again by a log that was not ready. bytes 0: none
   bool sync_failed_ = false;
   bool new_file_unsynced_ = false;
   bool other_header_ = false;  ///< the newest file has other columns: the next row starts a new file

@@ -18,7 +18,9 @@ ServiceManager::ServiceManager() {
   if (path_[0] == '@') path_[0] = '\0';  // the abstract namespace
   socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   const char* interval = std::getenv("WATCHDOG_USEC");
-  if (interval != nullptr) watchdog_s_ = std::strtod(interval, nullptr) * 1e-6;
+  const char* whose = std::getenv("WATCHDOG_PID");
+  const bool ours = whose == nullptr || std::strtol(whose, nullptr, 10) == ::getpid();
+  if (interval != nullptr && ours) watchdog_s_ = std::strtod(interval, nullptr) * 1e-6;
 }
 
 ServiceManager::~ServiceManager() {

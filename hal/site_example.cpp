@@ -71,6 +71,13 @@ keys = "keys"            # folder of public keys (*.pub) whose pushed weights ar
 [inbox]
 dir = "inbox"            # where `airside push`, a copied file or a stick's content arrive
 
+[page]                   # airside-page, a program of its own: status and weights over HTTP
+listen = "127.0.0.1"     # the address of a network card opens it to that network; then TLS is needed
+port = 8350
+names = []               # host names that people may call it by, such as ["ahu-3.example.org"]
+tls_cert = ""            # PEM files
+tls_key = ""
+
 # A model of the building, for training before anything is installed:
 # [twin]
 # model = "twin.epJSON"  # or "rc"

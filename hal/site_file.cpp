@@ -1,5 +1,8 @@
 #include "hal/site_file.hpp"
 
+#include <arpa/inet.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -155,9 +158,9 @@ void read_modbus(TomlSection root, SiteFile& out) {
   m.host = tcp ? root.required_text("host", "192.168.1.20") : root.text("host", "");
   m.port = static_cast<int>(root.whole("port", m.port, 1, 65535));
   m.device = tcp ? root.text("device", "") : root.required_text("device", "/dev/ttyUSB0");
-  m.baud = static_cast<int>(root.whole("baud", m.baud, 300, 921600));
+  m.baud = static_cast<int>(root.whole("baud", m.baud, 1200, 921600));
   m.parity = "NEO"[root.choice("parity", {"N", "E", "O"}, 1)];
-  m.unit_id = static_cast<int>(root.whole("unit_id", m.unit_id, 0, 247));
+  m.unit_id = static_cast<int>(root.whole("unit_id", m.unit_id, tcp ? 0 : 1, 247));  // 0 is broadcast there
   m.deadline_s = root.number("deadline_s", m.deadline_s, 0.1, 10, "s");
   m.points = resolved(root.text("points", "points.csv"), out.path);
   root.refuse_unknown_keys();
@@ -201,6 +204,53 @@ void read_folders(TomlSection& root, SiteFile& out) {
   inbox.refuse_unknown_keys();
 }
 
+enum class Address : std::uint8_t { none, loopback, other };
+
+Address kind_of_address(const std::string& text) {
+  in_addr four{};
+  in6_addr six{};
+  if (::inet_pton(AF_INET, text.c_str(), &four) == 1) {
+    return ntohl(four.s_addr) >> 24 == 127 ? Address::loopback : Address::other;
+  }
+  if (::inet_pton(AF_INET6, text.c_str(), &six) != 1) return Address::none;
+  return IN6_IS_ADDR_LOOPBACK(&six) ? Address::loopback : Address::other;
+}
+
+bool is_host_name(const std::string& text) {
+  const bool letters = std::ranges::all_of(
+      text, [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '.'; });
+  return !text.empty() && text.size() <= 253 && letters && text.front() != '.' && text.back() != '.';
+}
+
+void read_page(TomlSection root, SiteFile& out) {
+  PageSection& page = out.page;
+  page.listen = root.text("listen", page.listen);
+  const Address kind = kind_of_address(page.listen);
+  if (kind == Address::none) {
+    throw InputError(root.place("listen"), root.found("listen"), "a numeric address such as 127.0.0.1 or 192.168.1.30",
+                     "give the address of the network card that people reach, or leave it out");
+  }
+  page.port = static_cast<int>(root.whole("port", page.port, 0, 65535));
+  page.names = root.text_list("names");
+  for (const std::string& name : page.names) {
+    if (is_host_name(name)) continue;
+    throw InputError(root.place("names"), "\"" + name.substr(0, 40) + "\"",
+                     "host names in small letters, such as \"ahu-3.example.org\"", "leave scheme and port out");
+  }
+  page.tls_cert = resolved(root.text("tls_cert", ""), out.path);
+  page.tls_key = resolved(root.text("tls_key", ""), out.path);
+  if (page.tls_cert.empty() != page.tls_key.empty()) {
+    const char* missing = page.tls_cert.empty() ? "tls_cert" : "tls_key";
+    throw InputError(root.place(missing), "nothing", "certificate and key together", "name both PEM files, or none");
+  }
+  if (kind == Address::other && page.tls_cert.empty()) {
+    throw InputError(root.place("listen"), root.found("listen"),
+                     "a loopback address, since without tls_cert and tls_key everybody on the way reads along",
+                     "name both PEM files, or listen on 127.0.0.1 and come by ssh -L");
+  }
+  root.refuse_unknown_keys();
+}
+
 }  // namespace
 
 SiteFile parse_site_text(std::string_view text, const std::string& path, const SiteRules& rules) {
@@ -226,6 +276,7 @@ SiteFile parse_site_text(std::string_view text, const std::string& path, const S
   read_controller(root.section("controller"), out, rules);
   read_modbus(root.section("modbus"), out);
   read_folders(root, out);
+  read_page(root.section("page"), out);
   read_twin(root.section("twin"), out);
   root.refuse_unknown_keys();
   return out;

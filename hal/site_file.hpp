@@ -35,7 +35,7 @@ struct ModbusSection {
   std::string device;     ///< rtu, such as /dev/ttyUSB0
   int baud = 19200;       ///< rtu
   char parity = 'E';      ///< rtu: N, E or O
-  int unit_id = 1;        ///< 0..247
+  int unit_id = 1;        ///< 0..247, rtu: from 1
   double deadline_s = 5;  ///< one exchange is over after so long
   std::string points;     ///< path of the point map, resolved against the site file's folder
 };
@@ -44,6 +44,14 @@ struct TwinSection {
   std::string model;                 ///< path of an epJSON file, or "rc"
   std::vector<std::string> patches;  ///< paths of merge patches, applied in order
   std::string weather;               ///< path of an EPW file, or empty
+};
+
+/// Where `airside-page` listens; without the table, its defaults.
+struct PageSection {
+  std::string listen = "127.0.0.1";  ///< a numeric address; any but a loopback one needs certificate and key
+  int port = 8350;
+  std::vector<std::string> names;  ///< host names that browsers and `airside push` may call it by, in small letters
+  std::string tls_cert, tls_key;   ///< PEM files; both or none
 };
 
 /// A checked site file. Paths are resolved against the folder of the file; "" where none is given.
@@ -82,6 +90,7 @@ struct SiteFile {
   std::string weights_blob;  ///< [weights] blob
   std::string keys_dir;      ///< [weights] keys: whose pushed weights are taken
   std::string inbox_dir;     ///< [inbox] dir
+  PageSection page;
   std::optional<TwinSection> twin;
 };
 

@@ -54,7 +54,11 @@ int StartLedger::record(std::int64_t window_s) {
   }
   const Start now{seconds_of(CLOCK_REALTIME), seconds_of(CLOCK_BOOTTIME)};
   file.start[file.count++] = now;
-  const auto near = [window_s](std::int64_t a, std::int64_t b) { return a >= b && a - b < window_s; };
+  // Unsigned, since the file may hold any number: the difference of two that far apart has no sign bit to spare.
+  const auto near = [window_s](std::int64_t a, std::int64_t b) {
+    return a >= b &&
+           static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b) < static_cast<std::uint64_t>(window_s);
+  };
   int recent = 0;
   for (std::uint64_t i = 0; i < file.count; ++i) {
     const Start& start = file.start[i];

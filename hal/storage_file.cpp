@@ -33,11 +33,24 @@ StoreResult<StorageFile> StorageFile::open(int dir_fd, const char* name, bool cr
   return StorageFile(fd);
 }
 
+StoreResult<StorageFile> StorageFile::open_to_read(int dir_fd, const char* name, const char* step) {
+  const int fd = ::openat(dir_fd, name, O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return failed(step);
+  return StorageFile(fd);
+}
+
 StoreResult<StorageFile> StorageFile::open_dir(const char* path) {
-  if (::mkdir(path, 0750) != 0 && errno != EEXIST && errno != EROFS) return failed("make folder");
+  const bool made = ::mkdir(path, 0750) == 0;
+  if (!made && errno != EEXIST && errno != EROFS) return failed("make folder");
   const int fd = ::open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0) return failed("open folder");
-  return StorageFile(fd);
+  StorageFile folder(fd);
+  if (made) {
+    // A folder whose name is lost takes everything in it along, however often that was synced.
+    const StorageFile parent(::openat(fd, "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (parent.is_open()) (void)::fsync(parent.descriptor());
+  }
+  return folder;
 }
 
 StoreResult<void> StorageFile::write_at(std::span<const std::byte> bytes, std::uint64_t offset,

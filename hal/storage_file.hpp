@@ -20,7 +20,9 @@ class StorageFile {
 
   /// Opens `name` below the folder `dir_fd` for reading and writing, made with mode 0640 if `create`.
   static StoreResult<StorageFile> open(int dir_fd, const char* name, bool create, const char* step);
-  /// Opens the folder `path`, made if its parent exists.
+  /// Opens `name` for reading alone: what a medium that became read-only still gives.
+  static StoreResult<StorageFile> open_to_read(int dir_fd, const char* name, const char* step);
+  /// Opens the folder `path`, made if its parent exists; a new one's name is forced to the medium.
   static StoreResult<StorageFile> open_dir(const char* path);
 
   bool is_open() const { return descriptor_ >= 0; }

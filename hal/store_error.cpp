@@ -16,6 +16,7 @@ const char* remedy_of(StoreFault fault) {
     case StoreFault::other_layout: return "give this site a state folder of its own, or move the old files away";
     case StoreFault::log_shorter: return "the missing rows cannot be restored; the log goes on from here";
     case StoreFault::out_of_order: return "check the clock, or log to an empty folder";
+    case StoreFault::unread: return "load it; it was out of reach at the start";
     case StoreFault::none:
     case StoreFault::wrong_size:
     case StoreFault::row_too_long: break;
@@ -38,6 +39,7 @@ const char* text_of(StoreFault fault) {
     case StoreFault::log_shorter: return "log shorter than committed";
     case StoreFault::out_of_order: return "row not after the last one";
     case StoreFault::row_too_long: return "row too long";
+    case StoreFault::unread: return "older state not read yet";
   }
   return "unknown";
 }

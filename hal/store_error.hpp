@@ -19,6 +19,7 @@ enum class StoreFault : std::uint8_t {
   log_shorter = 8,    ///< the log ends before the committed position: rows were lost
   out_of_order = 9,   ///< a row is not after the last one
   row_too_long = 10,  ///< a row does not fit the buffer
+  unread = 11,        ///< state stands there that could not be read when it was asked for: load it before committing
 };
 
 /// A fault, the errno behind it (0 where there is none) and what was being done.

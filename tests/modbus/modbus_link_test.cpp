@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
+#include <functional>
 #include <thread>
 
 #include "hal/input_error.hpp"
@@ -235,6 +236,14 @@ TEST(ModbusLink, RequestsOutsideModbusNeverReachTheBus) {
   EXPECT_TRUE(bad(link.read(3, 0, many)));
   EXPECT_TRUE(bad(link.read(3, 0, {})));
   EXPECT_TRUE(bad(link.read(7, 0, {many.data(), 1})));
+  EXPECT_TRUE(bad(link.read(0, 0, {many.data(), 1})));
+  EXPECT_TRUE(bad(link.read(3, -1, {many.data(), 1})));
+  std::array<std::uint16_t, 2001> bits{};
+  EXPECT_TRUE(bad(link.read(1, 0, bits)));
+  EXPECT_TRUE(bad(link.read(2, 0, bits)));
+  EXPECT_TRUE(bad(link.write(6, -1, {many.data(), 1})));
+  EXPECT_TRUE(bad(link.write(16, 0, {})));
+  EXPECT_TRUE(bad(link.write(16, 65535, {many.data(), 2})));
   EXPECT_TRUE(bad(link.read(3, 65536, {many.data(), 1})));
   EXPECT_TRUE(bad(link.read(4, 65535, {many.data(), 2})));
   EXPECT_TRUE(bad(link.write(6, 0, {many.data(), 2})));
@@ -249,6 +258,26 @@ TEST(ModbusLink, BadSettingsAreRefused) {
   EXPECT_THROW(ModbusLink{tcp_settings(0)}, InputError);
   EXPECT_THROW((ModbusLink{tcp_settings(502, 11)}), InputError);
   EXPECT_THROW((ModbusLink{tcp_settings(502, 0)}), InputError);
+  EXPECT_THROW(ModbusLink{tcp_settings(65536)}, InputError);
+  const auto refused = [](const std::function<void(LinkSettings&)>& change) {
+    LinkSettings changed = tcp_settings(502);
+    change(changed);
+    EXPECT_THROW(ModbusLink{changed}, InputError);
+  };
+  refused([](LinkSettings& s) { s.unit = -1; });
+  refused([](LinkSettings& s) { s.unit = 256; });
+  refused([](LinkSettings& s) { s.backoff_first_s = -1; });
+  refused([](LinkSettings& s) { s.backoff_first_s = 2, s.backoff_max_s = 1; });
+  refused([](LinkSettings& s) { s.backoff_max_s = 3601; });
+  const auto serial = [&](const SerialAddress& address, int unit = 1) {
+    refused([&](LinkSettings& s) { s.address = address, s.unit = unit; });
+  };
+  serial({"/dev/ttyS0", 19200, 'E', 8, 1}, 0);
+  serial({"/dev/ttyS0", 19200, 'E', 8, 1}, 248);
+  serial({"/dev/ttyS0", 1199, 'E', 8, 1});
+  serial({"/dev/ttyS0", 921601, 'E', 8, 1});
+  serial({"/dev/ttyS0", 19200, 'E', 7, 1});
+  serial({"/dev/ttyS0", 19200, 'E', 8, 3});
   LinkSettings settings = tcp_settings(502);
   settings.address = TcpAddress{"no such host.invalid", 502};
   EXPECT_THROW(ModbusLink{settings}, InputError);
@@ -256,6 +285,92 @@ TEST(ModbusLink, BadSettingsAreRefused) {
   EXPECT_THROW(ModbusLink{settings}, InputError);
   settings.address = SerialAddress{"/dev/ttyS0", 19200, 'X', 8, 1};
   EXPECT_THROW(ModbusLink{settings}, InputError);
+}
+
+TEST(ModbusLink, GoodSettingsOfEveryKindAreTaken) {
+  for (const char parity : {'N', 'E', 'O'}) {
+    for (const int stop_bits : {1, 2}) {
+      for (const int baud : {9600, 115200}) {
+        LinkSettings settings = tcp_settings(502);
+        settings.address = SerialAddress{"/dev/airside-none", baud, parity, 8, stop_bits};
+        settings.backoff_first_s = 0;
+        ModbusLink link(settings);
+        std::array<std::uint16_t, 1> value{};
+        EXPECT_EQ(link.read(3, 0, value).error().error, LinkError::connect_failed) << "no such device";
+      }
+    }
+  }
+  LinkSettings settings = tcp_settings(9);
+  settings.address = TcpAddress{"::1", 9};
+  ModbusLink link(settings);
+  EXPECT_EQ(link.description(), "::1:9 unit 1");
+  std::array<std::uint16_t, 1> value{};
+  EXPECT_EQ(link.read(3, 0, value).error().error, LinkError::connect_failed);
+}
+
+TEST(ModbusLink, ADeadlineThatIsAlreadyOverConnectsToNobody) {
+  ModbusLink link(tcp_settings(1, 1e-9));
+  std::array<std::uint16_t, 1> value{};
+  EXPECT_EQ(link.read(3, 0, value).error().error, LinkError::timed_out);
+  EXPECT_EQ(link.counters().connects, 0u);
+}
+
+TEST(ModbusLink, ASlowBusyDeviceIsNotAskedAgainBehindTheDeadline) {
+  std::atomic<int> requests{0};
+  const HostilePeer peer([&](HostilePeer& p, int fd) {
+    for (Bytes request = p.request(fd); !request.empty(); request = p.request(fd)) {
+      ++requests;
+      p.pause(0.28);
+      p.send(fd, {request[0], request[1], 0, 0, 0, 3, request[6], 0x83, 6});
+    }
+  });
+  ModbusLink link(tcp_settings(peer.port(), 0.8));
+  std::array<std::uint16_t, 1> value{};
+  const std::int64_t start = monotonic_ns();
+  const auto read = link.read(3, 0, value);
+  EXPECT_LT(seconds_since(start), 0.8 + slack_s);
+  ASSERT_FALSE(read);
+  EXPECT_LT(requests, 4) << "there was no time for all three repetitions";
+}
+
+TEST(ModbusLink, AWriteOnADroppedConnectionIsNotRepeated) {
+  std::atomic<int> writes{0};
+  const HostilePeer peer([&](HostilePeer& p, int fd) {
+    for (Bytes request = p.request(fd); !request.empty(); request = p.request(fd)) {
+      if (request[7] != 3) {
+        ++writes;
+        return;  // hangs up on the write
+      }
+      p.send(fd, honest_answer(request));
+    }
+  });
+  ModbusLink link(tcp_settings(peer.port()));
+  std::array<std::uint16_t, 1> value{};
+  ASSERT_TRUE(link.read(3, 0, value));
+  const auto written = link.write(6, 0, value);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().error, LinkError::closed_by_peer);
+  EXPECT_EQ(writes, 1) << "nothing is written on a connection whose device was not read again";
+}
+
+TEST(ModbusLink, ADeviceThatHasAcknowledgedIsAskedAgain) {
+  std::atomic<int> requests{0};
+  const HostilePeer peer([&](HostilePeer& p, int fd) {
+    for (Bytes r = p.request(fd); !r.empty(); r = p.request(fd)) {
+      const bool later = ++requests < 3;
+      p.send(fd, later ? Bytes{r[0], r[1], 0, 0, 0, 3, r[6], static_cast<std::uint8_t>(r[7] | 0x80), 5}
+                       : Bytes{r[0], r[1], 0, 0, 0, 6, r[6], r[7], r[8], r[9], r[10], r[11]});
+    }
+  });
+  ModbusLink link(tcp_settings(peer.port()));
+  const std::array<std::uint16_t, 1> off = {0};
+  EXPECT_TRUE(link.write(5, 3, off)) << "acknowledged twice, done the third time";
+  EXPECT_EQ(requests, 3);
+  requests = -100;
+  const auto never = link.write(5, 3, off);
+  ASSERT_FALSE(never);
+  EXPECT_EQ(never.error().exception, 5);
+  EXPECT_EQ(link.backoff_left_s(), 0.0) << "it is there";
 }
 
 }  // namespace

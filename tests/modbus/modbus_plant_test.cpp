@@ -239,6 +239,8 @@ TEST(ModbusPlant, SilentDeviceHeartbeatAgesEverySignal) {
 TEST(ModbusPlant, BeatsUntilItStops) {
   Bench bench(five_zone_map());
   bench.served.start();
+  EXPECT_FALSE(bench.plant.beat()) << "nothing is written before the device was read";
+  ASSERT_TRUE(bench.plant.sense());
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(bench.plant.beat());
   bench.served.stop();
   EXPECT_EQ(bench.served.server().get("heartbeat"), 3.0);

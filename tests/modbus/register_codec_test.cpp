@@ -116,6 +116,7 @@ TEST(RegisterCodec, NonsenseNeverBecomesANumber) {
   EXPECT_EQ(encode(p, 1e9).error(), Fault::out_of_range);
   EXPECT_EQ(encode(p, -0.01).error(), Fault::out_of_range) << "it would read back as the sentinel 0xFFFF";
   EXPECT_TRUE(std::isnan(rounded(p, 50.0)));
+  EXPECT_TRUE(std::isnan(rounded(p, std::numeric_limits<double>::quiet_NaN())));
 }
 
 TEST(RegisterCodec, FloatNanAndInfinityAreRefused) {
@@ -139,6 +140,45 @@ TEST(RegisterCodec, InvalidRegistersDecodeAsInvalid) {
       EXPECT_FALSE(decode(p, invalid_registers(p).used()));
     }
   }
+}
+
+TEST(RegisterCodec, ABitIsZeroOrOneAndNothingElse) {
+  for (const PointType type : {PointType::coil, PointType::discrete}) {
+    Point p = make_point(type, Endian::little, Endian::little);
+    EXPECT_EQ(encode(p, 1.0)->word[0], 1) << "a bit has no byte order";
+    EXPECT_EQ(encode(p, 0.2)->word[0], 0);
+    EXPECT_EQ(encode(p, 2.0).error(), Fault::out_of_range);
+    EXPECT_EQ(encode(p, -1.0).error(), Fault::out_of_range);
+    const std::array<std::uint16_t, 2> words = {1, 0};
+    EXPECT_EQ(decode(p, std::span(words).first(1)), 1.0);
+    EXPECT_EQ(decode(p, std::span(words).last(1)), 0.0);
+    EXPECT_EQ(invalid_registers(p).word[0], 0);
+  }
+}
+
+TEST(RegisterCodec, NumbersThatTheTypeCannotHoldAreRefusedAtBothEnds) {
+  const auto refused = [](PointType type, double value) {
+    EXPECT_EQ(encode(make_point(type), value).error(), Fault::out_of_range) << static_cast<int>(type) << " " << value;
+  };
+  refused(PointType::int16, -32769);
+  refused(PointType::int16, 32768);
+  refused(PointType::uint16, -1);
+  refused(PointType::uint16, 65536);
+  refused(PointType::int32, -2147483649.0);
+  refused(PointType::int32, 2147483648.0);
+  refused(PointType::uint32, -1);
+  refused(PointType::uint32, 4294967296.0);
+  Point tiny = make_point(PointType::float32);
+  tiny.scale = 1e-300;
+  EXPECT_EQ(encode(tiny, 1e20).error(), Fault::out_of_range) << "raw is no number any more";
+}
+
+TEST(RegisterCodec, ATypeOutsideTheTableHoldsNothing) {
+  const Point p = make_point(static_cast<PointType>(77));
+  EXPECT_EQ(encode(p, 1).error(), Fault::out_of_range);
+  const std::array<std::uint16_t, 2> words = {1, 2};
+  EXPECT_EQ(decode(p, words).error(), Fault::not_finite);
+  EXPECT_EQ(invalid_registers(p).word[0], 0);
 }
 
 }  // namespace
