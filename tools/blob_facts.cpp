@@ -100,12 +100,14 @@ ValueStatistics statistics_of(std::span<const float> values) {
   return s;
 }
 
-BlobFacts read_blob_facts(const std::string& path) {
-  const std::vector<std::byte> file = hal::read_blob_file(path);
+BlobFacts read_blob_facts(const std::string& path) { return facts_of_blob(hal::read_blob_file(path), path); }
+
+BlobFacts facts_of_blob(std::span<const std::byte> file, const std::string& path) {
   BlobFacts out;
   out.path = path;
   out.bytes = file.size();
   out.digest = fmt::format("{:08x}", crc32c(file));
+  if (file.size() < sizeof out.header) hal::throw_blob_error({Fault::blob_truncated, "header"}, path);
   std::memcpy(&out.header, file.data(), sizeof out.header);
   const BlobHeader& header = out.header;
   if (header.magic != BlobHeader{}.magic) hal::throw_blob_error({Fault::blob_magic, "magic"}, path);
@@ -125,7 +127,7 @@ BlobFacts read_blob_facts(const std::string& path) {
   const std::size_t payload = std::min<std::size_t>(header.payload_bytes, file.size() - sizeof header);
   std::uint32_t crc = 0;
   std::memcpy(&crc, header.digest.data(), sizeof crc);
-  const auto body = std::span(file).subspan(sizeof header, payload);
+  const auto body = file.subspan(sizeof header, payload);
   // The checksum is the same for every topology; any one that is compiled in will do.
   for_each_topology(
       [&]<class T>(T) { out.digest_ok = payload == header.payload_bytes && crc == blob_digest(header, body); });

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,8 @@ struct BlobFacts {
 /// Reads a blob for looking at.
 /// Errors: hal::InputError for a file that cannot be read or is no blob at all; any other fault goes to `refusal`.
 BlobFacts read_blob_facts(const std::string& path);
+/// The same for bytes that came from `place`.
+BlobFacts facts_of_blob(std::span<const std::byte> file, const std::string& place);
 
 /// The header's text fields.
 std::string scope_text(const BlobHeader& header);  ///< "any site" where there is none

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 
 #include "tools/metrics.hpp"
@@ -12,6 +13,7 @@
 
 namespace airside::tools {
 
+void add_chaos(CLI::App& app);
 void add_check(CLI::App& app);
 void add_init(CLI::App& app);
 void add_pretrain(CLI::App& app);
@@ -23,8 +25,15 @@ void add_blob(CLI::App& app);
 void add_report(CLI::App& app);
 void add_footprint(CLI::App& app);
 void add_status(CLI::App& app);
+void add_probe(CLI::App& app);
 void add_gap(CLI::App& app);
-void add_weights(CLI::App& app);
+void add_pull(CLI::App& app);
+
+/// Sends a blob to a web address, with certificates to trust; returns what is to be told of it.
+using SendBlob = nlohmann::json (*)(const std::string& address, std::span<const std::byte> blob, const std::string& ca);
+nlohmann::json send_over_http(const std::string& address, std::span<const std::byte> blob, const std::string& ca);
+/// `over_http`: none on the box, which has its inbox at hand.
+void add_weights(CLI::App& app, SendBlob over_http = nullptr);
 
 /// --site, --preset and --topology, shared by all commands on a room.
 struct SiteOptions {

@@ -2,20 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <optional>
 
-#include "airside/signals.hpp"
 #include "hal/civil_text.hpp"
 #include "hal/input_error.hpp"
 #include "hal/modbus_server.hpp"
-#include "hal/modbus_wire.hpp"
-#include "hal/register_codec.hpp"
-#include "sim/simulated_plant.hpp"
+#include "sim/faulty_model.hpp"
 #include "tools/command.hpp"
 #include "tools/plant_choice.hpp"
+#include "tools/served_plant.hpp"
 
 namespace airside::tools {
 
@@ -24,83 +20,17 @@ namespace {
 volatile std::sig_atomic_t stop_requested = 0;
 extern "C" void request_serve_stop(int) { stop_requested = 1; }
 
-/// A plant behind registers. In lockstep the plant moves only when a client asks by clock_advance_s; with a speed it
-/// runs so many times faster than the wall clock.
-class ServedPlant {
- public:
-  ServedPlant(const Site& site, sim::PlantModel& model, hal::ModbusServer& server, double speed, CivilTime end)
-      : site_(site),
-        model_(model),
-        server_(server),
-        speed_(speed),
-        end_(end),
-        began_(model.time()),
-        began_ns_(hal::monotonic_ns()) {
-    server_.on_write([this](const hal::Point& point, double value) { return write(point, value); });
-    publish();
-  }
-
-  /// Moves the plant as far as it may go now.
-  void step() {
-    CivilTime t = wanted_;
-    if (speed_ > 0) {
-      const double real_s = static_cast<double>(hal::monotonic_ns() - began_ns_) * 1e-9;
-      t.seconds = began_.seconds + static_cast<std::int64_t>(real_s * speed_);
-    }
-    constexpr std::int64_t step_s = 180;
-    t.seconds = std::min(t.seconds, end_.seconds);
-    const CivilTime reach{model_.time().seconds + (t.seconds - model_.time().seconds) / step_s * step_s};
-    if (reach > model_.time()) {
-      model_.advance_to(reach);
-      publish();
-    }
-  }
-  bool ended() const { return model_.time() >= end_; }
-
- private:
-  double write(const hal::Point& point, double value) {
-    const double taken = std::clamp(value, point.min, point.max);
-    if (point.name == "setpoint") {
-      model_.set_setpoint(hal::rounded(point, taken));
-    } else if (point.name == "clock_advance_s") {
-      wanted_.seconds = std::max(wanted_.seconds, hal::clock_epoch.seconds + static_cast<std::int64_t>(taken));
-      if (speed_ <= 0) step();
-    }
-    return taken;
-  }
-
-  void publish() {
-    const sim::Sensors& s = model_.sensors();
-    for (int i = 0; i < site_.counts.signals(); ++i) {
-      const SignalId id = site_.counts.signal(i);
-      server_.set(hal::point_name(id), sim::sensor_value(s, id));
-    }
-    server_.set("setpoint", s.setpoint_degc);
-    if (server_.map().find("supply_temp") != nullptr) server_.set("supply_temp", s.supply_temp_degc);
-    if (server_.map().find("clock_s") != nullptr) {
-      server_.set("clock_s", static_cast<double>(model_.time().seconds - hal::clock_epoch.seconds));
-    }
-  }
-
-  const Site& site_;
-  sim::PlantModel& model_;
-  hal::ModbusServer& server_;
-  double speed_;
-  CivilTime end_, began_;
-  std::int64_t began_ns_;
-  CivilTime wanted_;
-};
-
 struct ServeCommand {
   SiteOptions site;
   PlantChoice plant;
   int expert_days = 0, days = 31;
   int port = -1;
-  std::string listen = "127.0.0.1", pty, ready_file;
+  std::string listen = "127.0.0.1", pty, ready_file, faults;
   double speed = 0;
 
   void run() const {
     const Site s = make_site(site);
+    const sim::FaultScript script = faults.empty() ? sim::FaultScript{} : sim::read_fault_script(faults, s.counts);
     const auto model = make_plant(plant, s, expert_days + days);
     const CivilTime start = start_of(plant);
     const CivilTime open{start.seconds + expert_days * std::int64_t{86400}};
@@ -121,7 +51,8 @@ struct ServeCommand {
     }
     if (s.file.modbus) settings.unit = s.file.modbus->unit_id;
     hal::ModbusServer server(s.points, settings);
-    ServedPlant served(s, *model, server, speed, CivilTime{open.seconds + days * std::int64_t{86400}});
+    sim::FaultyModel faulty(*model, script);
+    ServedPlant served(s, faulty, server, speed, CivilTime{open.seconds + days * std::int64_t{86400}});
     std::signal(SIGTERM, request_serve_stop);
     std::signal(SIGINT, request_serve_stop);
     const std::string where = pty.empty() ? fmt::format("{}:{}", listen, server.port()) : pty;
@@ -161,6 +92,9 @@ void add_serve(CLI::App& app) {
   c->add_option("--port", self->port, "TCP port, 0 for any (default: the site's)")->check(CLI::Range(0, 65535));
   c->add_option("--listen", self->listen, "address to listen on")->capture_default_str();
   c->add_option("--pty", self->pty, "serve RTU on a pseudo-terminal with this symlink");
+  c->add_option(
+      "--faults", self->faults,
+      "CSV of faults of sensors and AHU, hours from the opening (FORMATS.md, \"Faults of a simulated room\")");
   c->add_option("--speed", self->speed, "run freely, so many times real time")->check(CLI::Range(0.0, 1e6));
   c->add_option("--ready", self->ready_file, "write the address to this file once the server answers");
   c->callback([self] { self->run(); });

@@ -24,7 +24,7 @@ struct SimulateCommand {
   SiteOptions site;
   PlantChoice plant;
   int expert_days = 5, days = 14, steps = 3000;
-  std::string method = "ours", weights, history, log, history_log, report;
+  std::string method = "ours", weights, history, log, history_log, report, faults;
   std::vector<std::string> compare;
   bool transfer = false, json = false;
 
@@ -34,6 +34,7 @@ struct SimulateCommand {
     if (!history.empty()) text += " --history " + history;
     if (!weights.empty()) text += " --weights " + weights;
     if (transfer) text += fmt::format(" --transfer --steps {}", steps);
+    if (!faults.empty()) text += " --faults " + faults;
     if (!compare.empty()) text += fmt::format(" --compare {}", fmt::join(compare, ","));
     return text;
   }
@@ -53,6 +54,7 @@ struct SimulateCommand {
   void run() const {
     Trial trial{make_site(site), plant, expert_days, days};
     trial.site.file.seed = plant.seed;
+    if (!faults.empty()) trial.faults = sim::read_fault_script(faults, trial.site.counts);
     if (site.path.empty()) trial.site.file.name = "Room " + plant.room;  // "built-in" says nothing in a report
     const bool engine = is_energyplus(plant, trial.site);
     bool ours = method == "ours";
@@ -135,6 +137,8 @@ void add_simulate(CLI::App& app) {
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   c->add_option("--history", self->history, "log whose rows are remembered instead of the simulated schedule days");
+  c->add_option("--faults", self->faults,
+                "CSV of faults of sensors and AHU in the controlled days (FORMATS.md, \"Faults of a simulated room\")");
   c->add_option("--compare", self->compare, "further methods on the same days, comma-separated")->delimiter(',');
   c->add_option("--log", self->log, "CSV of the controlled rows");
   c->add_option("--history-log", self->history_log, "CSV of the schedule days' rows");

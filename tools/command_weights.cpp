@@ -9,6 +9,7 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <optional>
 
 #include "hal/atomic_file.hpp"
 #include "hal/blob_file.hpp"
@@ -66,14 +67,29 @@ struct KeygenCommand {
 
 struct SignCommand {
   std::string blob, key, out;
+  std::optional<std::string> scope;
   std::uint64_t counter = 0;
   bool json = false;
+
+  /// For which site the blob is; weights from a box or a twin are for any.
+  void set_scope(std::span<std::byte> bytes) const {
+    BlobHeader header;
+    std::memcpy(&header, bytes.data(), sizeof header);
+    if (scope->size() > header.site_scope.size()) {
+      throw hal::InputError("--scope", fmt::format("{} bytes", scope->size()),
+                            fmt::format("at most {}", header.site_scope.size()), "shorten [site] scope of the box");
+    }
+    header.site_scope = {};
+    scope->copy(header.site_scope.data(), header.site_scope.size());
+    std::memcpy(bytes.data(), &header, sizeof header);
+  }
 
   void run() const {
     std::vector<std::byte> bytes = hal::read_blob_file(blob);
     const hal::SecretKey secret = hal::read_secret_key(key);
     // Seconds since 1970 rise by themselves on every host that signs; a box takes only what is newer.
     const std::uint64_t count = counter != 0 ? counter : static_cast<std::uint64_t>(std::time(nullptr));
+    if (scope) set_scope(bytes);
     hal::sign_blob(bytes, secret, count);
     const std::string path = out.empty() ? blob : out;
     hal::write_blob_file(path, bytes);
@@ -100,7 +116,7 @@ void drop(const std::string& target, const std::string& name, std::span<const st
   std::error_code error;
   if (!fs::is_directory(inbox, error)) {
     throw hal::InputError(inbox, error ? error.message() : "no folder", "the inbox of a box, or a copy of it to carry",
-                          "give the folder of [inbox] dir in its site file, or that site file");
+                          "give the folder of [inbox] dir in its site file, that site file, or http://HOST:PORT");
   }
   const hal::StoreResult<void> written = hal::write_file_atomically((fs::path(inbox) / name).string(), bytes);
   if (!written) {
@@ -110,7 +126,8 @@ void drop(const std::string& target, const std::string& name, std::span<const st
 }
 
 struct PushCommand {
-  std::string blob, target;
+  std::string blob, target, ca;
+  SendBlob over_http = nullptr;
   bool json = false;
 
   void run() const {
@@ -120,6 +137,17 @@ struct PushCommand {
     if (header.key_id == hal::KeyId{}) {
       throw hal::InputError(blob + ": key_id", "an unsigned blob", "a signed one, since boxes take no other",
                             "airside sign " + blob + " --key YOUR.key");
+    }
+    if (over_http != nullptr && (target.starts_with("http://") || target.starts_with("https://"))) {
+      nlohmann::json sent = over_http(target, bytes, ca);
+      sent["blob"] = blob;
+      if (json) {
+        fmt::print("{}\n", sent.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+      } else {
+        fmt::print("{} ({} bytes) lies in the inbox behind {}: {}\n", blob, bytes.size(), target,
+                   sent["said"].get<std::string>());
+      }
+      return;
     }
     drop(target, hal::Mailbox::blob_name, bytes);
     if (json) {
@@ -163,7 +191,7 @@ void add_wish(CLI::App& app, const char* name, std::string_view wish, const char
 
 }  // namespace
 
-void add_weights(CLI::App& app) {
+void add_weights(CLI::App& app, SendBlob over_http) {
   auto keygen = std::make_shared<KeygenCommand>();
   CLI::App* k = app.add_subcommand("keygen", "make a pair of keys: one signs weights, the other lets boxes know them");
   k->add_option("-o,--out", keygen->out, "NAME.key and NAME.pub are written")->capture_default_str();
@@ -176,6 +204,8 @@ void add_weights(CLI::App& app) {
   s->add_option("blob", sign->blob, "the blob")->required();
   s->add_option("--key", sign->key, "secret key that `airside keygen` made")->required();
   s->add_option("-o,--out", sign->out, "signed blob (default: the blob itself)");
+  s->add_option("--scope", sign->scope,
+                "the one site that shall take it, by its [site] scope; \"\" for any (default: as it is)");
   s->add_option("--counter", sign->counter, "must rise from blob to blob (default: seconds since 1970)");
   s->add_flag("--json", sign->json, json_help);
   s->callback([sign] { sign->run(); });
@@ -183,7 +213,15 @@ void add_weights(CLI::App& app) {
   auto push = std::make_shared<PushCommand>();
   CLI::App* p = app.add_subcommand("push", "give a signed weight blob to a box");
   p->add_option("blob", push->blob, "a signed blob")->required();
-  p->add_option("target", push->target, target_help)->required();
+  p->add_option("target", push->target,
+                over_http != nullptr
+                    ? "the box's inbox folder, its site file, or http(s)://HOST:PORT of its airside-page"
+                    : target_help)
+      ->required();
+  if (over_http != nullptr) {
+    p->add_option("--ca", push->ca, "PEM file of the certificates to trust, such as the box's own");
+  }
+  push->over_http = over_http;
   p->add_flag("--json", push->json, json_help);
   p->callback([push] { push->run(); });
 

@@ -2,6 +2,7 @@
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Ceres REQUIRED)
+find_package(CURL REQUIRED)
 file(GLOB AIRSIDE_TOOLS_SOURCES CONFIGURE_DEPENDS
   ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp
   ${CMAKE_CURRENT_SOURCE_DIR}/baselines/*.cpp
@@ -24,7 +25,7 @@ add_custom_command(
 
 add_library(airside_tools STATIC ${AIRSIDE_TOOLS_SOURCES} ${page_parts})
 target_include_directories(airside_tools PUBLIC ${PROJECT_SOURCE_DIR})
-target_link_libraries(airside_tools PUBLIC airside_sim nlohmann_json::nlohmann_json fmt::fmt PRIVATE Ceres::ceres)
+target_link_libraries(airside_tools PUBLIC airside_sim nlohmann_json::nlohmann_json fmt::fmt PRIVATE Ceres::ceres CURL::libcurl)
 target_precompile_headers(airside_tools REUSE_FROM airside_precompiled_host)
 # Ceres brings glog's macros; they must not reach other files of a unity build.
 set_source_files_properties(${CMAKE_CURRENT_SOURCE_DIR}/gap/parameter_fit.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)

@@ -24,12 +24,15 @@ int main(int argc, char** argv) {
   tools::add_transfer(app);
   tools::add_simulate(app);
   tools::add_serve(app);
+  tools::add_chaos(app);
   tools::add_study(app);
   tools::add_blob(app);
   tools::add_report(app);
   tools::add_footprint(app);
+  tools::add_probe(app);
   tools::add_status(app);
-  tools::add_weights(app);
+  tools::add_weights(app, tools::send_over_http);
+  tools::add_pull(app);
   tools::add_gap(app);
   try {
     app.parse(argc, argv);

@@ -31,6 +31,10 @@ Prepared prepare(const Trial& trial, const OnProgress& progress) {
   const CivilTime begin{start + trial.expert_days * std::int64_t{86400}};
   out.until = {begin.seconds + trial.days * std::int64_t{86400}};
   if (trial.expert_days > 0) out.history = run_schedule(trial.site, *out.model, begin, progress).rows;
+  if (!trial.faults.empty()) {
+    out.model->advance_to(begin);
+    out.faulty = std::make_unique<sim::FaultyModel>(*out.model, trial.faults);
+  }
   return out;
 }
 
@@ -43,14 +47,14 @@ ControlRun run_ours(const Trial& trial, Prepared& prepared, const OurWeights& we
     options.provenance = "fine-tuned in a trial: " + command_text(trial.plant, trial.site);
     blob = fine_tune(trial.site, weights.blob, prepared.history, options);
   }
-  return run_controller(trial.site, *prepared.model, blob, prepared.history, prepared.until, trial.site.file.seed,
+  return run_controller(trial.site, prepared.room(), blob, prepared.history, prepared.until, trial.site.file.seed,
                         progress);
 }
 
 ControlRun run_method(const Trial& trial, Prepared& prepared, const std::string& name, const OnProgress& progress) {
   if (!name.starts_with("floor-")) {
     const auto baseline = make_baseline(name, trial.site.settings);
-    return run_baseline(trial.site, *prepared.model, *baseline, prepared.history, prepared.until, progress);
+    return run_baseline(trial.site, prepared.room(), *baseline, prepared.history, prepared.until, progress);
   }
   const ControllerSettings& s = trial.site.settings;
   const double target = s.target_degc, low = s.action_min_degc, high = s.action_max_degc;

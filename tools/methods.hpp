@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/faulty_model.hpp"
 #include "tools/plant_choice.hpp"
 #include "tools/session.hpp"
 
@@ -18,6 +19,7 @@ struct Trial {
   PlantChoice plant;
   int expert_days = 5;
   int days = 14;
+  sim::FaultScript faults = {};  ///< in the controlled days
 };
 
 /// Names that run_method knows beside baseline_names(): floors that need the plant's own future.
@@ -31,8 +33,12 @@ void check_method(const std::string& option, const std::string& name, bool energ
 /// A made plant that has run the schedule's days.
 struct Prepared {
   std::unique_ptr<sim::PlantModel> model;
+  std::unique_ptr<sim::FaultyModel> faulty;  ///< before the model, where the trial has faults
   std::vector<hal::LogRow> history;
   CivilTime until;
+
+  /// What a method controls.
+  sim::PlantModel& room() { return faulty ? *faulty : *model; }
 };
 Prepared prepare(const Trial& trial, const OnProgress& progress = {});
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <numeric>
 
 #include "airside/controller_instances.hpp"
 #include "airside/cycle.hpp"
@@ -26,8 +27,12 @@ using Payload = BlobPayload<T, NetworkWeights<T, float>::count>;
 /// Rows of a run, as the loop makes them.
 class Recorder {
  public:
-  Recorder(const Site& site, CivilTime from, CivilTime until, const OnProgress& progress)
-      : blank_(hal::make_log_row(site.counts)), from_(from), until_(until), progress_(progress) {}
+  Recorder(const Site& site, const sim::PlantModel& model, CivilTime until, const OnProgress& progress)
+      : blank_(hal::make_log_row(site.counts)),
+        model_(model),
+        from_(next_row(model.time())),
+        until_(until),
+        progress_(progress) {}
 
   template <Topology T>
   void add(CivilTime t, const Expected<Reading<T>>& sensed, const Decision& decision, double setpoint_degc) {
@@ -38,9 +43,16 @@ class Recorder {
     const auto value = row.value.begin();
     double power = 0;
     for (int i = 0; i < T::powers; ++i) power += value[L::power + i];
+    CycleSample sample{t, 0, {value, value + L::rooms}, setpoint_degc};
+    if (&model_.truth() != &model_) {
+      // Scores are about the room, not about what broken sensors say of it.
+      const sim::Sensors& room = model_.truth().sensors();
+      power = std::accumulate(room.power_kw.begin(), room.power_kw.end(), 0.0);
+      sample.room_temp_degc = room.room_temp_degc;
+      sample.setpoint_degc = room.setpoint_degc;
+    }
     run.energy.push_back({t, power});
     if (starts_cycle(t)) {
-      CycleSample sample{t, 0, {value, value + L::rooms}, setpoint_degc};
       for (const double s : sample.room_temp_degc) sample.room_mean_degc += s / L::rooms;
       run.cycles.push_back(std::move(sample));
     }
@@ -54,6 +66,7 @@ class Recorder {
 
  private:
   hal::LogRow blank_;
+  const sim::PlantModel& model_;
   CivilTime from_, until_;
   const OnProgress& progress_;
 };
@@ -113,7 +126,7 @@ ControlRun run_chooser(const Site& site, sim::PlantModel& model, CivilTime until
   sim::SimulatedPlant<T> plant(model, site.points);
   sim::SimulatedClock clock(model);
   const CivilTime from = next_row(model.time());
-  Recorder recorder(site, from, until, progress);
+  Recorder recorder(site, model, until, progress);
   Chooser<T> chooser(site.settings, std::move(choose));
   ChooserSink<T> sink{recorder};
   run_cycles<T>(plant, clock, chooser, sink, from, until);
@@ -176,7 +189,7 @@ ControlRun control(const Site& site, sim::PlantModel& model, Controller<T>& cont
   sim::SimulatedPlant<T> plant(model, site.points);
   sim::SimulatedClock clock(model);
   const CivilTime from = next_row(model.time());
-  Recorder recorder(site, from, until, progress);
+  Recorder recorder(site, model, until, progress);
   ControllerSink<T> sink{recorder};
   run_cycles<T>(plant, clock, controller, sink, from, until);
   (void)clock.sleep_until(until);  // where the next run begins: no row stands twice
