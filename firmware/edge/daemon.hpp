@@ -18,8 +18,9 @@ struct EdgeOptions {
   hal::Sync sync = hal::Sync::full;
   std::optional<CivilTime> until;  ///< stop there; for tests and demos
   double backoff_first_s = 1.0;
-  double stall_s = 120.0;  ///< a simulated plant's clock may stand still for so long
-  int crash_limit = 3;     ///< so many starts within ten minutes are a crash loop; 0: never
+  double stall_s = 120.0;    ///< a simulated plant's clock may stand still for so long
+  double clock_speed = 1.0;  ///< of the system clock, for measurements beside `airside serve --speed`
+  int crash_limit = 3;       ///< so many starts within ten minutes are a crash loop; 0: never
 };
 
 class Daemon {

@@ -14,6 +14,7 @@ hal::LinkSettings link_settings(const hal::ModbusSection& modbus, const EdgeOpti
   settings.unit = modbus.unit_id;
   settings.exchange_deadline_s = modbus.deadline_s;
   settings.backoff_first_s = options.backoff_first_s;
+  settings.backoff_max_s = std::max(settings.backoff_max_s, settings.backoff_first_s);
   return settings;
 }
 

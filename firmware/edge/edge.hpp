@@ -16,6 +16,7 @@
 #include "firmware/edge/daemon.hpp"
 #include "firmware/edge/say.hpp"
 #include "firmware/edge/status_snapshot.hpp"
+#include "firmware/edge/weights_export.hpp"
 #include "firmware/edge/weights_trial.hpp"
 #include "hal/blob_file.hpp"
 #include "hal/civil_text.hpp"
@@ -50,6 +51,9 @@ struct RowRecord {
 
 template <Topology T>
 class Edge final : public Daemon {
+  using Learning = LearningState<T, float>;
+  using Ring = ReplayRing<T, float>;
+
  public:
   Edge(const hal::SiteFile& site, const hal::PointMap& points, const EdgeOptions& options, hal::StopFlag stop)
       : site_(site),
@@ -57,12 +61,13 @@ class Edge final : public Daemon {
         options_(options),
         stop_(stop),
         link_(link_settings(*site.modbus, options)),
-        plant_(points, link_, {}),
-        system_clock_(stop),
+        plant_(points, link_, {.utc_offset_s = std::nullopt, .clock_speed = options.clock_speed}),
+        system_clock_(stop, std::nullopt, options.clock_speed),
         controller_(std::make_unique<Controller<T>>()),
         log_row_(hal::make_log_row(hal::counts_of<T>())),
         starts_(site.state_dir, options.sync),
-        trial_(site.keys_dir, site.inbox_dir, site.state_dir, layout().meaning, options.sync, site.scope) {
+        trial_(site.keys_dir, site.inbox_dir, site.state_dir, layout().meaning, options.sync, site.scope),
+        export_(site.state_dir, site.name, options.sync) {
     controller_->configure(hal::controller_settings(site), limits_, hal::box_kernels(), site.seed);
     if (site.clock == hal::ClockSource::plant) plant_clock_.emplace(points, link_, stop, options.stall_s);
     for (int i = 0; i < Layout<T>::signals; ++i) names_[static_cast<std::size_t>(i)] = hal::point_name(signal_id<T>(i));
@@ -76,6 +81,8 @@ class Edge final : public Daemon {
     open_store();
     status_.emplace(site_.state_dir);
     trial_.open_inbox();
+    export_.open();
+    report_watchdog();
     if (options_.crash_limit > 0) recent_starts_ = starts_.record(crash_window_s);
     const CivilTime resumed = load_state(blob_crc);
     if (resumed.seconds == 0) {
@@ -94,6 +101,7 @@ class Edge final : public Daemon {
   }
 
   int run() override {
+    service_.tell("READY=1");  // now: a plant that is away for a day must not look like a start that fails
     if (!wait_for_plant()) return 0;
     const CivilTime end = options_.until.value_or(CivilTime{std::numeric_limits<std::int64_t>::max()});
     const CivilTime present = next_row(now());
@@ -105,7 +113,6 @@ class Edge final : public Daemon {
     }
     newest_row_ = next_;
     report_start(t);
-    service_.tell("READY=1");
     while (!stop_.raised() && t < end) {
       t = plant_clock_ ? run_cycles<T>(plant_, *plant_clock_, *controller_, *this, t, end)
                        : run_cycles<T>(plant_, system_clock_, *controller_, *this, t, end);
@@ -114,6 +121,7 @@ class Edge final : public Daemon {
       }
     }
     next_ = t;
+    if (committed_) export_.end(record_.row_time, *controller_, record_.trial);
     if (options_.crash_limit > 0) starts_.clear();
     return 0;
   }
@@ -122,6 +130,7 @@ class Edge final : public Daemon {
   bool row(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller) {
     const bool clock_is_set = report_clock(t);
     controller_->report(Reason::map_differs, plant_.other_device(), t);
+    report_bus(t);
     hal::fill_log_row<T>(log_row_, t, sensed, controller.decision(), controller.cycle().last_setpoint_degc);
     // A row of 1970 would stand before all others; what the clock cannot date is not logged.
     const bool logs = log_ && clock_is_set;
@@ -130,7 +139,11 @@ class Edge final : public Daemon {
     const bool exchanged = trial_.row(t, *controller_, record_.trial);
     if (exchanged && store_) store_->replay_replaced();
     if (exchanged) learning_exchanged_ = true;
-    const hal::StoreResult<void> committed = store_ ? store_->commit(state(t)) : hal::StoreResult<void>{};
+    hal::StoreResult<void> committed = store_ ? store_->commit(state(t)) : hal::StoreResult<void>{};
+    if (!committed && committed.error().fault == hal::StoreFault::unread) {
+      resume_late();
+      committed = store_->commit(state(t));
+    }
     committed_ = committed_ || committed;
     if (committed) {
       learning_exchanged_ = false;
@@ -139,6 +152,7 @@ class Edge final : public Daemon {
     note(logged ? committed : logged, logged ? "state" : "log");
     controller_->report(Reason::storage_failed, std::strcmp(storage_, "ok") != 0, t);
     if (controller.cycle().ladder.beats(t)) (void)plant_.beat();
+    if (committed) export_.row(t, *controller_, record_.trial);
     write_status(t, sensed);
     service_.tell("WATCHDOG=1");  // only a row that came through every stage is a sign of life
     say_rung(controller.decision());
@@ -153,9 +167,27 @@ class Edge final : public Daemon {
 
   [[nodiscard]] std::uint64_t transitions() const override { return controller_->replay().total_pushed(); }
 
+  /// Sizes of the durable state of this topology and build.
+  static hal::StoreLayout layout() {
+    return {.learning_bytes = sizeof(Learning),
+            .row_bytes = sizeof(RowRecord<T>),
+            .transition_bytes = sizeof(typename Ring::Row),
+            .ring_capacity = Ring::capacity,
+            .meaning = topology_hash<T>(NetworkWeights<T, float>::count) ^ units_hash<T>() ^
+                       (std::uint64_t{state_version} << 32)};
+  }
+
  private:
   static constexpr std::int64_t crash_window_s = 600, hour_s = 3600;
   static constexpr CivilTime built_after{1'704'067'200};  ///< 2024-01-01: no clock of a working box is before
+
+  /// A watchdog that a late row would trip restarts a healthy daemon.
+  void report_watchdog() const {
+    constexpr double least_s = 2.0 * row_s;
+    const double given_s = service_.watchdog_s();
+    if (given_s <= 0 || given_s > least_s) return;
+    say("the unit's WatchdogSec is {} s, and a row comes each {} s; set it above {} s", given_s, row_s, least_s);
+  }
 
   /// What is known when control begins.
   void report_start(CivilTime t) {
@@ -182,6 +214,18 @@ class Edge final : public Daemon {
     return is_set;
   }
 
+  /// Alarms of the bus: what a person must put right, while control goes on as far as it can.
+  void report_bus(CivilTime t) {
+    controller_->report(Reason::map_refused, plant_.map_refused(), t);
+    controller_->report(Reason::gateway_failed, plant_.gateway_failed(), t);
+    const hal::Point* doubted = plant_.order_doubted();
+    controller_->report(Reason::order_doubted, doubted != nullptr, t);
+    if (doubted != nullptr && doubted->name != said_doubted_) {
+      say("{}: its words make sense only in another order; airside probe shows which", doubted->name);
+    }
+    said_doubted_ = doubted != nullptr ? std::string_view(doubted->name) : std::string_view{};
+  }
+
   /// One line whenever the rung or its reason changes.
   void say_rung(const Decision& decision) {
     if (decision.reason == said_reason_ && decision.mode == said_mode_) return;
@@ -197,8 +241,14 @@ class Edge final : public Daemon {
   bool wait_for_plant() {
     bool said = false;
     while (!stop_.raised()) {
-      if (plant_.sense()) return true;
-      if (!said) say("no answer from {}; trying again", link_.description());
+      const Expected<Reading<T>> sensed = plant_.sense();
+      if (sensed) return true;
+      service_.tell("WATCHDOG=1");  // a poll that came to its end; rows begin with the first answer
+      if (!said && sensed.error() == Fault::other_device) {
+        say("{} is not the device that the point map describes; nothing is written to it", link_.description());
+      } else if (!said) {
+        say("no answer from {}; trying again", link_.description());
+      }
       said = true;
       hal::sleep_until_ns(hal::monotonic_ns() + 100'000'000, stop_);
     }
@@ -209,18 +259,6 @@ class Edge final : public Daemon {
     return {static_cast<const std::byte*>(p), n};
   }
   static std::span<std::byte> bytes_of(void* p, std::size_t n) { return {static_cast<std::byte*>(p), n}; }
-
-  using Learning = LearningState<T, float>;
-  using Ring = ReplayRing<T, float>;
-
-  hal::StoreLayout layout() const {
-    return {.learning_bytes = sizeof(Learning),
-            .row_bytes = sizeof(RowRecord<T>),
-            .transition_bytes = sizeof(typename Ring::Row),
-            .ring_capacity = Ring::capacity,
-            .meaning = topology_hash<T>(NetworkWeights<T, float>::count) ^ units_hash<T>() ^
-                       (std::uint64_t{state_version} << 32)};
-  }
 
   hal::StoredState state(CivilTime t) {
     // The cycle's part of the record is copied, the large parts are written from where they stand.
@@ -241,28 +279,24 @@ class Edge final : public Daemon {
     hal::RowLogLimits limits;
     limits.max_files = site_.log_max_files;
     limits.max_file_bytes = static_cast<std::uint64_t>(site_.log_max_file_mb * 1e6);
-    auto opened = hal::RowLog::open(site_.log_dir.c_str(), hal::counts_of<T>(), limits, options_.sync);
-    if (opened) {
-      log_.emplace(std::move(*opened));
-    } else {
-      storage_ = storage_at_best_ = "log cannot be written";
-      say("log in {}: {}; running without a log", site_.log_dir, hal::describe(opened.error()));
-    }
+    log_.emplace(site_.log_dir.c_str(), hal::counts_of<T>(), limits, options_.sync);
+    if (log_->ready()) return;
+    storage_ = "log cannot be written";
+    say("log in {}: {}; each row tries again", site_.log_dir, hal::describe(log_->ready().error()));
   }
 
   void open_store() {
     if (site_.state_dir.empty()) return;
     auto opened = hal::DurableStore::open(site_.state_dir.c_str(), layout(), options_.sync);
-    if (opened) {
-      store_.emplace(std::move(*opened));
-      return;
-    }
-    if (opened.error().fault == hal::StoreFault::locked) {
+    if (!opened) {
       throw hal::InputError(site_.state_dir, "another airsided that uses this state folder",
                             "one daemon a state folder", "stop the other one, or give this site its own [state] dir");
     }
-    storage_ = storage_at_best_ = "state cannot be written";
-    say("state in {}: {}; running in memory only", site_.state_dir, hal::describe(opened.error()));
+    store_.emplace(std::move(*opened));
+    if (store_->ready()) return;
+    storage_ = "state cannot be written";
+    say("state in {}: {}; running in memory, each row tries again", site_.state_dir,
+        hal::describe(store_->ready().error()));
   }
 
   using Payload = BlobPayload<T, NetworkWeights<T, float>::count>;
@@ -297,7 +331,7 @@ class Edge final : public Daemon {
   }
 
   /// Loads the newest generation. Returns the time of its row, 0 if there is none that fits.
-  CivilTime load_state(std::uint32_t blob_crc) {
+  CivilTime load_state(std::uint32_t blob_crc, bool late = false) {
     if (!store_) return {};
     auto& learning = controller_->learning();
     auto found =
@@ -328,10 +362,16 @@ class Edge final : public Daemon {
       say("saved weights are not finite; starting anew");
       return forget();
     }
-    if (log_) note(log_->resume(found->log), "log");
+    if (log_ && !late) note(log_->resume(found->log), "log");  // late, rows since the start stand there
     say("resuming after row {} ({}, generation {})", hal::civil_text(record_.row_time), hal::text_of(found->outcome),
         found->generation);
     return record_.row_time;
+  }
+
+  /// The state's medium came after the start. What it holds is worth more than what was learned since.
+  void resume_late() {
+    const std::uint32_t blob_crc = record_.blob_crc;
+    if (load_state(blob_crc, true).seconds == 0) record_.blob_crc = blob_crc;
   }
 
   /// Undoes what load_state() may have overwritten.
@@ -348,7 +388,7 @@ class Edge final : public Daemon {
 
   void note(const hal::StoreResult<void>& result, const char* what) {
     const char* before = storage_;
-    storage_ = result ? storage_at_best_ : hal::text_of(result.error().fault);
+    storage_ = result ? "ok" : hal::text_of(result.error().fault);
     if (!result && std::strcmp(before, storage_) != 0) say("{}: {} ({})", what, storage_, result.error().step);
   }
 
@@ -375,6 +415,10 @@ class Edge final : public Daemon {
     s.trial = text_of(record_.trial.state);
     s.trial_refusal = text_of(record_.trial.refusal);
     s.pushed_crc = record_.trial.blob_crc;
+    if (!plant_clock_) {
+      s.row_late_ms = static_cast<double>(system_clock_.woke_ns() - system_clock_.due_ns()) * 1e-6;
+      s.row_done_ms = static_cast<double>(hal::monotonic_ns() - system_clock_.due_ns()) * 1e-6;
+    }
     s.ours_error_k = controller_->cycle().shadow.ours_k();
     s.schedule_error_k = controller_->cycle().shadow.schedule_k();
     (void)status_->write(t, s);
@@ -404,15 +448,16 @@ class Edge final : public Daemon {
   hal::StartLedger starts_;
   hal::ServiceManager service_;
   WeightsTrial<T> trial_;
+  WeightsExport<T> export_;
   bool learning_exchanged_ = false;  ///< and not committed yet
   int recent_starts_ = 0;
   std::int64_t began_ns_ = 0;  ///< of this run
   CivilTime newest_row_;       ///< the latest that a clock which can be right has told
   Spell clock_is_behind_;
   bool state_lost_ = false;
+  std::string_view said_doubted_;
   Reason said_reason_ = Reason::none;
   Mode said_mode_ = Mode::learn;
-  const char* storage_at_best_ = "ok";  ///< what is said while nothing fails
   const char* storage_ = "ok";
 };
 

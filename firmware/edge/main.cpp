@@ -14,9 +14,7 @@ namespace {
 volatile std::sig_atomic_t stop_requested = 0;
 extern "C" void request_stop(int) { stop_requested = 1; }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   using namespace airside;
   // First of all: a stop during a long start must end in order too.
   std::signal(SIGTERM, request_stop);
@@ -43,6 +41,9 @@ int main(int argc, char** argv) {
          "--crash-limit", options.crash_limit,
          "so many starts within ten minutes are a crash loop, after which the schedule runs for an hour; 0: never")
       ->check(CLI::Range(0, 8));
+  app.add_option("--clock-speed", options.clock_speed,
+                 "let the system clock run so many times as fast, beside `airside serve --speed`; for measurements")
+      ->check(CLI::Range(1.0, 10000.0));
   app.add_option("--stall", options.stall_s, "how long a simulated plant's clock may stand still, s")
       ->check(CLI::Range(1.0, 1e6));
   try {
@@ -77,6 +78,17 @@ int main(int argc, char** argv) {
     daemon->start();
     return daemon->run();
   } catch (const std::exception& e) {
+    std::fprintf(stderr, "airsided: %s\n", e.what());
+    return 1;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& e) {  // no memory for the command line's own words
     std::fprintf(stderr, "airsided: %s\n", e.what());
     return 1;
   }

@@ -114,6 +114,8 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.add(",\"pushed_crc\":\"{:08x}\"", s.pushed_crc);
   text.string("pushed_refusal", s.trial_refusal);
   text.string("storage", s.storage);
+  text.number("row_late_ms", s.row_late_ms);
+  text.number("row_done_ms", s.row_done_ms);
   text.count("link_timeouts", s.link_timeouts);
   text.count("link_bad_frames", s.link_bad_frames);
   text.count("link_wrong_ids", s.link_wrong_ids);
@@ -122,9 +124,13 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.add("}}\n");
   if (!text.fits()) return false;
   auto file = hal::StorageFile::open(dir_.descriptor(), "status.json.new", true, "open status");
-  if (!file || !file->truncate(0, "truncate status")) return false;
+  if (!file) return false;
   const auto bytes = std::as_bytes(std::span(text_.data(), text.size()));
-  if (!file->write_at(bytes, 0, "write status")) return false;
+  if (!file->write_at(bytes, 0, "write status") || !file->truncate(text.size(), "cut status")) return false;
+  // The two files change places, so that each keeps its block: a full disk does not silence the status.
+  if (::renameat2(dir_.descriptor(), "status.json.new", dir_.descriptor(), "status.json", RENAME_EXCHANGE) == 0) {
+    return true;
+  }
   return ::renameat(dir_.descriptor(), "status.json.new", dir_.descriptor(), "status.json") == 0;
 }
 

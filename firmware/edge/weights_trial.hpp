@@ -44,6 +44,7 @@ struct TrialRecord {
   std::uint32_t worse_cycles = 0;
   Fault refusal = Fault::none;  ///< why the last blob was refused
   std::array<std::uint8_t, 3> reserved{};
+  std::uint64_t previous_digest = 0;  ///< of the copy to go back to; 0: none
 };
 
 /// Cost: no heap after construction.  Source: RELIABILITY "Weight blob", rows 44-50.
@@ -72,20 +73,24 @@ class WeightsTrial {
     if (mail.release) controller.hold(Reason::released_by_hand, t, 0);
     if (mail.hand_back) controller.hand_back();
     bool exchanged = false;
-    if (mail.rollback) exchanged = roll_back(controller, record, "an operator asked for it");
+    const bool is_back = record.state == TrialState::rolled_back;
+    if (mail.rollback && is_back) say("weights {:08x} are rolled back already", record.blob_crc);
+    if (mail.rollback && !is_back) exchanged = roll_back(controller, record, "an operator asked for it");
     if (mail.has_blob) {
       const BlobError refusal = install(t, {bytes_->data(), mail.blob_bytes}, controller, record);
       record.refusal = refusal.fault;
       if (refusal.fault != Fault::none) say("pushed weights refused: {} ({})", text_of(refusal.fault), refusal.field);
       exchanged = exchanged || refusal.fault == Fault::none;
       accepted_ = refusal.fault == Fault::none;
-      finish_mail_ = true;
     }
+    finish_mail_ = finish_mail_ || mail.has_blob || mail.rollback || mail.release || mail.hand_back;
     return supervise(t, controller, record) || exchanged;
   }
-  /// After the commit: the blob may go.
+  /// After the commit: what it holds may go from the inbox, and the copy that it names stands alone.
   void committed() {
     if (finish_mail_) mailbox_.finish(accepted_);
+    if (staged_copy_ != 0) (void)copy_.settle(staged_copy_);  // where it fails, load() finds it as it is
+    staged_copy_ = 0;
     finish_mail_ = false;
   }
 
@@ -108,8 +113,9 @@ class WeightsTrial {
     if (!(wild.canary_k <= 0)) return {Fault::blob_value, "canary states"};
     if (!(wild.replay_k <= wildest_replay_k)) return {Fault::blob_value, "forecasts of what this room did"};
     const bool had_weights = controller.cycle().has_weights != 0;
+    hal::StoreResult<std::uint64_t> kept = 0;
     if (had_weights) {
-      const hal::StoreResult<void> kept = copy_.save(learning_bytes(controller));
+      kept = copy_.save(learning_bytes(controller), record.previous_digest);
       if (!kept) {
         // Without a way back there is no trial; the blob may be pushed again when the disk is well.
         say("weights before the push cannot be kept: {}", hal::describe(kept.error()));
@@ -118,6 +124,8 @@ class WeightsTrial {
     }
     exchange_payload<T>(controller, *payload_);
     counter->highest = header->security_counter;
+    record.previous_digest = *kept;
+    staged_copy_ = *kept;
     record.state = had_weights ? TrialState::on_trial : TrialState::confirmed;
     record.until_s = t.seconds + trial_s;
     record.worse_cycles = 0;
@@ -150,7 +158,8 @@ class WeightsTrial {
   bool roll_back(Controller<T>& controller, TrialRecord& record, const char* why) {
     const Scaler<T> present = controller.learning().scaler;
     // Read to a place of its own first: a copy that is damaged must not harm what stands.
-    const hal::StoreResult<void> read = copy_.load(std::as_writable_bytes(std::span(before_.get(), 1)));
+    const hal::StoreResult<void> read =
+        copy_.load(std::as_writable_bytes(std::span(before_.get(), 1)), record.previous_digest);
     if (!read) {
       say("no way back: {}", hal::describe(read.error()));
       return false;
@@ -189,6 +198,7 @@ class WeightsTrial {
   std::unique_ptr<NetworkWeights<T, float>> weights_;
   std::unique_ptr<Learning> before_ = std::make_unique<Learning>();
   bool finish_mail_ = false, accepted_ = false;
+  std::uint64_t staged_copy_ = 0;  ///< digest of a copy that waits for the commit that names it
 };
 
 }  // namespace airside::edge

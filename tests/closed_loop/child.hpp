@@ -19,6 +19,7 @@ class Child {
   Child& operator=(const Child&) = delete;
 
   void signal(int number) const;
+  int pid() const { return pid_; }
   /// Exit code, 128 + signal where it died of one; nothing if it still runs after `timeout_s`.
   std::optional<int> wait(double timeout_s);
   bool running() { return !wait(0).has_value(); }

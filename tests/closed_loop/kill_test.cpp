@@ -116,7 +116,7 @@ TEST(StoppedDaemon, LeavesWithinASecondWhileThePlantIsSilent) {
   EXPECT_LT(now_s() - asked_s, 1.0);
 }
 
-TEST(SecondDaemon, IsTurnedAwayAndTheFirstGoesOn) {
+TEST(SecondDaemon, Row60IsTurnedAwayAndTheFirstGoesOn) {
   Bench bench({.name = "two", .plant = rc_room(), .expert_days = 1, .days = 1});
   const LogText& expected = bench.expected();
   bench.start_server();
@@ -127,6 +127,18 @@ TEST(SecondDaemon, IsTurnedAwayAndTheFirstGoesOn) {
   EXPECT_NE(second.said().find("another airsided"), std::string::npos) << second.said();
   ASSERT_EQ(daemon->wait(100), 0);
   expect_same_rows(bench.log(), expected);
+}
+
+TEST(SecondDaemon, Row60WithoutItTwoRoomsHaveADaemonEach) {
+  Bench one({.name = "one", .plant = rc_room(), .expert_days = 1, .days = 1});
+  Bench other({.name = "other", .plant = rc_room("401"), .expert_days = 1, .days = 1});
+  one.start_server();
+  other.start_server();
+  const auto first = one.start_daemon(), second = other.start_daemon();
+  ASSERT_EQ(first->wait(100), 0);
+  ASSERT_EQ(second->wait(100), 0);
+  expect_same_rows(one.log(), one.expected());
+  expect_same_rows(other.log(), other.expected());
 }
 
 }  // namespace

@@ -94,36 +94,5 @@ TEST(PushedWeights, WithoutAPushTheDaemonsRowsAreTheSimulations) {
   closed_loop::expect_same_rows(b.bench.log(), b.bench.expected());
 }
 
-TEST(CrashLoop, TheThirdStartWithinTenMinutesRunsTheScheduleForAnHour) {
-  PushBench b("crash_loop");
-  for (int start = 0; start < 3; ++start) {
-    const auto daemon = b.bench.start_daemon(false, {"--crash-limit", "3"});
-    const std::size_t rows = b.bench.logged_rows() + 6;
-    while (daemon->running() && b.bench.logged_rows() < rows) closed_loop::sleep_s(0.0005);
-    if (start < 2) {
-      EXPECT_EQ(b.status()["reason"], "none");
-    } else {
-      EXPECT_EQ(b.status()["reason"], "crash loop");
-      EXPECT_EQ(b.status()["state"], "expert");
-    }
-    daemon->signal(SIGKILL);
-    daemon->wait(10);
-  }
-}
-
-TEST(CrashLoop, AnHourWithoutARestartEndsIt) {
-  PushBench b("crash_calm");
-  for (int start = 0; start < 2; ++start) {
-    const auto daemon = b.bench.start_daemon(false, {"--crash-limit", "3"});
-    closed_loop::sleep_s(0.05);
-    daemon->signal(SIGKILL);
-    daemon->wait(10);
-  }
-  const auto daemon = b.bench.start_daemon(false, {"--crash-limit", "3"});
-  ASSERT_EQ(daemon->wait(120), 0) << daemon->said();
-  EXPECT_NE(daemon->said().find("starts within ten minutes"), std::string::npos) << daemon->said();
-  EXPECT_EQ(b.status()["reason"], "none") << "the room was given back after an hour";
-}
-
 }  // namespace
 }  // namespace airside::weights

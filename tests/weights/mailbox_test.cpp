@@ -40,9 +40,14 @@ TEST_F(Inbox, GivesEachWishOnce) {
   put("rollback");
   const hal::Mail mail = box.collect(blob);
   EXPECT_TRUE(mail.hand_back && mail.release && mail.rollback);
-  EXPECT_EQ(files(), 0u);
+  EXPECT_EQ(files(), 3u) << "a crash before the commit must not lose them";
   const hal::Mail again = box.collect(blob);
-  EXPECT_FALSE(again.hand_back || again.release || again.rollback);
+  EXPECT_FALSE(again.hand_back || again.release || again.rollback) << "told once";
+  put("release");
+  EXPECT_TRUE(box.collect(blob).release) << "said again while the first one still waits";
+  box.finish(true);
+  EXPECT_EQ(files(), 0u);
+  EXPECT_FALSE(box.collect(blob).release);
 }
 
 TEST_F(Inbox, KeepsABlobUntilItIsDoneWith) {

@@ -30,7 +30,7 @@ class Signed : public ::testing::Test {
   Bytes blob = signed_by(blob_of<FiveZone>(*rig.controller), key, 7);
 };
 
-TEST_F(Signed, IsTakenWithItsKeyAndCounter) {
+TEST_F(Signed, Row44Row48WithoutItIsTakenWithItsKeyAndCounter) {
   const auto found = hal::verify_blob(blob, ring);
   ASSERT_TRUE(found) << found.error().field;
   EXPECT_EQ((*found)->name, "Ann");
@@ -66,7 +66,7 @@ TEST_F(Signed, NoFlippedBitIsTaken) {
   std::printf("%zu flipped bits of %zu tried, none taken\n", tried, bits);
 }
 
-TEST_F(Signed, NoOtherLengthIsTaken) {
+TEST_F(Signed, Row44NoOtherLengthIsTaken) {
   std::size_t tried = 0;
   for (std::size_t length = 0; length < blob.size(); length += length < 300 || length + 300 > blob.size() ? 1U : 97U) {
     const auto found = hal::verify_blob(std::span(blob).first(length), ring);
@@ -82,7 +82,7 @@ TEST_F(Signed, NoOtherLengthIsTaken) {
   std::printf("%zu shorter lengths tried\n", tried);
 }
 
-TEST_F(Signed, AnUnknownAndARevokedKeyAreRefused) {
+TEST_F(Signed, Row48AnUnknownAndARevokedKeyAreRefused) {
   const hal::SecretKey stranger = hal::make_key("nobody");
   const auto unknown = hal::verify_blob(signed_by(blob, stranger, 9), ring);
   ASSERT_FALSE(unknown);
@@ -122,6 +122,18 @@ TEST_F(Signed, ItsSignatureIsOverItsDomainToo) {
   const auto found = hal::verify_blob(blob, ring);
   ASSERT_FALSE(found);
   EXPECT_STREQ(found.error().field, "signature");
+}
+
+TEST_F(Signed, OnlyAWholeBlobCanBeSigned) {
+  Bytes other = blob;
+  other[0] = std::byte{'x'};
+  Bytes longer = blob;
+  longer.push_back(std::byte{});
+  for (const Bytes& bytes :
+       {other, longer, Bytes(blob.begin(), blob.begin() + 250), Bytes(blob.begin(), blob.end() - 1)}) {
+    EXPECT_THROW(signed_by(bytes, key, 8), hal::InputError) << bytes.size();
+    EXPECT_FALSE(hal::verify_blob(bytes, ring));
+  }
 }
 
 class KeyFiles : public ::testing::Test {
@@ -183,6 +195,34 @@ TEST_F(KeyFiles, AFolderOfThemIsARingAndItsRevokedOnesStayKnown) {
   EXPECT_EQ(hal::KeyRing::load(folder.file("none").string()).size(), 0u);
   write("revoked", "no id\n");
   EXPECT_NE(complaint([&] { hal::KeyRing::load(std::string(folder.c_str())); }).find("revoked:1"), std::string::npos);
+}
+
+TEST_F(KeyFiles, AFolderOfTooManyIsRefusedAndAnEmptyNameIsNone) {
+  EXPECT_EQ(hal::KeyRing::load("").size(), 0u);
+  for (int i = 0; i < 17; ++i) write(std::to_string(i) + ".pub", hal::public_key_text(hal::make_key("k").open));
+  EXPECT_NE(complaint([&] { hal::KeyRing::load(std::string(folder.c_str())); }).find("17 keys"), std::string::npos);
+}
+
+TEST_F(KeyFiles, TheRevokedListTakesCapitalsAndSpacesAndRefusesAnythingElse) {
+  write("a.pub", hal::public_key_text(key.open));
+  std::string id = hal::hex_of(key.open.id);
+  for (char& c : id) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  write("revoked", "\t" + id + "\r\n# Ann\r\n\n");
+  EXPECT_TRUE(hal::KeyRing::load(std::string(folder.c_str())).find(key.open.id)->revoked);
+  EXPECT_EQ(hal::KeyRing::load(std::string(folder.c_str())).find(hal::KeyId{}), nullptr);
+  write("revoked", "0011\n");
+  EXPECT_NE(complaint([&] { hal::KeyRing::load(std::string(folder.c_str())); }).find("16 hex digits"),
+            std::string::npos);
+}
+
+TEST_F(KeyFiles, AMissingSecretKeyIsSaidToBeMissing) {
+  EXPECT_NE(complaint([&] { hal::read_secret_key(folder.file("none.key").string()); }).find("none.key"),
+            std::string::npos);
+  for (const std::size_t digits : {62u, 66u}) {
+    const std::string text = "airside-public-key-1 " + std::string(digits, 'a');
+    EXPECT_NE(complaint([&] { hal::read_public_key(write("g.pub", text)); }).find(std::to_string(digits)),
+              std::string::npos);
+  }
 }
 
 }  // namespace

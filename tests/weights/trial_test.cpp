@@ -65,7 +65,7 @@ class Trial : public ::testing::Test {
   std::unique_ptr<edge::WeightsTrial<T>> trial;
 };
 
-TEST_F(Trial, TakesSoundWeightsOnTrialAndConfirmsThemAfterADay) {
+TEST_F(Trial, Row49WithoutItSoundWeightsAreConfirmedAfterADay) {
   const float before = first_weight();
   push(other(1));
   EXPECT_TRUE(row());
@@ -89,7 +89,7 @@ TEST_F(Trial, WithoutAPushNothingChanges) {
   EXPECT_EQ(record.state, TrialState::none);
 }
 
-TEST_F(Trial, AnOldAndARepeatedCounterAreRefused) {
+TEST_F(Trial, Row47AnOldAndARepeatedCounterAreRefused) {
   const Bytes first = other(5);
   push(first);
   ASSERT_TRUE(row());
@@ -104,7 +104,7 @@ TEST_F(Trial, AnOldAndARepeatedCounterAreRefused) {
   EXPECT_EQ(record.refusal, Fault::none);
 }
 
-TEST_F(Trial, CountersBelongToTheirKey) {
+TEST_F(Trial, Row47WithoutItEachKeyHasACounterOfItsOwn) {
   const hal::SecretKey bob = hal::make_key("Bob");
   std::ofstream(folder.file("keys") / "bob.pub") << hal::public_key_text(bob.open);
   open();
@@ -166,7 +166,7 @@ const Refused refused[] = {
      }},
 };
 
-TEST_F(Trial, RefusesWhatIsNotSoundAndChangesNothing) {
+TEST_F(Trial, Row49WhatIsNotSoundIsRefusedAndChangesNothing) {
   for (const Refused& r : refused) {
     const Bytes bytes = r.make(*rig.controller, key);
     push(bytes);
@@ -181,14 +181,14 @@ TEST_F(Trial, RefusesWhatIsNotSoundAndChangesNothing) {
   }
 }
 
-TEST_F(Trial, ABlobForAnotherTopologyIsRefusedByThatName) {
+TEST_F(Trial, Row46ABlobForAnotherTopologyIsRefusedByThatName) {
   auto small = std::make_unique<Controller<ThreeVav>>();
   push(signed_by(blob_of<ThreeVav>(*small), key, 9));
   EXPECT_FALSE(row());
   EXPECT_EQ(record.refusal, Fault::blob_topology);
 }
 
-TEST_F(Trial, WeightsThatDoWorseThanTheScheduleAreTakenBack) {
+TEST_F(Trial, Row49WeightsThatDoWorseThanTheScheduleAreTakenBack) {
   rig.now = {1'627'862'400 + 8 * 3600};
   rig.cycles(6);
   while (starts_cycle(rig.now)) rig.row();

@@ -1,0 +1,83 @@
+#include "firmware/page/upload_door.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include "airside/controller_instances.hpp"
+#include "airside/topologies.hpp"
+#include "hal/atomic_file.hpp"
+#include "hal/input_error.hpp"
+#include "hal/signature.hpp"
+#include "hal/storage_file.hpp"
+
+namespace airside::page {
+namespace {
+
+/// The header of the blob that waits, if there is one.
+bool read_waiting(const std::string& path, BlobHeader& header) {
+  const hal::StorageFile file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (!file.is_open()) return false;
+  const auto got = file.read_at(std::as_writable_bytes(std::span(&header, 1)), 0, "read waiting blob");
+  return got && *got == sizeof header && header.magic == BlobHeader{}.magic;
+}
+
+}  // namespace
+
+UploadDoor::UploadDoor(const hal::SiteFile& site)
+    : keys_dir_(site.keys_dir), inbox_dir_(site.inbox_dir), scope_(site.scope) {
+  with_topology(site.topology.c_str(), [this]<class T>(T) {
+    max_bytes_ = WeightBlob<T>::max_bytes;
+    auto payload = std::make_shared<typename WeightBlob<T>::Payload>();
+    decode_ = [payload, scope = scope_](std::span<const std::byte> blob) {
+      return WeightBlob<T>::decode(blob, scope, *payload);
+    };
+  });
+  if (!decode_) {
+    throw hal::InputError(site.path + ": topology", "'" + site.topology + "'", "a topology of this build",
+                          "build with it in AIRSIDE_TOPOLOGIES");
+  }
+}
+
+UploadDoor::Answer UploadDoor::take(std::span<const std::byte> blob) const {
+  hal::KeyRing keys;
+  try {
+    keys = hal::KeyRing::load(keys_dir_);  // each time, so that a key that was revoked is refused at once
+  } catch (const hal::InputError& e) {
+    return {503, "the box cannot read its keys; its log says why", std::string("keys: ") + e.what()};
+  }
+  const auto key = hal::verify_blob(blob, keys);
+  if (!key) {
+    return {403,
+            fmt::format("{} ({}); boxes take only blobs signed by a key that they know", text_of(key.error().fault),
+                        key.error().field),
+            ""};
+  }
+  const std::string signer = fmt::format("key {} ({})", hal::hex_of((*key)->id), (*key)->name);
+  const auto header = decode_(blob);
+  if (!header) {
+    return {422, fmt::format("{} ({})", text_of(header.error().fault), header.error().field), signer};
+  }
+  Answer answer = deliver(blob, *header);
+  answer.log = fmt::format("{}, counter {}", signer, header->security_counter);
+  return answer;
+}
+
+UploadDoor::Answer UploadDoor::deliver(std::span<const std::byte> blob, const BlobHeader& header) const {
+  const std::string path = (std::filesystem::path(inbox_dir_) / blob_name).string();
+  BlobHeader waiting;
+  if (read_waiting(path, waiting) &&
+      !(waiting.key_id == header.key_id && waiting.security_counter < header.security_counter)) {
+    return {409, "other weights wait for the daemon already; it looks every 6 min", ""};
+  }
+  const hal::StoreResult<void> written = hal::write_file_atomically(path, blob);
+  if (written) return {202, "the daemon looks within 6 min, and then tries the weights for a day", ""};
+  const bool full = written.error().fault == hal::StoreFault::no_space;
+  return {full ? 507 : 503, fmt::format("the inbox cannot be written: {}", hal::text_of(written.error().fault)), ""};
+}
+
+}  // namespace airside::page
