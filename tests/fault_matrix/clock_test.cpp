@@ -45,12 +45,12 @@ TEST_F(ClockDesk, Row30AClockOf1970IsNotBelievedAndItsRowsAreNotLogged) {
   EXPECT_EQ(bench.logged_rows(), 1u);
 }
 
-TEST_F(ClockDesk, Row30AClockThatIsRightIsNeverDoubted) {
+TEST_F(ClockDesk, Row30WithoutAClockThatIsRightIsNeverDoubted) {
   for (int row = 0; row < 300; ++row) EXPECT_TRUE(believed({now.seconds + row * row_s})) << row;
   EXPECT_EQ(bench.logged_rows(), 300u);
 }
 
-TEST_F(ClockDesk, Row28AnHourBackOrForthIsFollowed) {
+TEST_F(ClockDesk, Row28WithoutAnHourBackOrForthIsFollowed) {
   EXPECT_TRUE(believed(now));
   EXPECT_TRUE(believed({now.seconds + 3600}));
   EXPECT_TRUE(believed({now.seconds + 360}));
