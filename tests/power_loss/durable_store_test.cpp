@@ -100,7 +100,7 @@ void expect_old_or_new(const TestFolder& folder, const FolderImage& image, std::
   }
 }
 
-TEST(DurableStore, EveryStepComesBackWhole) {
+TEST(DurableStore, Row35WithoutACutEveryStepComesBackWhole) {
   const TestFolder folder("store_steps");
   StateScript script(layout);
   for (std::uint64_t i = 1; i <= 60; ++i) {
@@ -120,7 +120,7 @@ TEST(DurableStore, EveryStepComesBackWhole) {
   }
 }
 
-TEST(DurableStore, CutAtEveryByteGivesTheOldGenerationOrTheNew) {
+TEST(DurableStore, Row34CutAtEveryByteGivesTheOldGenerationOrTheNew) {
   const TestFolder folder("store_cut");
   const History history = record_history(folder);
   std::size_t states = 0;
@@ -173,7 +173,7 @@ std::uint64_t digest_of(const FolderImage& image) {
   return digest;
 }
 
-TEST(DurableStore, AnySubsetOfUnsyncedWritesGivesTheOldGenerationOrTheNew) {
+TEST(DurableStore, Row35AnySubsetOfUnsyncedWritesGivesTheOldGenerationOrTheNew) {
   const char* wanted = std::getenv("AIRSIDE_POWER_CUT_STATES");
   const std::size_t subsets = wanted != nullptr ? std::strtoul(wanted, nullptr, 10) / (steps * 10) : 60;
   const TestFolder folder("store_order");
@@ -212,7 +212,7 @@ TEST(DurableStore, AnySubsetOfUnsyncedWritesGivesTheOldGenerationOrTheNew) {
   RecordProperty("distinct_states", static_cast<int>(states.size()));
 }
 
-TEST(DurableStore, FailingWritesAndSyncsNeverLoseTheLastGoodGeneration) {
+TEST(DurableStore, Row33FailingWritesAndSyncsNeverLoseTheLastGoodGeneration) {
   const TestFolder folder("store_fail");
   SplitMix64 random(7);
   for (const int error : {EIO, ENOSPC, EROFS, EDQUOT}) {
@@ -305,7 +305,7 @@ TEST(DurableStore, RecoveredStateGoesOnCommitting) {
   }
 }
 
-TEST(DurableStore, RotInAnyOneByteIsSeenAndLeavesAWholeGeneration) {
+TEST(DurableStore, Row36RotInAnyOneByteIsSeenAndLeavesAWholeGeneration) {
   const TestFolder folder("store_rot");
   const History history = record_history(folder);
   std::set<LoadOutcome> seen;
@@ -342,7 +342,7 @@ TEST(DurableStore, RotInAnyOneByteIsSeenAndLeavesAWholeGeneration) {
   EXPECT_EQ(seen.size(), 3u) << "newest, older and replay_incomplete each occur";
 }
 
-TEST(DurableStore, BothRowSlotsBadFallsBackToTheLearningRecordAndAllBadIsNone) {
+TEST(DurableStore, Row37BothRowSlotsBadFallsBackToTheLearningRecordAndAllBadIsNone) {
   const TestFolder folder("store_both");
   const FolderImage good = record_history(folder).end;
   const auto rotten = [&](std::initializer_list<const char*> names) {

@@ -81,12 +81,21 @@ TEST(Medium, AFileSizeLimitIsADiskFullAndTheLogGoesOnAfterwards) {
   ASSERT_EQ(result, 0);
 }
 
-TEST(Medium, AStoreThatFindsNoRoomSaysSoWhenItOpens) {
+TEST(Medium, AStoreThatFindsNoRoomSaysSoAndCommitsAsSoonAsThereIsSome) {
   const TestFolder folder("no_room");
   const int result = in_child([&] {
     CHECK_IN_CHILD(set_file_limit(1000));
-    const auto store = DurableStore::open(folder.c_str(), layout);
-    CHECK_IN_CHILD(!store.has_value() && store.error().fault == StoreFault::no_space);
+    auto store = DurableStore::open(folder.c_str(), layout);
+    CHECK_IN_CHILD(store.has_value() && !store->ready() && store->ready().error().fault == StoreFault::no_space);
+    StateScript script(layout);
+    CHECK_IN_CHILD(store->load(script.buffers()).has_value());
+    script.advance();
+    const auto done = store->commit(script.stored());
+    CHECK_IN_CHILD(!done.has_value() && done.error().fault == StoreFault::no_space);
+    CHECK_IN_CHILD(set_file_limit(RLIM_INFINITY));
+    CHECK_IN_CHILD(store->commit(script.stored()).has_value() && store->ready().has_value());
+    StateScript again(layout);
+    CHECK_IN_CHILD(store->load(again.buffers()).has_value() && again.step_in_row() == 1);
     return 0;
   });
   ASSERT_EQ(result, 0);
@@ -123,14 +132,14 @@ TEST(Medium, OnAFullDiskAnOpenStoreGoesOnCommittingAndTheLogSaysSo) {
   ASSERT_EQ(result, 0);
 }
 
-TEST(Medium, AFolderThatMayNotBeWrittenIsRefusedAtTheDoor) {
+TEST(Medium, AFolderThatMayNotBeWrittenIsNamedAtTheDoor) {
   const TestFolder folder("read_only");
   ASSERT_EQ(::chmod(folder.c_str(), 0555), 0);
   const int result = in_child([&] {
     if (::geteuid() == 0 && ::setuid(65534) != 0) return not_possible_here;  // root may write everywhere
     const auto store = DurableStore::open(folder.c_str(), layout);
-    CHECK_IN_CHILD(!store.has_value() && store.error().fault == StoreFault::read_only);
-    CHECK_IN_CHILD(describe(store.error()).find("make the folder writable") != std::string::npos);
+    CHECK_IN_CHILD(store.has_value() && !store->ready() && store->ready().error().fault == StoreFault::read_only);
+    CHECK_IN_CHILD(describe(store->ready().error()).find("make the folder writable") != std::string::npos);
     const auto log = RowLog::open(folder.c_str(), counts);
     CHECK_IN_CHILD(!log.has_value() && log.error().fault == StoreFault::read_only);
     return 0;
@@ -143,8 +152,9 @@ TEST(Medium, AFolderThatMayNotBeWrittenIsRefusedAtTheDoor) {
 TEST(Medium, AFolderWhoseParentIsMissingIsNamedAsNotFound) {
   const TestFolder folder("missing");
   const auto store = DurableStore::open(folder.file("no/state").c_str(), layout);
-  ASSERT_FALSE(store.has_value());
-  EXPECT_EQ(store.error().fault, StoreFault::not_found);
+  ASSERT_TRUE(store.has_value());
+  ASSERT_FALSE(store->ready().has_value());
+  EXPECT_EQ(store->ready().error().fault, StoreFault::not_found);
   const auto log = RowLog::open(folder.file("no/log").c_str(), counts);
   ASSERT_FALSE(log.has_value());
   EXPECT_EQ(log.error().fault, StoreFault::not_found);

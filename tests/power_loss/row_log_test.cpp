@@ -108,7 +108,7 @@ TEST(RowLog, ResumeCutsUncommittedRowsAndGoesOnWithoutLossOrDouble) {
   }
 }
 
-TEST(RowLog, CutAtEveryByteOfARowIsTheLogBeforeOrAfterIt) {
+TEST(RowLog, Row34CutAtEveryByteOfARowIsTheLogBeforeOrAfterIt) {
   const TestFolder folder("rows_cut");
   for (const int committed : {3, 240}) {  // the second starts a new file, with its header
     folder.restore({});
@@ -181,7 +181,7 @@ TEST(RowLog, ARowThatCannotBeWrittenLeavesNoTraceAndTheNextOneFits) {
   expect_rows(folder, 0, 7);
 }
 
-TEST(RowLog, AFailedSyncIsReportedAndItsRowsAreWrittenAgain) {
+TEST(RowLog, Row33AFailedSyncIsReportedAndItsRowsAreWrittenAgain) {
   const TestFolder folder("rows_sync");
   RowLog log = open_log(folder);
   append(log, 0, 2);
