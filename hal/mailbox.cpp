@@ -28,12 +28,14 @@ Mailbox::Seen Mailbox::look(const char* name) const {
   return is_there && !S_ISDIR(status.st_mode) ? Seen{status.st_ino, status.st_ctim} : Seen{};
 }
 
-bool Mailbox::is_new(int wish) {
+bool Mailbox::tell(int wish) {
   const Seen seen = look(wish_names[wish]);
-  const bool differs = seen.inode != 0 && !(seen == told_[wish]);
+  const bool differs = is_new(wish, seen);
   told_[wish] = seen;
   return differs;
 }
+
+bool Mailbox::release_waits() const { return dir_.is_open() && is_new(1, look(release_name)); }
 
 bool Mailbox::take(const char* name) { return ::unlinkat(dir_.descriptor(), name, 0) == 0; }
 
@@ -67,9 +69,9 @@ Mail Mailbox::collect(std::span<std::byte> blob) {
     if (opened) dir_ = std::move(*opened);
   }
   if (!dir_.is_open()) return mail;
-  mail.hand_back = is_new(0);
-  mail.release = is_new(1);
-  mail.rollback = is_new(2);
+  mail.hand_back = tell(0);
+  mail.release = tell(1);
+  mail.rollback = tell(2);
   if (blob_[0] == '\0' && find_blob()) read_blob(blob, mail);
   return mail;
 }

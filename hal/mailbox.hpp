@@ -36,6 +36,8 @@ class Mailbox {
   Mail collect(std::span<std::byte> blob);
   /// Takes the wishes and the blob of the last collect() away; a refused blob stands as `refused` for whoever looks.
   void finish(bool accepted);
+  /// Whether a wish to release lies there that no collect() has told yet; it stays.
+  bool release_waits() const;
   bool is_open() const { return dir_.is_open(); }
 
  private:
@@ -49,7 +51,8 @@ class Mailbox {
   };
   static constexpr const char* wish_names[3] = {hand_back_name, release_name, rollback_name};
   Seen look(const char* name) const;
-  bool is_new(int wish);
+  bool is_new(int wish, const Seen& seen) const { return seen.inode != 0 && !(seen == told_[wish]); }
+  bool tell(int wish);
   bool take(const char* name);
   bool find_blob();
   void read_blob(std::span<std::byte> blob, Mail& mail);

@@ -111,6 +111,8 @@ class ModbusPlant {
     return true;
   }
 
+  /// Whether the connection stands on which the registers were read and the device identified.
+  bool in_touch() const { return link_->connected() && identified_generation_ == link_->generation(); }
   /// Why signal `index` of the last reading is NaN; none where it is not.
   Fault signal_fault(int index) const { return poller_.fault(index); }
   /// Why the last sense() failed.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <ctime>
 
-#include "hal/modbus_wire.hpp"
 #include "hal/register_codec.hpp"
 
 namespace airside::hal {
@@ -50,14 +49,6 @@ std::int64_t SystemClock::site_ns() const {
 }
 
 CivilTime SystemClock::now() const { return CivilTime{site_ns() / 1'000'000'000}; }
-
-bool SystemClock::sleep_until(CivilTime t) const {
-  const std::int64_t left_ns = t.seconds * 1'000'000'000 - site_ns();
-  due_ns_ = monotonic_ns() + (speed_ == 1.0 ? left_ns : std::llround(static_cast<double>(left_ns) / speed_));
-  const bool reached = sleep_until_ns(due_ns_, stop_);
-  woke_ns_ = monotonic_ns();
-  return reached;
-}
 
 ModbusPlantClock::ModbusPlantClock(const PointMap& map, ModbusLink& link, StopFlag stop, double stall_s)
     : clock_(map.at("clock_s")), advance_(map.at("clock_advance_s")), link_(&link), stop_(stop), stall_s_(stall_s) {}

@@ -3,12 +3,14 @@
 // as its server likes. Both satisfy lib's Clock.
 
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <optional>
 
 #include "airside/civil_time.hpp"
 #include "airside/plant.hpp"
 #include "hal/modbus_link.hpp"
+#include "hal/modbus_wire.hpp"
 #include "hal/point_map.hpp"
 
 namespace airside::hal {
@@ -41,13 +43,34 @@ class SystemClock {
   explicit SystemClock(StopFlag stop = {}, std::optional<int> utc_offset_s = std::nullopt, double speed = 1.0);
   CivilTime now() const;
   /// False: told to stop before t. Cost: returns within 0.1 s of a stop.
-  bool sleep_until(CivilTime t) const;
+  bool sleep_until(CivilTime t) const {
+    return sleep_until(t, HUGE_VAL, [] {});
+  }
+  /// The same, and calls `meanwhile()` each `every_s` of this clock that pass before t.
+  template <class Meanwhile>
+  bool sleep_until(CivilTime t, double every_s, const Meanwhile& meanwhile) const {
+    const std::int64_t left_ns = t.seconds * 1'000'000'000 - site_ns();
+    due_ns_ = monotonic_ns() + machine_ns(static_cast<double>(left_ns));
+    bool goes_on = true;
+    if (every_s * 1e9 < static_cast<double>(left_ns)) {
+      const std::int64_t every_ns = machine_ns(every_s * 1e9);
+      for (std::int64_t at = monotonic_ns() + every_ns; goes_on && at < due_ns_; at = monotonic_ns() + every_ns) {
+        goes_on = sleep_until_ns(at, stop_);
+        if (goes_on) meanwhile();
+      }
+    }
+    goes_on = goes_on && sleep_until_ns(due_ns_, stop_);
+    woke_ns_ = monotonic_ns();
+    return goes_on;
+  }
   /// The instant that the last sleep_until waited for, and when it came back, in monotonic_ns().
   std::int64_t due_ns() const { return due_ns_; }
   std::int64_t woke_ns() const { return woke_ns_; }
 
  private:
   std::int64_t site_ns() const;
+  /// What passes on the machine's clock while `ns` pass on this one.
+  std::int64_t machine_ns(double ns) const { return std::llround(ns / speed_); }
 
   StopFlag stop_;
   int utc_offset_s_;

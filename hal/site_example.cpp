@@ -46,6 +46,7 @@ baud = 19200
 parity = "E"             # N, E or O
 unit_id = 1
 deadline_s = 5.0         # one exchange is over after so long
+heartbeat_s = 20.0       # between two beats; the AHU should take over after three that are missing
 points = "points.csv"    # the point map
 
 [clock]

@@ -162,6 +162,7 @@ void read_modbus(TomlSection root, SiteFile& out) {
   m.parity = "NEO"[root.choice("parity", {"N", "E", "O"}, 1)];
   m.unit_id = static_cast<int>(root.whole("unit_id", m.unit_id, tcp ? 0 : 1, 247));  // 0 is broadcast there
   m.deadline_s = root.number("deadline_s", m.deadline_s, 0.1, 10, "s");
+  m.heartbeat_s = root.number("heartbeat_s", m.heartbeat_s, 5, 360, "s");
   m.points = resolved(root.text("points", "points.csv"), out.path);
   root.refuse_unknown_keys();
   out.modbus = m;

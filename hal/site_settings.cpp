@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "airside/topologies.hpp"
 #include "hal/input_error.hpp"
 
@@ -51,6 +53,20 @@ ControllerSettings controller_settings(const SiteFile& site) {
                      "widen step_k or narrow the range");
   }
   return s;
+}
+
+LinkSettings link_settings(const ModbusSection& modbus, double backoff_first_s, double backoff_max_s) {
+  LinkSettings settings;
+  if (modbus.transport == ModbusTransport::tcp) {
+    settings.address = TcpAddress{modbus.host, modbus.port};
+  } else {
+    settings.address = SerialAddress{modbus.device, modbus.baud, modbus.parity};
+  }
+  settings.unit = modbus.unit_id;
+  settings.exchange_deadline_s = modbus.deadline_s;
+  settings.backoff_first_s = backoff_first_s;
+  settings.backoff_max_s = std::max(backoff_max_s, backoff_first_s);
+  return settings;
 }
 
 }  // namespace airside::hal

@@ -3,6 +3,7 @@
 // these same functions, so both control alike.
 
 #include "airside/settings.hpp"
+#include "hal/modbus_link.hpp"
 #include "hal/point_map.hpp"
 #include "hal/site_file.hpp"
 
@@ -14,5 +15,10 @@ SiteRules site_rules();
 /// The preset of the site file with its targets, ranges and overrides.
 /// Errors: InputError if the settings contradict one another.
 ControllerSettings controller_settings(const SiteFile& site);
+
+/// How to reach the AHU of section [modbus]; after a failed exchange the link waits `backoff_first_s`, at most
+/// `backoff_max_s` (never less than the first wait).
+LinkSettings link_settings(const ModbusSection& modbus, double backoff_first_s,
+                           double backoff_max_s = LinkSettings{}.backoff_max_s);
 
 }  // namespace airside::hal

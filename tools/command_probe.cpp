@@ -28,19 +28,6 @@ struct ProbedPoint {
   std::vector<hal::OrderGuess> fits;  ///< other orders in which it makes sense
 };
 
-hal::LinkSettings probe_link(const hal::ModbusSection& m) {
-  hal::LinkSettings s;
-  if (m.transport == hal::ModbusTransport::tcp) {
-    s.address = hal::TcpAddress{m.host, m.port};
-  } else {
-    s.address = hal::SerialAddress{m.device, m.baud, m.parity};
-  }
-  s.unit = m.unit_id;
-  s.exchange_deadline_s = m.deadline_s;
-  s.backoff_first_s = s.backoff_max_s = 0;
-  return s;
-}
-
 std::string complaint_of(const hal::LinkFault& fault) {
   if (fault.error != hal::LinkError::exception_answer) return hal::text_of(fault.error);
   const char* meaning = "the device refuses";
@@ -188,7 +175,8 @@ struct ProbeCommand {
                             "add [modbus] with host or device and points");
     }
     const hal::PointMap points = hal::PointMap::load(site.modbus->points);
-    hal::ModbusLink link(probe_link(*site.modbus));
+    constexpr double no_wait_s = 0;  // each point is asked once, whatever became of the one before
+    hal::ModbusLink link(hal::link_settings(*site.modbus, no_wait_s, no_wait_s));
     const std::vector<ProbedPoint> sheet = read_all(points, link);
     if (as_json) {
       print_json(sheet, link.description());

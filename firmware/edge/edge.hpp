@@ -35,9 +35,6 @@
 
 namespace airside::edge {
 
-/// The link's settings from the site file.
-hal::LinkSettings link_settings(const hal::ModbusSection& modbus, const EdgeOptions& options);
-
 /// What a row commits beside the learning state. Plain bytes.
 template <Topology T>
 struct RowRecord {
@@ -60,7 +57,7 @@ class Edge final : public Daemon {
         limits_(hal::signal_limits<T>(points)),
         options_(options),
         stop_(stop),
-        link_(link_settings(*site.modbus, options)),
+        link_(hal::link_settings(*site.modbus, options.backoff_first_s)),
         plant_(points, link_, {.utc_offset_s = std::nullopt, .clock_speed = options.clock_speed}),
         system_clock_(stop, std::nullopt, options.clock_speed),
         controller_(std::make_unique<Controller<T>>()),
@@ -115,7 +112,7 @@ class Edge final : public Daemon {
     report_start(t);
     while (!stop_.raised() && t < end) {
       t = plant_clock_ ? run_cycles<T>(plant_, *plant_clock_, *controller_, *this, t, end)
-                       : run_cycles<T>(plant_, system_clock_, *controller_, *this, t, end);
+                       : run_cycles<T>(plant_, beating_clock_, *controller_, *this, t, end);
       if (plant_clock_ && plant_clock_->stalled()) {
         say("the plant's clock stands still at row {}; is its server running?", t.seconds);
       }
@@ -151,11 +148,12 @@ class Edge final : public Daemon {
     }
     note(logged ? committed : logged, logged ? "state" : "log");
     controller_->report(Reason::storage_failed, std::strcmp(storage_, "ok") != 0, t);
-    if (controller.cycle().ladder.beats(t)) (void)plant_.beat();
+    beats_ = controller.cycle().ladder.beats(t);
+    if (beats_) (void)plant_.beat();
     if (committed) export_.row(t, *controller_, record_.trial);
     write_status(t, sensed);
     service_.tell("WATCHDOG=1");  // only a row that came through every stage is a sign of life
-    say_rung(controller.decision());
+    say_rung(controller.rung(t));
     if (options_.crash_limit > 0 && recent_starts_ > 0 && hal::monotonic_ns() - began_ns_ >= hour_s * 1'000'000'000) {
       starts_.clear();
       recent_starts_ = 0;
@@ -198,6 +196,7 @@ class Edge final : public Daemon {
       controller_->hold(Reason::crash_loop, t, hour_s);
     }
     if (state_lost_) controller_->hold(Reason::state_lost, t, 0);
+    beats_ = next_.seconds > 0 && controller_->cycle().ladder.beats(t);  // where it goes on, before the first row too
   }
 
   /// A clock before this program was written, or a day before the last row, has not been set since power came back.
@@ -227,12 +226,27 @@ class Edge final : public Daemon {
   }
 
   /// One line whenever the rung or its reason changes.
-  void say_rung(const Decision& decision) {
-    if (decision.reason == said_reason_ && decision.mode == said_mode_) return;
-    const Rung rung = rung_of(decision.reason);
-    say("{}: {}; {}", text_of(decision.mode), rung.why, rung.way_out);
-    said_reason_ = decision.reason;
-    said_mode_ = decision.mode;
+  void say_rung(const OnRung& on) {
+    if (on == said_rung_) return;
+    say("{}: {}; {}", text_of(on.mode), rung_of(on.reason).why, rung_of(on.reason).way_out);
+    said_rung_ = on;
+  }
+
+  /// The machine's clock, whose waiting goes on with the heartbeat.
+  struct BeatingClock {
+    Edge* edge;
+    CivilTime now() const { return edge->system_clock_.now(); }
+    bool sleep_until(CivilTime t) const {
+      return edge->system_clock_.sleep_until(t, edge->site_.modbus->heartbeat_s, [this] { edge->beat_between_rows(); });
+    }
+  };
+
+  /// The AHU takes over soon after this program is gone, hangs, or a person has asked for it: not first at a row.
+  /// On a new connection everything is read before anything is written, as at a row.
+  void beat_between_rows() {
+    if (!beats_ || trial_.release_waits() || plant_.beat() || plant_.in_touch()) return;
+    (void)plant_.sense();
+    (void)plant_.beat();
   }
 
   CivilTime now() { return plant_clock_ ? plant_clock_->now() : system_clock_.now(); }
@@ -393,7 +407,8 @@ class Edge final : public Daemon {
   }
 
   void write_status(CivilTime t, const Expected<Reading<T>>& sensed) {
-    StatusSnapshot s{.site = site_.name, .topology = T::name, .decision = controller_->decision()};
+    StatusSnapshot s{
+        .site = site_.name, .topology = T::name, .rung = controller_->rung(t), .decision = controller_->decision()};
     s.fault = sensed ? s.decision.fault : sensed.error();
     s.setpoint_degc = controller_->cycle().last_setpoint_degc;
     if (sensed) s.room_temp_degc = {sensed->value.data(), static_cast<std::size_t>(Layout<T>::rooms)};
@@ -431,6 +446,8 @@ class Edge final : public Daemon {
   hal::ModbusLink link_;
   hal::ModbusPlant<T> plant_;
   hal::SystemClock system_clock_;
+  BeatingClock beating_clock_{this};
+  bool beats_ = false;  ///< as of the last row: the heartbeat goes on
   std::optional<hal::ModbusPlantClock> plant_clock_;
   std::unique_ptr<Controller<T>> controller_;
   std::unique_ptr<Payload> payload_;
@@ -456,8 +473,7 @@ class Edge final : public Daemon {
   Spell clock_is_behind_;
   bool state_lost_ = false;
   std::string_view said_doubted_;
-  Reason said_reason_ = Reason::none;
-  Mode said_mode_ = Mode::learn;
+  OnRung said_rung_;
   const char* storage_ = "ok";
 };
 

@@ -78,10 +78,10 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.add("{{\"time\":\"{}\"", std::string_view(time.data(), time.size()));
   text.string("site", s.site);
   text.string("topology", s.topology);
-  text.string("state", text_of(s.decision.mode));
-  text.string("reason", text_of(s.decision.reason));
-  text.string("why", rung_of(s.decision.reason).why);
-  text.string("way_out", rung_of(s.decision.reason).way_out);
+  text.string("state", text_of(s.rung.mode));
+  text.string("reason", text_of(s.rung.reason));
+  text.string("why", rung_of(s.rung.reason).why);
+  text.string("way_out", rung_of(s.rung.reason).way_out);
   add_alarms(text, now, s.ladder);
   text.string("fault", text_of(s.fault));
   text.string("fault_signal", s.fault_signal);

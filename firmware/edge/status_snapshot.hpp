@@ -17,6 +17,7 @@ namespace airside::edge {
 struct StatusSnapshot {
   std::string_view site;
   std::string_view topology;
+  OnRung rung;
   const Decision& decision;
   Fault fault = Fault::none;
   double setpoint_degc = Decision::none;

@@ -67,6 +67,8 @@ class WeightsTrial {
 
   /// Opens or makes the inbox; before, nothing is collected.
   void open_inbox() { mailbox_ = hal::Mailbox(inbox_dir_); }
+  /// Whether a person wants the AHU back and no row has told so yet.
+  bool release_waits() const { return mailbox_.release_waits(); }
   /// Once a row, before its commit. Returns whether the learning state was exchanged.
   bool row(CivilTime t, Controller<T>& controller, TrialRecord& record) {
     const hal::Mail mail = mailbox_.collect(*bytes_);

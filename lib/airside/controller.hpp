@@ -181,6 +181,12 @@ class Controller {
   }
 
   const Decision& decision() const { return decision_; }
+  /// Where the ladder stands at t: as the last decision, or on a graver rung that was asked for since.
+  OnRung rung(CivilTime t) const {
+    const Reason since = cycle_.ladder.gravest(t);
+    const Mode asked = rung_of(since).mode;
+    return asked > decision_.mode ? OnRung{asked, since} : OnRung{decision_.mode, decision_.reason};
+  }
   const ControllerSettings& settings() const { return settings_; }
   const LimitsTable<T>& limits() const { return limits_; }
   LearningState<T, Scalar>& learning() { return learning_; }

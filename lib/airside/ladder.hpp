@@ -72,6 +72,12 @@ struct Rung {
   const char* way_out;
 };
 
+struct OnRung {
+  Mode mode = Mode::learn;
+  Reason reason = Reason::none;
+  bool operator==(const OnRung&) const = default;
+};
+
 constexpr Rung rung_of(Reason reason) {
   switch (reason) {
     case Reason::none: return {"none", Mode::learn, true, false, "all is well", "none needed"};

@@ -157,11 +157,12 @@ void Bench::start_server() {
 
 std::unique_ptr<Child> Bench::start_daemon(bool sync, const std::vector<std::string>& more) {
   const CivilTime end{tools::start_of(options_.plant).seconds + (options_.expert_days + options_.days) * 86400LL};
-  std::vector<std::string> command = {
-      program("airsided"), "--site", folder_ / "site.toml", "--until", hal::civil_text(end), "--backoff", "0.05"};
-  // Tests that kill it start it more often than any crash loop.
-  const std::string limit = "--crash-limit";
-  if (std::ranges::find(more, limit) == more.end()) command.insert(command.end(), {limit, "0"});
+  std::vector<std::string> command = {program("airsided"), "--site", folder_ / "site.toml", "--backoff", "0.05"};
+  const auto unless_said = [&](const std::string& option, const std::string& value) {
+    if (std::ranges::find(more, option) == more.end()) command.insert(command.end(), {option, value});
+  };
+  unless_said("--until", hal::civil_text(end));
+  unless_said("--crash-limit", "0");  // tests that kill it start it more often than any crash loop
   if (!sync) command.emplace_back("--no-sync");
   command.insert(command.end(), more.begin(), more.end());
   return std::make_unique<Child>(command, folder_ / "daemon.txt");

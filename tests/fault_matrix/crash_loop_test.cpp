@@ -49,7 +49,7 @@ TEST(CrashLoop, Row41ThreeStartsInTenMinutesLeaveTheScheduleInControlForAnHour) 
   // hence from one row before a start, and from three after it. How far each daemon came is the machine's affair.
   constexpr std::size_t settles = 3;
   for (std::size_t row = 0; row + 1 < begun; ++row) ASSERT_EQ(log.rows[row], expected.rows[row]) << row;
-  for (const auto [from, until] : {std::pair(begun, again), std::pair(again, log.rows.size())}) {
+  for (const auto& [from, until] : {std::pair(begun, again), std::pair(again, log.rows.size())}) {
     for (std::size_t row = from + settles; row < std::min(from - 1 + rows_an_hour, until); ++row) {
       EXPECT_TRUE(is_held(log.rows[row])) << "each start in the loop begins the hour anew: " << log.rows[row];
     }
