@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 #include "hal/civil_text.hpp"
 #include "hal/folder_names.hpp"
@@ -85,32 +86,30 @@ StoreResult<void> RowLog::make_ready() {
   return open_newest();
 }
 
-/// Puts a file among the newest, and removes the oldest where there are more than are kept.
-StoreResult<void> RowLog::keep(FileId id) {
+/// Puts a file among the newest, and removes the oldest where there are more than are kept. One that cannot be removed
+/// is forgotten until the next start, and sync() tells of it: the rows of today matter more.
+void RowLog::keep(FileId id) {
   FileId* const end = files_.get() + file_count_;
   FileId* const place = std::lower_bound(files_.get(), end, id);
-  if (place != end && *place == id) return {};
+  if (place != end && *place == id) return;  // uncovered: a listing may show a name twice while files go
   std::move_backward(place, end, end + 1);
   *place = id;
   ++file_count_;
-  while (file_count_ > static_cast<std::size_t>(limits_.max_files)) {
-    if (const auto done = remove(files_[0]); !done) return done;
-    std::move(files_.get() + 1, files_.get() + file_count_, files_.get());
-    --file_count_;
-  }
-  return {};
+  if (file_count_ <= static_cast<std::size_t>(limits_.max_files)) return;
+  if (const auto done = remove(files_[0]); !done) removed_ = done;
+  std::move(files_.get() + 1, files_.get() + file_count_, files_.get());
+  --file_count_;
 }
 
 StoreResult<void> RowLog::list_files() {
   file_count_ = 0;
-  StoreResult<void> kept;
   const auto listed = for_each_name(dir_.descriptor(), [&](const char* name) {
     FileId id{};
-    if (parse_name(name, id)) kept = keep(id);
-    return kept.has_value();
+    if (parse_name(name, id)) keep(id);
+    return true;
   });
   if (!listed) return tl::make_unexpected(store_error(errno, "list log folder"));
-  return kept;
+  return {};
 }
 
 StoreResult<void> RowLog::remove(FileId id) {
@@ -240,7 +239,8 @@ StoreResult<void> RowLog::start_file(FileId id) {
   sync_failed_ = false;
   new_file_unsynced_ = true;
   other_header_ = false;
-  return keep(id);
+  keep(id);
+  return {};
 }
 
 StoreResult<void> RowLog::append(const LogRow& row) {
@@ -295,7 +295,7 @@ StoreResult<void> RowLog::rewrite_in_doubt() {
 }
 
 StoreResult<void> RowLog::sync() {
-  if (!file_.is_open() || sync_ == Sync::none) return {};
+  if (!file_.is_open() || sync_ == Sync::none) return std::exchange(removed_, {});
   if (sync_failed_) {
     if (const auto done = rewrite_in_doubt(); !done) return done;
   }
@@ -307,7 +307,7 @@ StoreResult<void> RowLog::sync() {
   sync_failed_ = false;
   new_file_unsynced_ = false;
   synced_bytes_ = position_.bytes;
-  return {};
+  return std::exchange(removed_, {});
 }
 
 }  // namespace airside::hal

@@ -47,7 +47,8 @@ class RowLog {
   StoreResult<void> append(const LogRow& row);
 
   /// Forces the rows to the medium.
-  /// Errors: io, no_space; the next call writes the rows in doubt again before it syncs.
+  /// Errors: io, no_space; the next call writes the rows in doubt again before it syncs. Once, that of an old file that
+  /// could not be removed.
   StoreResult<void> sync();
 
   /// End of the last row. bytes 0: nothing logged.
@@ -67,7 +68,7 @@ class RowLog {
 
   StoreResult<void> make_ready();
   StoreResult<void> follow(const LogPosition& committed);
-  StoreResult<void> keep(FileId id);
+  void keep(FileId id);
   static void write_name(char (&name)[name_size], FileId id);
   static bool parse_name(const char* name, FileId& id);
   StoreResult<void> list_files();
@@ -89,7 +90,8 @@ class RowLog {
   CivilTime last_time_ = before_all;
   std::uint64_t synced_bytes_ = 0;  ///< of the open file
   StoreResult<void> ready_;
-  LogPosition resume_at_;  ///< of the last resume(); done again by a log that was not ready. bytes 0: none
+  StoreResult<void> removed_;  ///< the last removal of an old file, as far as sync() has not told of it
+  LogPosition resume_at_;      ///< of the last resume(); done again by a log that was not ready. bytes 0: none
   bool sync_failed_ = false;
   bool new_file_unsynced_ = false;
   bool other_header_ = false;  ///< the newest file has other columns: the next row starts a new file

@@ -3,6 +3,7 @@
 #include "hal/modbus_link.hpp"
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <functional>
@@ -331,6 +332,57 @@ TEST(ModbusLink, ASlowBusyDeviceIsNotAskedAgainBehindTheDeadline) {
   EXPECT_LT(seconds_since(start), 0.8 + slack_s);
   ASSERT_FALSE(read);
   EXPECT_LT(requests, 4) << "there was no time for all three repetitions";
+}
+
+TEST(ModbusLink, ADeviceThatIsBusyUntilTheDeadlineIsLeftAlone) {
+  const HostilePeer peer([&](HostilePeer& p, int fd) {
+    for (Bytes request = p.request(fd); !request.empty(); request = p.request(fd)) {
+      p.pause(1.8);
+      p.send(fd, {request[0], request[1], 0, 0, 0, 3, request[6], 0x83, 6});
+    }
+  });
+  ModbusLink link(tcp_settings(peer.port(), 2));  // another try would come a quarter of a second later
+  std::array<std::uint16_t, 1> value{};
+  const auto read = link.read(3, 0, value);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(link.counters().connects, 1u);
+}
+
+TEST(ModbusLink, AWriteForAnotherConnectionReachesNobody) {
+  std::atomic<int> writes{0};
+  const HostilePeer peer([&](HostilePeer& p, int fd) {
+    for (Bytes request = p.request(fd); !request.empty(); request = p.request(fd)) {
+      writes += request[7] != 3;
+      p.send(fd,
+             request[7] == 3 ? honest_answer(request) : request);  // a write of one register is answered by its echo
+    }
+  });
+  ModbusLink link(tcp_settings(peer.port()));
+  std::array<std::uint16_t, 1> value{};
+  EXPECT_EQ(link.write(6, 0, value, 0).error().error, LinkError::other_connection) << "there is none yet";
+  ASSERT_TRUE(link.read(3, 0, value));
+  EXPECT_EQ(link.write(6, 0, value, link.generation() + 1).error().error, LinkError::other_connection);
+  EXPECT_EQ(writes, 0);
+  EXPECT_TRUE(link.write(6, 0, value, link.generation()));
+}
+
+TEST(ModbusLink, ARequestThatCannotBeSentEndsTheConnection) {
+  const HostilePeer peer([&](HostilePeer& p, int fd) {
+    for (Bytes request = p.request(fd); !request.empty(); request = p.request(fd)) p.send(fd, honest_answer(request));
+  });
+  ModbusLink link(tcp_settings(peer.port()));
+  std::array<std::uint16_t, 1> value{};
+  ASSERT_TRUE(link.read(3, 0, value));
+  // The client's end of the connection is the one socket whose peer has the server's port.
+  for (int fd = 3; fd < 256; ++fd) {
+    sockaddr_in address{};
+    socklen_t size = sizeof address;
+    if (::getpeername(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) continue;
+    if (ntohs(address.sin_port) == peer.port()) ::shutdown(fd, SHUT_WR);
+  }
+  const auto read = link.read(3, 0, value);
+  EXPECT_TRUE(read || read.error().error == LinkError::closed_by_peer) << text_of(read.error().error);
+  EXPECT_TRUE(link.read(3, 0, value)) << "on a new connection";
 }
 
 TEST(ModbusLink, AWriteOnADroppedConnectionIsNotRepeated) {

@@ -402,10 +402,106 @@ TEST(DurableStore, SpansOfAnotherSizeAreRefused) {
   DurableStore store = open_store(folder);
   StateScript script(layout);
   script.advance();
-  StoredState state = script.stored();
-  state.row = state.row.first(3);
-  ASSERT_FALSE(store.commit(state).has_value());
-  EXPECT_EQ(store.commit(state).error().fault, StoreFault::wrong_size);
+  for (int part = 0; part < 3; ++part) {
+    StoredState state = script.stored();
+    StateBuffers into = script.buffers();
+    if (part == 0) state.learning = state.learning.first(3), into.learning = into.learning.first(3);
+    if (part == 1) state.row = state.row.first(3), into.row = into.row.first(3);
+    if (part == 2) state.replay = state.replay.first(3), into.replay = into.replay.first(3);
+    const auto committed = store.commit(state);
+    ASSERT_FALSE(committed.has_value()) << part;
+    EXPECT_EQ(committed.error().fault, StoreFault::wrong_size);
+    const auto loaded = store.load(into);
+    ASSERT_FALSE(loaded.has_value()) << part;
+    EXPECT_EQ(loaded.error().fault, StoreFault::wrong_size);
+  }
+}
+
+TEST(DurableStore, ASecondOneIsTurnedAway) {
+  const TestFolder folder("store_two");
+  const DurableStore first = open_store(folder);
+  const auto second = DurableStore::open(folder.c_str(), layout);
+  ASSERT_FALSE(second.has_value());
+  EXPECT_EQ(second.error().fault, StoreFault::locked);
+}
+
+TEST(DurableStore, AFileThatCanBeHadLaterIsWrittenThen) {
+  const TestFolder folder("store_late");
+  std::filesystem::create_directory(folder.file("row.a"));
+  DurableStore store = open_store(folder);
+  EXPECT_FALSE(store.ready());
+  StateScript script(layout);
+  script.advance();
+  EXPECT_FALSE(store.commit(script.stored()));
+  std::filesystem::remove(folder.file("row.a"));
+  ASSERT_TRUE(store.commit(script.stored()));
+  EXPECT_TRUE(store.ready());
+}
+
+/// Records that stand on the medium and cannot be opened now.
+class OutOfReach : public ::testing::Test {
+ protected:
+  static constexpr const char* names[4] = {"row.a", "row.b", "learning.a", "learning.b"};
+  void hide() const {
+    for (const char* name : names) {
+      std::filesystem::rename(folder.file(name), folder.file(std::string(name) + ".kept"));
+      std::filesystem::create_symlink(name, folder.file(name));  // to itself: neither there nor not there
+    }
+  }
+  void show(bool as_they_were) const {
+    for (const char* name : names) {
+      std::filesystem::remove(folder.file(name));
+      if (as_they_were) std::filesystem::rename(folder.file(std::string(name) + ".kept"), folder.file(name));
+    }
+  }
+  TestFolder folder{"store_hidden"};
+};
+
+TEST_F(OutOfReach, AreLoadedBeforeTheyAreWrittenOver) {
+  StateScript script(layout);
+  script.advance();
+  { ASSERT_TRUE(open_store(folder).commit(script.stored())); }
+  hide();
+  DurableStore store = open_store(folder);
+  EXPECT_FALSE(store.ready());
+  EXPECT_FALSE(store.commit(script.stored()));
+  show(true);
+  const auto done = store.commit(script.stored());
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().fault, StoreFault::unread);
+  StateScript found(layout);
+  const auto loaded = store.load(found.buffers());
+  ASSERT_TRUE(loaded);
+  EXPECT_EQ(loaded->outcome, LoadOutcome::newest);
+  EXPECT_EQ(loaded->generation, 1u);
+  EXPECT_TRUE(store.commit(script.stored()));
+}
+
+TEST_F(OutOfReach, AreWrittenWhereTheyHoldNothing) {
+  { const DurableStore first = open_store(folder); }
+  hide();
+  DurableStore store = open_store(folder);
+  StateScript script(layout);
+  script.advance();
+  EXPECT_FALSE(store.commit(script.stored()));
+  show(false);
+  EXPECT_TRUE(store.commit(script.stored()));
+}
+
+TEST(DurableStore, EachOutcomeOfALoadHasAWord) {
+  std::set<std::string> words;
+  for (int outcome = 0; outcome < 5; ++outcome) words.insert(text_of(static_cast<LoadOutcome>(outcome)));
+  EXPECT_EQ(words.size(), 5u);
+  EXPECT_EQ(words.count("unknown"), 1u) << "of the fifth, which there is not";
+}
+
+TEST(StorageFile, MovedToItselfStaysOpen) {
+  const TestFolder folder("file_moved");
+  auto opened = StorageFile::open_dir(folder.c_str());
+  ASSERT_TRUE(opened);
+  StorageFile& same = *opened;
+  *opened = std::move(same);
+  EXPECT_TRUE(opened->is_open());
 }
 
 TEST(AtomicFile, CutAtEveryByteLeavesTheOldFile) {

@@ -10,6 +10,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdarg>
 #include <cstring>
@@ -142,6 +143,18 @@ void fail_each_call(const std::function<void()>& life, const std::function<void(
   }
 }
 
+/// What the test itself does meanwhile does not fail and is not counted.
+class InPeace {
+ public:
+  InPeace() : kept_(failing) { failing.at = 0; }
+  ~InPeace() { failing = kept_; }
+  InPeace(const InPeace&) = delete;
+  InPeace& operator=(const InPeace&) = delete;
+
+ private:
+  Failing kept_;
+};
+
 constexpr StoreLayout layout{16, 8, 8, 4, 2, 7};
 
 struct Memory {
@@ -247,6 +260,95 @@ TEST(FailedCalls, LeaveInTheLogExactlyTheRowsThatWereTaken) {
       });
 }
 
+TEST(FailedCalls, LeaveALogOfAFewFilesWithItsCommittedRowsAndNoneThatWereCutOff) {
+  const TestFolder folder("failed_few");
+  constexpr RowLogLimits limits{.max_files = 2, .max_file_bytes = 4000};
+  constexpr std::int64_t rows_apart_s = 80 * row_s, begin_s = 1625097600;  // three rows a day, from midnight
+  std::vector<std::int64_t> taken, beyond;  ///< beyond: what the first life took after its last commit
+  std::int64_t committed_s = 0;
+  bool cut = false;
+  const auto append = [&](RowLog& log, int from, int to) {
+    LogRow row = make_log_row(counts());
+    for (int k = from; k < to; ++k) {
+      row.time = {begin_s + k * rows_apart_s};
+      if (log.append(row)) taken.push_back(row.time.seconds);
+    }
+  };
+  fail_each_call(
+      [&] {
+        taken.clear(), beyond.clear();
+        committed_s = 0, cut = false;
+        LogPosition committed;
+        {
+          RowLog log(folder.c_str(), counts(), limits);
+          (void)log.resume({});
+          append(log, 0, 8);
+          if (log.sync() && !taken.empty()) committed = log.position(), committed_s = taken.back();
+          const std::size_t kept = taken.size();
+          append(log, 8, 13);
+          beyond.assign(taken.begin() + static_cast<std::ptrdiff_t>(kept), taken.end());
+        }
+        {
+          const InPeace peace;
+          // The process died in the middle of a row of the newest file.
+          std::filesystem::path newest;
+          for (const auto& entry : std::filesystem::directory_iterator(folder.c_str())) {
+            newest = std::max(newest, entry.path());
+          }
+          if (!newest.empty()) std::ofstream(newest, std::ios::app) << "2021-07-";
+        }
+        RowLog log(folder.c_str(), counts(), limits);
+        (void)log.resume(committed);
+        const std::size_t before = taken.size();
+        append(log, 14, 20);
+        cut = committed.bytes > 0 && taken.size() > before;
+      },
+      [&](const std::string& what) {
+        {
+          const auto log = RowLog::open(folder.c_str(), counts(), limits);
+          ASSERT_TRUE(log) << what;
+          EXPECT_LE(log->files(), 2u) << what;
+        }
+        std::vector<std::filesystem::path> files;
+        for (const auto& entry : std::filesystem::directory_iterator(folder.c_str())) files.push_back(entry.path());
+        std::ranges::sort(files);
+        EXPECT_LE(files.size(), 2u) << what;
+        std::vector<std::int64_t> rows;
+        for (const auto& file : files) {
+          std::ifstream in(file);
+          std::string line;
+          for (std::getline(in, line); std::getline(in, line);) {
+            const auto time = parse_civil_text(line.substr(0, civil_text_size));
+            ASSERT_TRUE(time) << what << ": " << line;
+            rows.push_back(time->seconds);
+          }
+          std::filesystem::remove(file);
+        }
+        EXPECT_TRUE(std::ranges::is_sorted(rows, std::ranges::less_equal{})) << what << ": no row twice";
+        for (const std::int64_t row : rows) {
+          EXPECT_EQ(std::ranges::count(taken, row), 1) << what << ": a row that was refused, " << row;
+          EXPECT_FALSE(cut && std::ranges::count(beyond, row) == 1) << what << ": a row that was cut off, " << row;
+        }
+        // Of the days that are kept every committed row is there.
+        for (const std::int64_t row : taken) {
+          if (rows.empty() || row < rows.front() || row > committed_s) continue;
+          EXPECT_EQ(std::ranges::count(rows, row), 1) << what << ": a committed row is gone, " << row;
+        }
+      });
+}
+
+TEST(FailedCalls, LeaveAFolderThatWasMadeOrSayWhy) {
+  const TestFolder parent("failed_folder");
+  const std::string path = parent.file("new").string();
+  bool told = false;
+  fail_each_call([&] { told = StorageFile::open_dir(path.c_str()).has_value(); },
+                 [&](const std::string& what) {
+                   EXPECT_EQ(StorageFile::open_dir(path.c_str()).has_value(), true) << what;
+                   EXPECT_TRUE(!told || std::filesystem::is_directory(path)) << what;
+                   std::filesystem::remove(path);
+                 });
+}
+
 TEST(FailedCalls, LeaveACopyOfTheStateUnderTheDigestThatWasTold) {
   const TestFolder folder("failed_copy");
   std::uint64_t in_force = 0, saved = 0;
@@ -254,11 +356,12 @@ TEST(FailedCalls, LeaveACopyOfTheStateUnderTheDigestThatWasTold) {
       [&] {
         StateCopy copy(folder.c_str(), 7);
         std::array<std::byte, 24> state{std::byte{1}};
-        failing.at += 1'000'000;  // the copy in force is made in peace
-        const auto first = copy.save(state, 0);
-        in_force = first.value_or(0);
-        EXPECT_TRUE(first && copy.settle(in_force));
-        failing.at -= 1'000'000, failing.calls = 0;
+        {
+          const InPeace peace;
+          const auto first = copy.save(state, 0);
+          in_force = first.value_or(0);
+          EXPECT_TRUE(first && copy.settle(in_force));
+        }
         state[0] = std::byte{2};
         saved = copy.save(state, in_force).value_or(0);
         if (saved != 0) (void)copy.settle(saved);
@@ -278,6 +381,22 @@ TEST(FailedCalls, LeaveACopyOfTheStateUnderTheDigestThatWasTold) {
       });
 }
 
+TEST(StateCopyFile, IsSettledOnlyUnderItsOwnDigest) {
+  const TestFolder folder("copy_settle");
+  StateCopy copy(folder.c_str(), 7);
+  const std::array<std::byte, 24> state{std::byte{1}};
+  const auto saved = copy.save(state, 0);
+  ASSERT_TRUE(saved);
+  EXPECT_TRUE(copy.settle(*saved + 1));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("previous"))) << "it belongs to an exchange that was not committed";
+  EXPECT_TRUE(copy.settle(*saved));
+  EXPECT_TRUE(std::filesystem::exists(folder.file("previous")));
+  std::ofstream(folder.file("previous.new")) << std::string(100, 'x');
+  EXPECT_TRUE(copy.settle(*saved));
+  std::array<std::byte, 24> found{};
+  EXPECT_TRUE(copy.load(found, *saved)) << "what is no copy does not take its place";
+}
+
 TEST(FailedCalls, LeaveStartsCountedAndWishesToldOnceOrAgain) {
   const TestFolder folder("failed_starts"), inbox("failed_inbox");
   int told = 0;
@@ -287,10 +406,11 @@ TEST(FailedCalls, LeaveStartsCountedAndWishesToldOnceOrAgain) {
         EXPECT_GE(ledger.record(600), 1);
         EXPECT_GE(ledger.record(600), 1);
         ledger.clear();
-        failing.at += 1'000'000;
-        std::ofstream(inbox.file("release")).put('x');
-        std::ofstream(inbox.file("a.blob")).put('x');
-        failing.at -= 1'000'000;
+        ledger.clear();  // nothing is left to write
+        {
+          const InPeace peace;
+          for (const char* wish : {"release", "rollback", "a.blob"}) std::ofstream(inbox.file(wish)).put('x');
+        }
         Mailbox box(inbox.c_str());
         std::array<std::byte, 8> blob{};
         told = 0;

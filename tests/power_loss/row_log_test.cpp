@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <optional>
 
 #include "hal/civil_text.hpp"
 #include "power_loss/test_folder.hpp"
@@ -38,8 +39,8 @@ void append(RowLog& log, int from, int to) {
   }
 }
 
-void expect_rows(const TestFolder& folder, int from, int to) {
-  const Log log = read_log(folder.c_str(), counts);
+void expect_rows(const std::filesystem::path& folder, int from, int to) {
+  const Log log = read_log(folder.string(), counts);
   ASSERT_EQ(log.rows.size(), static_cast<std::size_t>(to - from));
   for (int i = from; i < to; ++i) {
     const LogRow want = row_at(i);
@@ -49,6 +50,8 @@ void expect_rows(const TestFolder& folder, int from, int to) {
     ASSERT_EQ(got.setpoint_degc, want.setpoint_degc);
   }
 }
+
+void expect_rows(const TestFolder& folder, int from, int to) { expect_rows(folder.c_str(), from, to); }
 
 TEST(RowLog, WritesOneFileADayThatTheReaderAccepts) {
   const TestFolder folder("rows");
@@ -274,6 +277,124 @@ TEST(RowLog, ForeignFilesAreLeftAlone) {
   EXPECT_EQ(log.files(), 0u);
   append(log, 0, 240 * 5);
   EXPECT_EQ(folder.image().size(), 6u + 2u);
+}
+
+TEST(RowLog, NamesThatOnlyLookLikeItsOwnAreForeign) {
+  const TestFolder folder("rows_names");
+  for (const char* name : {"airside-2021-07-01_00.csv", "airside-2021-07-01_zz.csv", "airside-2021-07-01-01.csv"}) {
+    std::ofstream(folder.file(name)) << "mine\n";
+  }
+  RowLog log = open_log(folder);
+  EXPECT_EQ(log.files(), 0u);
+  append(log, 0, 3);
+  EXPECT_EQ(folder.image().size(), 4u);
+}
+
+TEST(RowLog, AFileOfOneEmptyLineHoldsNoRow) {
+  const TestFolder folder("rows_line");
+  std::ofstream(folder.file("airside-2021-07-01.csv")) << "\n";
+  RowLog log = open_log(folder);
+  EXPECT_EQ(log.position(), LogPosition{});
+  append(log, 0, 3);
+  expect_rows(folder, 0, 3);
+}
+
+TEST(RowLog, ARowTooLongForALineIsRefusedAndTheNextOneFits) {
+  const TestFolder folder("rows_long");
+  RowLog log = open_log(folder);
+  LogRow row = row_at(0);
+  row.controller.mode = std::string(max_log_row_text, 'x');
+  EXPECT_EQ(log.append(row).error().fault, StoreFault::row_too_long);
+  append(log, 0, 2);
+  expect_rows(folder, 0, 2);
+}
+
+TEST(RowLog, ADayOfMoreThanAHundredPartsGoesOnInTheLast) {
+  const TestFolder folder("rows_many");
+  RowLog log = open_log(folder, {.max_files = 200, .max_file_bytes = 1});
+  append(log, 0, 120);
+  EXPECT_EQ(log.files(), 100u);
+  expect_rows(folder, 0, 120);
+}
+
+TEST(RowLog, AFileWhoseFirstRowFailedIsUsedForTheNext) {
+  const TestFolder folder("rows_first");
+  const RowLogLimits limits{.max_files = 10, .max_file_bytes = 1};
+  RowLog log = open_log(folder, limits);
+  {
+    WriteRecorder recorder;
+    recorder.fail_at = 1;  // behind the truncation of the new file
+    recorder.fail_errno = ENOSPC;
+    EXPECT_EQ(log.append(row_at(0)).error().fault, StoreFault::no_space);
+  }
+  append(log, 0, 1);
+  EXPECT_EQ(folder.image().size(), 1u);
+  expect_rows(folder, 0, 1);
+}
+
+TEST(RowLog, RowsInDoubtThatSomebodyCutOffAreNotWaitedFor) {
+  const TestFolder folder("rows_shrunk");
+  RowLog log = open_log(folder);
+  append(log, 0, 3);
+  {
+    WriteRecorder recorder;
+    recorder.fail_at = 0;
+    recorder.fail_errno = EIO;
+    ASSERT_FALSE(log.sync());
+  }
+  std::filesystem::resize_file(folder.file("airside-2021-07-01.csv"), 0);
+  EXPECT_TRUE(log.sync()) << "what is gone cannot be written again";
+}
+
+/// A log whose folder was taken by a file while it was opened.
+class LateLog : public ::testing::Test {
+ protected:
+  LateLog() {
+    RowLog log = open_log(there);
+    append(log, 0, 240);
+    first_day = log.position();
+    append(log, 240, 245);
+    std::ofstream(folder.file("log")).put('x');
+    late.emplace(folder.file("log").c_str(), counts);
+    EXPECT_FALSE(late->ready());
+  }
+  /// The folder is there now, as `there` is.
+  void bring() const {
+    std::filesystem::remove(folder.file("log"));
+    std::filesystem::copy(there.c_str(), folder.file("log"));
+  }
+
+  TestFolder there{"rows_there"}, folder{"rows_late"};
+  LogPosition first_day;
+  std::optional<RowLog> late;
+};
+
+TEST_F(LateLog, ResumesWhereItWasToldBeforeItAppends) {
+  EXPECT_FALSE(late->resume(first_day));
+  EXPECT_FALSE(late->append(row_at(240)));
+  bring();
+  append(*late, 240, 243);
+  expect_rows(folder.file("log"), 0, 243);
+}
+
+TEST_F(LateLog, GoesOnBehindTheLastWholeRowWhereCommittedOnesAreMissing) {
+  LogPosition beyond = first_day;
+  beyond.bytes += 10'000;
+  EXPECT_FALSE(late->resume(beyond));
+  bring();
+  append(*late, 240, 243);
+  expect_rows(folder.file("log"), 0, 243);
+}
+
+TEST_F(LateLog, AppendsNothingWhereItCannotResume) {
+  EXPECT_FALSE(late->resume(first_day));
+  bring();
+  const auto file = folder.file("log") / "airside-2021-07-01.csv";
+  std::filesystem::remove(file);
+  std::filesystem::create_directory(file);
+  const auto done = late->append(row_at(250));
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().fault, StoreFault::io) << describe(done.error());
 }
 
 }  // namespace

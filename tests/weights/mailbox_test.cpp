@@ -50,6 +50,25 @@ TEST_F(Inbox, GivesEachWishOnce) {
   EXPECT_FALSE(box.collect(blob).release);
 }
 
+TEST_F(Inbox, TellsThatAReleaseWaitsUntilItWasCollected) {
+  EXPECT_FALSE(box.release_waits());
+  put("release");
+  EXPECT_TRUE(box.release_waits());
+  EXPECT_TRUE(box.release_waits()) << "to look takes nothing away";
+  EXPECT_TRUE(box.collect(blob).release);
+  EXPECT_FALSE(box.release_waits());
+  box.finish(true);
+  EXPECT_FALSE(box.release_waits());
+}
+
+TEST_F(Inbox, ReadsABlobOnceHoweverOftenItIsLookedInto) {
+  put("a.blob", "abc");
+  EXPECT_TRUE(box.collect(blob).has_blob);
+  EXPECT_FALSE(box.collect(blob).has_blob) << "the first one waits to be done with";
+  box.finish(true);
+  EXPECT_EQ(files(), 0u);
+}
+
 TEST_F(Inbox, KeepsABlobUntilItIsDoneWith) {
   put("room301.blob", "abc");
   hal::Mail mail = box.collect(blob);
