@@ -369,6 +369,7 @@ TEST(ModbusLink, AWriteForAnotherConnectionReachesNobody) {
 TEST(ModbusLink, ARequestThatCannotBeSentEndsTheConnection) {
   const HostilePeer peer([&](HostilePeer& p, int fd) {
     for (Bytes request = p.request(fd); !request.empty(); request = p.request(fd)) p.send(fd, honest_answer(request));
+    p.pause(0.3);  // it has heard that nothing more will come, and does not hang up yet
   });
   ModbusLink link(tcp_settings(peer.port()));
   std::array<std::uint16_t, 1> value{};

@@ -262,7 +262,7 @@ TEST(FailedCalls, LeaveInTheLogExactlyTheRowsThatWereTaken) {
 
 TEST(FailedCalls, LeaveALogOfAFewFilesWithItsCommittedRowsAndNoneThatWereCutOff) {
   const TestFolder folder("failed_few");
-  constexpr RowLogLimits limits{.max_files = 2, .max_file_bytes = 4000};
+  constexpr RowLogLimits limits{.max_files = 3, .max_file_bytes = 4000};
   constexpr std::int64_t rows_apart_s = 80 * row_s, begin_s = 1625097600;  // three rows a day, from midnight
   std::vector<std::int64_t> taken, beyond;  ///< beyond: what the first life took after its last commit
   std::int64_t committed_s = 0;
@@ -285,7 +285,7 @@ TEST(FailedCalls, LeaveALogOfAFewFilesWithItsCommittedRowsAndNoneThatWereCutOff)
           append(log, 0, 8);
           if (log.sync() && !taken.empty()) committed = log.position(), committed_s = taken.back();
           const std::size_t kept = taken.size();
-          append(log, 8, 13);
+          append(log, 8, 11);
           beyond.assign(taken.begin() + static_cast<std::ptrdiff_t>(kept), taken.end());
         }
         {
@@ -296,6 +296,7 @@ TEST(FailedCalls, LeaveALogOfAFewFilesWithItsCommittedRowsAndNoneThatWereCutOff)
             newest = std::max(newest, entry.path());
           }
           if (!newest.empty()) std::ofstream(newest, std::ios::app) << "2021-07-";
+          std::ofstream(folder.file("airside-2021-08-01.csv")) << "no row\n";
         }
         RowLog log(folder.c_str(), counts(), limits);
         (void)log.resume(committed);
@@ -307,12 +308,12 @@ TEST(FailedCalls, LeaveALogOfAFewFilesWithItsCommittedRowsAndNoneThatWereCutOff)
         {
           const auto log = RowLog::open(folder.c_str(), counts(), limits);
           ASSERT_TRUE(log) << what;
-          EXPECT_LE(log->files(), 2u) << what;
+          EXPECT_LE(log->files(), 3u) << what;
         }
         std::vector<std::filesystem::path> files;
         for (const auto& entry : std::filesystem::directory_iterator(folder.c_str())) files.push_back(entry.path());
         std::ranges::sort(files);
-        EXPECT_LE(files.size(), 2u) << what;
+        EXPECT_LE(files.size(), 3u) << what;
         std::vector<std::int64_t> rows;
         for (const auto& file : files) {
           std::ifstream in(file);

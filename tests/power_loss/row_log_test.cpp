@@ -77,6 +77,16 @@ TEST(RowLog, KeepsTheNewestFilesOnly) {
   EXPECT_EQ(folder.image().size(), 2u);
 }
 
+TEST(RowLog, AnOldFileThatSomebodyElseRemovedIsGone) {
+  const TestFolder folder("rows_gone");
+  RowLog log = open_log(folder, {.max_files = 2});
+  append(log, 0, 240 * 2);
+  std::filesystem::remove(folder.file("airside-2021-07-01.csv"));
+  append(log, 240 * 2, 240 * 3);
+  EXPECT_TRUE(log.sync());
+  expect_rows(folder, 240, 240 * 3);
+}
+
 TEST(RowLog, StartsAFurtherFileWhenADaysFileIsFull) {
   const TestFolder folder("rows_parts");
   RowLog log = open_log(folder, {.max_files = 50, .max_file_bytes = 4000});

@@ -128,6 +128,7 @@ TEST(InboxWithoutAFolder, StaysEmpty) {
   hal::Mailbox none(""), impossible("/proc/no/such/folder");
   EXPECT_FALSE(none.collect(blob).has_blob);
   EXPECT_FALSE(impossible.collect(blob).has_blob);
+  EXPECT_FALSE(impossible.release_waits());
   impossible.finish(true);
 }
 
