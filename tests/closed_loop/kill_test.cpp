@@ -1,5 +1,6 @@
 // However often the daemon is killed or stopped, it goes on as if nothing had been: the same rows, none lost, none
 // twice.
+//   AIRSIDE_LOOP_KILLS=n, AIRSIDE_LOOP_DAYS=n   so many kills (200) in so many simulated days (7)
 
 #include <gtest/gtest.h>
 
@@ -63,7 +64,8 @@ int kill_through(Bench& bench, int kills, bool sync, std::uint64_t seed) {
 
 TEST(KilledDaemon, LogOfAWeekEqualsTheUndisturbedOne) {
   const int kills = from_environment("AIRSIDE_LOOP_KILLS", 200);
-  Bench bench({.name = "kill", .plant = rc_room(), .expert_days = 2, .days = 7});
+  const int days = from_environment("AIRSIDE_LOOP_DAYS", 7);
+  Bench bench({.name = "kill", .plant = rc_room(), .expert_days = 2, .days = days});
   const LogText& expected = bench.expected();
   bench.start_server();
   const double began_s = now_s();
