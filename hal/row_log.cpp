@@ -61,7 +61,7 @@ RowLog::RowLog(const char* dir, const TopologyCounts& counts, const RowLogLimits
       header_(log_header(counts, true)),
       limits_{std::max(limits.max_files, 2), limits.max_file_bytes},
       sync_(sync),
-      files_(std::make_unique<FileId[]>(static_cast<std::size_t>(limits_.max_files) + 1)),
+      files_(std::make_unique<FileId[]>(static_cast<std::size_t>(limits_.max_files) + 2)),
       text_(std::make_unique<char[]>(header_.size() + max_log_row_text)),
       in_doubt_(std::make_unique<char[]>(max_log_row_text)) {
   ready_ = make_ready();
@@ -83,19 +83,26 @@ StoreResult<void> RowLog::make_ready() {
     return tl::make_unexpected(store_error(errno, "open log folder"));
   }
   if (const auto done = list_files(); !done) return done;
-  return open_newest();
+  if (const auto done = open_newest(); !done) return done;
+  trim(max_files());
+  return {};
 }
 
-/// Puts a file among the newest, and removes the oldest where there are more than are kept. One that cannot be removed
-/// is forgotten until the next start, and sync() tells of it: the rows of today matter more.
-void RowLog::keep(FileId id) {
+/// Puts a file among the newest.
+void RowLog::keep(FileId id, std::size_t most) {
   FileId* const end = files_.get() + file_count_;
   FileId* const place = std::lower_bound(files_.get(), end, id);
   if (place != end && *place == id) return;  // uncovered: a listing may show a name twice while files go
   std::move_backward(place, end, end + 1);
   *place = id;
   ++file_count_;
-  if (file_count_ <= static_cast<std::size_t>(limits_.max_files)) return;
+  trim(most);
+}
+
+/// Removes the oldest file where there are more than `most`. One that cannot be removed is forgotten until the next
+/// start, and sync() tells of it: the rows of today matter more.
+void RowLog::trim(std::size_t most) {
+  if (file_count_ <= most) return;
   if (const auto done = remove(files_[0]); !done) removed_ = done;
   std::move(files_.get() + 1, files_.get() + file_count_, files_.get());
   --file_count_;
@@ -105,7 +112,7 @@ StoreResult<void> RowLog::list_files() {
   file_count_ = 0;
   const auto listed = for_each_name(dir_.descriptor(), [&](const char* name) {
     FileId id{};
-    if (parse_name(name, id)) keep(id);
+    if (parse_name(name, id)) keep(id, max_files() + 1);  // the newest may hold no row, and go
     return true;
   });
   if (!listed) return tl::make_unexpected(store_error(errno, "list log folder"));
@@ -239,7 +246,7 @@ StoreResult<void> RowLog::start_file(FileId id) {
   sync_failed_ = false;
   new_file_unsynced_ = true;
   other_header_ = false;
-  keep(id);
+  keep(id, max_files());
   return {};
 }
 

@@ -68,7 +68,9 @@ class RowLog {
 
   StoreResult<void> make_ready();
   StoreResult<void> follow(const LogPosition& committed);
-  void keep(FileId id);
+  std::size_t max_files() const { return static_cast<std::size_t>(limits_.max_files); }
+  void keep(FileId id, std::size_t most);
+  void trim(std::size_t most);
   static void write_name(char (&name)[name_size], FileId id);
   static bool parse_name(const char* name, FileId& id);
   StoreResult<void> list_files();
@@ -82,7 +84,7 @@ class RowLog {
   RowLogLimits limits_;
   Sync sync_ = Sync::full;
   StorageFile dir_, file_;
-  std::unique_ptr<FileId[]> files_;  ///< oldest first; room for max_files + 1
+  std::unique_ptr<FileId[]> files_;  ///< oldest first; room for max_files + 2
   std::size_t file_count_ = 0;
   std::unique_ptr<char[]> text_;      ///< header and one row
   std::unique_ptr<char[]> in_doubt_;  ///< rows that are written again; text_ may hold a new one then

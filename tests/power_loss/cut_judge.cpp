@@ -40,8 +40,13 @@ Loaded Cutter::load_store() {
                      std::to_string(meaning_.committed) + ", nor one being written";
     return result;
   }
-  if (meaning_.committed > 0 && loaded->outcome != hal::LoadOutcome::newest) {
-    result.finding = std::string("outcome: ") + text_of(loaded->outcome);
+  // Where a killed process and its successor wrote into one slot, the former's row may become whole by bytes that the
+  // latter wrote alike, after its learning record is gone: the committed generation is then told to be older.
+  const bool half_row_is_whole = loaded->outcome == hal::LoadOutcome::older && meaning_.in_flight.size() > 1;
+  if (meaning_.committed > 0 && loaded->outcome != hal::LoadOutcome::newest && !half_row_is_whole) {
+    result.finding = "generation " + std::to_string(loaded->generation) + ", committed " +
+                     std::to_string(meaning_.committed) + ": " + text_of(loaded->outcome) + " (" +
+                     std::to_string(loaded->damaged_records) + " damaged)";
     return result;
   }
   const Generation& want = meaning_.rows.at(loaded->generation);
@@ -49,7 +54,8 @@ Loaded Cutter::load_store() {
   const auto same = [](std::span<const std::byte> a, std::span<const std::byte> b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size()) == 0;
   };
-  if (!same(row_, want.row)) result.finding = "the row is a mixture";
+  // Of a row that a kill cut short the record has a part; that the rest is right is known by the header's digest.
+  if (!want.row.empty() && !same(row_, want.row)) result.finding = "the row is a mixture";
   if (!same(learning_, want.learning)) result.finding = "the learning state is a mixture";
   const hal::LogPosition log{want.header.log_day, want.header.log_part, want.header.log_bytes};
   if (loaded->log != log) result.finding = "the log's position is another generation's";

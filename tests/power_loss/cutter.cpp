@@ -260,9 +260,10 @@ void Cutter::note_write(const Trace::Op& op, const File& file) {
     for (std::size_t at = 0; at + stride <= op.payload.size(); at += stride) {
       hal::JournalEntry entry;
       std::memcpy(&entry, op.payload.data() + at, sizeof entry);
-      // The epoch is not in the entry but in its digest: one of the two that are near.
+      // The epoch is not in the entry but in its digest: one near the newest that a record has named.
       const auto bytes = op.payload.subspan(at + sizeof entry, layout_.transition_bytes);
-      for (std::uint64_t epoch = odd; epoch < odd + 64; epoch += 2) {
+      const std::uint64_t near = meaning_.newest_epoch < 4 ? 0 : (meaning_.newest_epoch - 4) / 2 * 2;
+      for (std::uint64_t epoch = near + odd; epoch < near + 12; epoch += 2) {
         if (entry.digest != hal::digest64(bytes, entry.number ^ (epoch << 40))) continue;
         auto& numbers = meaning_.replay[epoch];
         if (numbers.size() <= entry.number) numbers.resize(static_cast<std::size_t>(entry.number) + 1);
@@ -278,13 +279,14 @@ void Cutter::note_write(const Trace::Op& op, const File& file) {
     hal::RecordHeader header;
     if (op.payload.size() < sizeof header) return;  // a kill cut it short
     std::memcpy(&header, op.payload.data(), sizeof header);
+    meaning_.newest_epoch = std::max(meaning_.newest_epoch, header.epoch);
     meaning_.front[op.inode] = header;
     if (is_row) {
       meaning_.row_in.erase(op.inode);
       if (!meaning_.in_flight.empty() && !excused_) report("a row record was never forced to the medium");
       excused_ = false;
       meaning_.in_flight.push_back(header.generation);
-      meaning_.rows[header.generation] = {header, {}, {}, {}};
+      meaning_.rows[header.generation] = {header, {}, meaning_.learning[header.learning_generation], {}};
     } else {
       meaning_.learning_header[header.generation] = header;
     }
@@ -299,7 +301,6 @@ void Cutter::note_write(const Trace::Op& op, const File& file) {
   if (op.payload.size() != layout_.row_bytes) return;
   Generation& generation = meaning_.rows.at(header.generation);
   generation.row = op.payload;
-  generation.learning = meaning_.learning[header.learning_generation];
   generation.record = facts_of(op.payload, shared_.options.scripted);
   meaning_.row_in[op.inode] = header.generation;
 }

@@ -43,6 +43,7 @@ struct Meaning {
   std::map<std::uint64_t, std::span<const std::byte>> learning;
   std::map<std::uint64_t, hal::RecordHeader> learning_header;
   std::map<std::uint64_t, std::vector<std::span<const std::byte>>> replay;  ///< by epoch and number
+  std::uint64_t newest_epoch = 0;                                           ///< that a record names
   std::uint64_t committed = 0;               ///< generation of the newest row record that was synced
   std::vector<std::uint64_t> in_flight;      ///< begun since
   std::map<Inode, std::uint64_t> row_in;     ///< generation that was last written whole to a row slot

@@ -77,6 +77,18 @@ TEST(RowLog, KeepsTheNewestFilesOnly) {
   EXPECT_EQ(folder.image().size(), 2u);
 }
 
+TEST(RowLog, AFileThatACutLeftEmptyCostsNoOldOne) {
+  const TestFolder folder("rows_empty");
+  {
+    RowLog log = open_log(folder, {.max_files = 3});
+    append(log, 0, 240 * 3);
+  }
+  std::ofstream(folder.file("airside-2021-07-04.csv")).flush();
+  const RowLog log = open_log(folder, {.max_files = 3});
+  EXPECT_EQ(log.files(), 3u);
+  expect_rows(folder, 0, 240 * 3);
+}
+
 TEST(RowLog, AnOldFileThatSomebodyElseRemovedIsGone) {
   const TestFolder folder("rows_gone");
   RowLog log = open_log(folder, {.max_files = 2});

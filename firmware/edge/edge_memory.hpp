@@ -1,0 +1,295 @@
+#pragma once
+// What the daemon knows beyond its own life: state, log, weights that come and go. Each row ends in one commit.
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "airside/controller_instances.hpp"
+#include "airside/history.hpp"
+#include "firmware/edge/daemon.hpp"
+#include "firmware/edge/say.hpp"
+#include "firmware/edge/weights_export.hpp"
+#include "firmware/edge/weights_trial.hpp"
+#include "hal/blob_file.hpp"
+#include "hal/civil_text.hpp"
+#include "hal/durable_store.hpp"
+#include "hal/input_error.hpp"
+#include "hal/log_csv.hpp"
+#include "hal/log_record.hpp"
+#include "hal/row_log.hpp"
+#include "hal/site_file.hpp"
+
+namespace airside::edge {
+
+/// What a row commits beside the learning state. Plain bytes.
+template <Topology T>
+struct RowRecord {
+  CycleState<T> cycle;
+  Decision decision;
+  CivilTime row_time;
+  std::uint32_t blob_crc = 0;  ///< of the site's weights that this state grew from
+  std::uint32_t reserved = 0;
+  TrialRecord trial;  ///< of weights that were pushed since
+};
+
+/// The folders of one box and the controller that they are for, which must outlive this.
+template <Topology T>
+class EdgeMemory {
+  using Learning = LearningState<T, float>;
+  using Ring = ReplayRing<T, float>;
+  using Payload = BlobPayload<T, NetworkWeights<T, float>::count>;
+
+ public:
+  EdgeMemory(const hal::SiteFile& site, hal::Sync sync, Controller<T>& controller)
+      : site_(site),
+        sync_(sync),
+        controller_(controller),
+        log_row_(hal::make_log_row(hal::counts_of<T>())),
+        trial_(site.keys_dir, site.inbox_dir, site.state_dir, layout().meaning, sync, site.scope),
+        export_(site.state_dir, site.name, sync) {}
+
+  /// Sizes of the durable state of this topology and build.
+  static hal::StoreLayout layout() {
+    return {.learning_bytes = sizeof(Learning),
+            .row_bytes = sizeof(RowRecord<T>),
+            .transition_bytes = sizeof(typename Ring::Row),
+            .ring_capacity = Ring::capacity,
+            .meaning = topology_hash<T>(NetworkWeights<T, float>::count) ^ units_hash<T>() ^
+                       (std::uint64_t{state_version} << 32)};
+  }
+
+  /// Reads blob and history, then opens log, state and inbox. A folder that fails is tried again by every row.
+  /// Errors: hal::InputError for a bad blob or history, which leaves no folder behind, or a state folder in use.
+  void open() {
+    blob_crc_ = load_blob();
+    std::error_code ignored;
+    if (!std::filesystem::exists(site_.state_dir, ignored)) load_history();
+    open_log();
+    open_store();
+    trial_.open_inbox();
+    export_.open();
+  }
+  /// Loads the newest good state, else begins from the blob, else leaves the controller as it is. Returns the time of
+  /// the last row, 0 where there was no state.
+  CivilTime resume() {
+    const CivilTime last = load_state(blob_crc_);
+    if (last.seconds == 0) {
+      record_.blob_crc = blob_crc_;
+      if (blob_bytes_ > 0) begin_from_blob();
+      if (log_) note(log_->resume({}), "log");
+    }
+    payload_.reset();
+    history_.reset();
+    return last;
+  }
+  /// Reads what open() would read and leaves everything as it is. Errors: as of open(), but for the state folder.
+  void check() {
+    (void)load_blob();
+    load_history();
+  }
+
+  /// One row: log it unless its time cannot be right, look into the inbox, commit. Order matters: the log first, then
+  /// the commit that names its end. Cost: no heap.
+  void row(CivilTime t, const Expected<Reading<T>>& sensed, bool has_date) {
+    hal::fill_log_row<T>(log_row_, t, sensed, controller_.decision(), controller_.cycle().last_setpoint_degc);
+    const bool logs = log_ && has_date;
+    hal::StoreResult<void> logged = logs ? log_->append(log_row_) : hal::StoreResult<void>{};
+    if (logged && logs) logged = log_->sync();
+    const bool exchanged = trial_.row(t, controller_, record_.trial);
+    if (exchanged && store_) store_->replay_replaced();
+    if (exchanged) learning_exchanged_ = true;
+    hal::StoreResult<void> committed = store_ ? store_->commit(state(t)) : hal::StoreResult<void>{};
+    if (!committed && committed.error().fault == hal::StoreFault::unread) {
+      resume_late();
+      committed = store_->commit(state(t));
+    }
+    has_committed_ = has_committed_ || committed;
+    row_committed_ = committed.has_value();
+    if (committed) {
+      learning_exchanged_ = false;
+      trial_.committed();
+    }
+    note(logged ? committed : logged, logged ? "state" : "log");
+  }
+  /// After a row whose commit stands: the weights for whoever asks for them.
+  void give_weights(CivilTime t) {
+    if (row_committed_) export_.row(t, controller_, record_.trial);
+  }
+  /// At an orderly end.
+  void end() {
+    if (has_committed_) export_.end(record_.row_time, controller_, record_.trial);
+  }
+
+  /// `ok`, or what is wrong with the disk.
+  const char* storage() const { return storage_; }
+  bool is_well() const { return std::strcmp(storage_, "ok") == 0; }
+  /// There was state, and none of it is whole.
+  bool state_lost() const { return state_lost_; }
+  bool release_waits() const { return trial_.release_waits(); }
+  const TrialRecord& trial() const { return record_.trial; }
+  std::uint64_t generation() const { return store_ ? store_->generation() : 0; }
+
+ private:
+  static std::span<const std::byte> bytes_of(const void* p, std::size_t n) {
+    return {static_cast<const std::byte*>(p), n};
+  }
+  static std::span<std::byte> bytes_of(void* p, std::size_t n) { return {static_cast<std::byte*>(p), n}; }
+
+  hal::StoredState state(CivilTime t) {
+    // The cycle's part of the record is copied, the large parts are written from where they stand.
+    record_.cycle = controller_.cycle();
+    record_.decision = controller_.decision();
+    record_.row_time = t;
+    return {.learning = bytes_of(static_cast<const void*>(&controller_.learning()), sizeof(Learning)),
+            .row = bytes_of(static_cast<const void*>(&record_), sizeof record_),
+            .replay = bytes_of(static_cast<const void*>(&controller_.replay().slot(0)),
+                               sizeof(typename Ring::Row) * static_cast<std::size_t>(Ring::capacity)),
+            .replay_count = controller_.replay().total_pushed(),
+            .log = log_ ? log_->position() : hal::LogPosition{},
+            .learning_changed = starts_cycle(t) || !has_committed_ || learning_exchanged_};
+  }
+
+  void open_log() {
+    if (site_.log_dir.empty()) return;
+    hal::RowLogLimits limits;
+    limits.max_files = site_.log_max_files;
+    limits.max_file_bytes = static_cast<std::uint64_t>(site_.log_max_file_mb * 1e6);
+    log_.emplace(site_.log_dir.c_str(), hal::counts_of<T>(), limits, sync_);
+    if (log_->ready()) return;
+    storage_ = "log cannot be written";
+    say("log in {}: {}; each row tries again", site_.log_dir, hal::describe(log_->ready().error()));
+  }
+
+  void open_store() {
+    if (site_.state_dir.empty()) return;
+    auto opened = hal::DurableStore::open(site_.state_dir.c_str(), layout(), sync_);
+    if (!opened) {
+      throw hal::InputError(site_.state_dir, "another airsided that uses this state folder",
+                            "one daemon a state folder", "stop the other one, or give this site its own [state] dir");
+    }
+    store_.emplace(std::move(*opened));
+    if (store_->ready()) return;
+    storage_ = "state cannot be written";
+    say("state in {}: {}; running in memory, each row tries again", site_.state_dir,
+        hal::describe(store_->ready().error()));
+  }
+
+  /// Reads the blob, if the site names one. Returns its checksum, 0 without.
+  std::uint32_t load_blob() {
+    if (site_.weights_blob.empty()) return 0;
+    payload_ = std::make_unique<Payload>();
+    const std::vector<std::byte> bytes = hal::read_blob_file(site_.weights_blob);
+    hal::decode_blob<T>(bytes, site_.scope, site_.weights_blob, *payload_);
+    blob_bytes_ = bytes.size();
+    return crc32c(bytes);
+  }
+
+  /// Reads the schedule's days, which only weights make useful. A resumed state has them already and needs no file.
+  void load_history() {
+    if (blob_bytes_ > 0 && !site_.history_log.empty()) {
+      history_ = hal::read_log(site_.history_log, hal::counts_of<T>());
+    }
+  }
+
+  void begin_from_blob() {
+    take_payload<T>(controller_, *payload_);
+    say("starting from {}", site_.weights_blob);
+    if (!history_) load_history();
+    if (!history_) return;
+    HistoryReader<T> reader(controller_, HistoryReader<T>::Head::leave);
+    for (const hal::LogRow& row : history_->rows) {
+      reader.row(row.time, Eigen::Map<const typename Reading<T>::Vector>(row.value.data()), row.setpoint_degc);
+    }
+    say("remembered {} transitions of {}", reader.transitions(), site_.history_log);
+  }
+
+  /// Loads the newest generation. Returns the time of its row, 0 if there is none that fits.
+  CivilTime load_state(std::uint32_t blob_crc, bool late = false) {
+    if (!store_) return {};
+    auto& learning = controller_.learning();
+    auto found =
+        store_->load({.learning = bytes_of(static_cast<void*>(&learning), sizeof(Learning)),
+                      .row = bytes_of(static_cast<void*>(&record_), sizeof record_),
+                      .replay = bytes_of(static_cast<void*>(&controller_.replay().slot(0)),
+                                         sizeof(typename Ring::Row) * static_cast<std::size_t>(Ring::capacity))});
+    if (!found) {
+      say("state in {}: {}", site_.state_dir, hal::describe(found.error()));
+      return forget();
+    }
+    if (found->outcome == hal::LoadOutcome::none) {
+      state_lost_ = found->damaged_records > 0;
+      if (state_lost_) say("state in {}: no saved generation is whole", site_.state_dir);
+      return forget();
+    }
+    if (record_.blob_crc != blob_crc) {
+      say("the site names other weights than the state grew from; starting from them");
+      const auto counters = record_.trial.counter;  // an old blob must not come in again by this way
+      const CivilTime none = forget();
+      record_.trial.counter = counters;
+      return none;
+    }
+    controller_.cycle() = record_.cycle;
+    controller_.replay().restore_count(found->replay_count);
+    controller_.restore_decision(record_.decision);
+    if (controller_.restored() != Fault::none) {
+      say("saved weights are not finite; starting anew");
+      return forget();
+    }
+    if (log_ && !late) note(log_->resume(found->log), "log");  // late, rows since the start stand there
+    say("resuming after row {} ({}, generation {})", hal::civil_text(record_.row_time), hal::text_of(found->outcome),
+        found->generation);
+    return record_.row_time;
+  }
+
+  /// The state's medium came after the start. What it holds is worth more than what was learned since.
+  void resume_late() {
+    const std::uint32_t blob_crc = record_.blob_crc;
+    if (load_state(blob_crc, true).seconds == 0) record_.blob_crc = blob_crc;
+  }
+
+  /// Undoes what load_state() may have overwritten.
+  CivilTime forget() {
+    const LimitsTable<T> limits = controller_.limits();
+    controller_.configure(controller_.settings(), limits, hal::box_kernels(), site_.seed);
+    record_ = fresh_record();
+    if (store_) store_->replay_replaced();
+    return {};
+  }
+
+  static RowRecord<T> fresh_record() {
+    return {.cycle = {}, .decision = Controller<T>::schedule_decision(), .row_time = {}, .trial = {}};
+  }
+
+  void note(const hal::StoreResult<void>& result, const char* what) {
+    const char* before = storage_;
+    storage_ = result ? "ok" : hal::text_of(result.error().fault);
+    if (!result && std::strcmp(before, storage_) != 0) say("{}: {} ({})", what, storage_, result.error().step);
+  }
+
+  const hal::SiteFile& site_;
+  hal::Sync sync_;
+  Controller<T>& controller_;
+  std::unique_ptr<Payload> payload_;  ///< until resume() has ended, as the history
+  std::optional<hal::Log> history_;
+  std::uint32_t blob_crc_ = 0;
+  std::size_t blob_bytes_ = 0;
+  std::optional<hal::DurableStore> store_;
+  std::optional<hal::RowLog> log_;
+  hal::LogRow log_row_;
+  RowRecord<T> record_ = fresh_record();
+  WeightsTrial<T> trial_;
+  WeightsExport<T> export_;
+  /// This process has committed once: until then the medium may hold weights that forget() discarded.
+  bool has_committed_ = false, row_committed_ = false;
+  bool learning_exchanged_ = false;  ///< and not committed yet
+  bool state_lost_ = false;
+  const char* storage_ = "ok";
+};
+
+}  // namespace airside::edge
