@@ -556,7 +556,12 @@ void Cutter::link_names(const Names& wanted) {
 void Cutter::read_names() {
   Names kept;
   for (const auto& [name, inode] : actual_) {
-    if (::faccessat(box_, name.c_str(), F_OK, 0) == 0) kept[name] = inode;
+    struct stat of_name {
+    }, of_file{};
+    if (::fstatat(box_, name.c_str(), &of_name, 0) != 0) continue;
+    // A file that the loading code removed may have been made anew by the trial row.
+    const bool is_it = ::fstat(fd_.at(inode), &of_file) == 0 && of_name.st_ino == of_file.st_ino;
+    if (is_it) kept[name] = inode;
   }
   for (const char* part : {"state", "log", "inbox"}) {
     const int fd = ::openat(box_, part, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
