@@ -112,7 +112,7 @@ double ModbusLink::backoff_left_s() const {
 }
 
 void ModbusLink::start_backoff() {
-  backoff_s_ = backoff_s_ == 0 ? settings_.backoff_first_s : std::min(2 * backoff_s_, settings_.backoff_max_s);
+  backoff_s_ = next_backoff_s();
   not_before_ns_ = monotonic_ns() + to_ns(backoff_s_);
 }
 

@@ -5,6 +5,7 @@
 
 #include <modbus/modbus.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -68,6 +69,8 @@ class ModbusLink {
   std::uint64_t generation() const { return counters_.connects; }
   /// Seconds until the next attempt is due; 0 where one may be made now.
   double backoff_left_s() const;
+  /// Seconds until another attempt could be made if one was made now and failed: its deadline and the wait after it.
+  double failure_costs_s() const { return settings_.exchange_deadline_s + next_backoff_s(); }
   const LinkCounters& counters() const { return counters_; }
   const LinkSettings& settings() const { return settings_; }
   /// `127.0.0.1:502 unit 1`, for messages.
@@ -85,6 +88,9 @@ class ModbusLink {
   LinkResult<void> exchange_rtu(std::span<const std::uint8_t> pdu, std::size_t answer_bytes, std::int64_t deadline_ns);
   void quiet_line(std::int64_t deadline_ns);
   void account(const LinkResult<void>& result);
+  double next_backoff_s() const {
+    return backoff_s_ == 0 ? settings_.backoff_first_s : std::min(2 * backoff_s_, settings_.backoff_max_s);
+  }
   void start_backoff();
 
   LinkSettings settings_;

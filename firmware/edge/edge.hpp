@@ -171,9 +171,12 @@ class Edge final : public Daemon {
   };
 
   /// The AHU takes over soon after this program is gone, hangs, or a person has asked for it: not first at a row.
-  /// On a new connection everything is read before anything is written, as at a row.
+  /// On a new connection everything is read before anything is written, as at a row; and no attempt that fails here may
+  /// leave the link waiting when the row is due.
   void beat_between_rows() {
-    if (!beats_ || memory_.release_waits() || plant_.beat() || plant_.in_touch()) return;
+    const double left_s = static_cast<double>(system_clock_.due_ns() - hal::monotonic_ns()) * 1e-9;
+    if (!beats_ || memory_.release_waits() || left_s < link_.failure_costs_s()) return;
+    if (plant_.beat() || plant_.in_touch()) return;
     (void)plant_.sense();
     (void)plant_.beat();
   }

@@ -19,6 +19,7 @@ class HeartbeatDesk : public ::testing::Test {
     // Without the plant's clock the daemon keeps its own; the room stands still, which matters to nobody here.
     loop.emplace(ChaosLoop::Options{.name = std::string("beats_") + script.substr(0, 2),
                                     .script = script,
+                                    .deadline_s = 0.5,
                                     .from = "clock_s,",
                                     .to = "other_clock_s,"});
     std::string site = loop->text_of("site.toml");

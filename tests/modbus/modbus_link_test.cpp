@@ -207,6 +207,7 @@ TEST(ModbusLink, BacksOffLongerAfterEachFailureAndForgetsItAfterSuccess) {
   ModbusLink link(settings);
   std::array<std::uint16_t, 1> value{};
   for (const double wait : {0.05, 0.1, 0.15, 0.15}) {
+    EXPECT_DOUBLE_EQ(link.failure_costs_s(), settings.exchange_deadline_s + wait);
     ASSERT_EQ(link.read(3, 0, value).error().error, LinkError::closed_by_peer);
     EXPECT_NEAR(link.backoff_left_s(), wait, 0.02);
     EXPECT_EQ(link.read(3, 0, value).error().error, LinkError::backing_off);
@@ -216,6 +217,7 @@ TEST(ModbusLink, BacksOffLongerAfterEachFailureAndForgetsItAfterSuccess) {
   honest = true;
   EXPECT_TRUE(link.read(3, 0, value));
   EXPECT_EQ(link.backoff_left_s(), 0.0);
+  EXPECT_DOUBLE_EQ(link.failure_costs_s(), settings.exchange_deadline_s + 0.05);
 }
 
 TEST(ModbusLink, NobodyThereIsSaidBeforeTheDeadline) {
