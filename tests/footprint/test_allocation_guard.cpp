@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "footprint/allocation_guard.hpp"
+#include "sanitized.hpp"
 
 namespace airside::footprint {
 namespace {
@@ -25,14 +26,6 @@ HeapEvents events_of(void (*act)()) {
 struct alignas(64) Wide {
   double value[8];
 };
-
-#if defined(__has_feature)
-constexpr bool under_thread_sanitizer = __has_feature(thread_sanitizer);
-#elif defined(__SANITIZE_THREAD__)
-constexpr bool under_thread_sanitizer = true;
-#else
-constexpr bool under_thread_sanitizer = false;
-#endif
 
 struct EntryPoint {
   const char* name;
@@ -71,7 +64,7 @@ const EntryPoint entry_points[] = {
 
 TEST(AllocationGuard, FiresForEveryEntryPoint) {
   for (const EntryPoint& entry : entry_points) {
-    if (under_thread_sanitizer && entry.aligned) continue;
+    if (thread_sanitized && entry.aligned) continue;
     const HeapEvents events = events_of(entry.act);
     EXPECT_EQ(events.allocations, 1u) << entry.name;
     EXPECT_EQ(events.releases, 1u) << entry.name;

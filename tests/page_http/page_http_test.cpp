@@ -2,15 +2,10 @@
 // web pages.
 
 #include "page_http/page_rig.hpp"
+#include "sanitized.hpp"
 
 namespace airside::page {
 namespace {
-
-#if defined(__has_feature)
-constexpr bool sanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-constexpr bool sanitized = false;  // GCC's builds
-#endif
 
 /// What must hold of every answer.
 void expect_guarded(const std::string& answer) {
