@@ -1,6 +1,6 @@
 #pragma once
-// The daemon's wiring for one topology: plant, clock, controller, memory, status. Everything is made in
-// the constructor and start(); run() allocates nothing.
+// The daemon's wiring for one topology: plant, clock, controller, memory, status. Everything is made in the constructor
+// and start(); run() allocates nothing.
 
 #include <algorithm>
 #include <csignal>

@@ -72,6 +72,7 @@ struct Rung {
   const char* way_out;
 };
 
+/// Where a controller stands on the ladder, and why.
 struct OnRung {
   Mode mode = Mode::learn;
   Reason reason = Reason::none;
