@@ -169,7 +169,9 @@ TEST(GapCommand, GivesACaseWithABadLogAVerdictOfItsOwn) {
   EXPECT_NE(verdict["reason"].get<std::string>().find("swapped"), std::string::npos);
   const Outcome score = desk.run("score verdicts.json key.json --json");
   ASSERT_EQ(score.code, 0) << score.err;
-  for (const json& set : json::parse(score.out)["sets"]) EXPECT_EQ(set["refused"], set["set"] == "null" ? 1 : 0);
+  const json scored = json::parse(score.out);
+  ASSERT_FALSE(scored["sets"].empty());
+  for (const json& set : scored["sets"]) EXPECT_EQ(set["refused"], set["set"] == "null" ? 1 : 0);
 
   // A run that was ended goes on: what is known stays as it is.
   json known = desk.read("verdicts.json");
