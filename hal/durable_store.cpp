@@ -15,6 +15,8 @@ constexpr std::size_t chunk_bytes = 65536;
 constexpr const char* row_names[2] = {"row.a", "row.b"};
 constexpr const char* learning_names[2] = {"learning.a", "learning.b"};
 constexpr const char* replay_names[2] = {"replay.a", "replay.b"};
+constexpr const char* kept_names[3][2] = {
+    {"other-row.a", "other-row.b"}, {"other-learning.a", "other-learning.b"}, {"other-replay.a", "other-replay.b"}};
 
 auto fail(StoreFault fault, const char* step) { return tl::make_unexpected(StoreError{fault, 0, step}); }
 
@@ -95,6 +97,21 @@ StoreResult<void> DurableStore::open_everything() {
     return tl::make_unexpected(store_error(errno, "sync state folder"));
   }
   return {};
+}
+
+StoreResult<void> DurableStore::set_aside() {
+  const char* const(*names[3])[2] = {&row_names, &learning_names, &replay_names};
+  for (int kind = 0; kind < 3; ++kind) {
+    for (int i = 0; i < 2; ++i) {
+      const int dir = dir_.descriptor();
+      if (::renameat(dir, (*names[kind])[i], dir, kept_names[kind][i]) == 0) continue;
+      return tl::make_unexpected(store_error(errno, "set other state aside"));
+    }
+  }
+  committed_ = {};
+  ready_ = open_everything();
+  scan();
+  return ready_;
 }
 
 std::uint64_t DurableStore::run_length(std::uint64_t number, std::uint64_t end) const {

@@ -98,6 +98,11 @@ class DurableStore {
   /// Cost: 5 to 9 system calls, three of them fdatasync, plus a few µs for each transition.
   StoreResult<void> commit(const StoredState& state);
 
+  /// Keeps files of another layout, which load() refused, under names that begin with `other-`, in place of those kept
+  /// before, and begins anew without them. Errors: read_only, no_space, io; what could not be renamed stays.
+  /// Cost: no heap.
+  StoreResult<void> set_aside();
+
   /// The ring was cleared or refilled other than by pushing: the next commit writes all of it.
   void replay_replaced() { rewrite_replay_ = true; }
 

@@ -4,9 +4,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <string_view>
 
+#include "airside/blob.hpp"
 #include "hal/folder_names.hpp"
 
 namespace airside::hal {
@@ -39,12 +42,27 @@ bool Mailbox::release_waits() const { return dir_.is_open() && is_new(1, look(re
 
 bool Mailbox::take(const char* name) { return ::unlinkat(dir_.descriptor(), name, 0) == 0; }
 
+bool Mailbox::is_arriving(const char* name) const {
+  const StorageFile file(::openat(dir_.descriptor(), name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  struct stat status {};
+  if (!file.is_open() || ::fstat(file.descriptor(), &status) != 0 || !S_ISREG(status.st_mode)) return false;
+  const std::int64_t age_s = std::int64_t{::time(nullptr)} - status.st_mtim.tv_sec;
+  if (age_s < 0 || age_s >= arriving_s) return false;
+  BlobHeader header{};
+  const auto got = file.read_at(std::as_writable_bytes(std::span(&header, 1)), 0, "look at pushed blob");
+  const std::size_t seen = got ? *got : sizeof header;
+  const auto magic = BlobHeader{}.magic;
+  if (!std::equal(magic.begin(), magic.begin() + std::min(seen, magic.size()), header.magic.begin())) return false;
+  const std::uint64_t whole = sizeof header + std::uint64_t{header.payload_bytes} + blob_signature_bytes;
+  return seen < sizeof header || static_cast<std::uint64_t>(status.st_size) < whole;
+}
+
 bool Mailbox::find_blob() {
   (void)for_each_name(dir_.descriptor(), [this](const char* entry) {
     const std::string_view name(entry);
     // A folder cannot be taken away, and must not stand before the blobs behind it for ever.
     if (name.size() >= sizeof blob_) return true;  // uncovered: foreign file systems alone have names so long
-    if (!is_blob_name(name) || look(entry).inode == 0) return true;
+    if (!is_blob_name(name) || look(entry).inode == 0 || is_arriving(entry)) return true;
     std::memcpy(blob_, name.data(), name.size());
     blob_[name.size()] = '\0';
     return false;
@@ -54,12 +72,15 @@ bool Mailbox::find_blob() {
 
 void Mailbox::read_blob(std::span<std::byte> blob, Mail& mail) {
   mail.has_blob = true;
+  mail.unread = "no file that this user may read";
   // Neither a link out of the folder nor a pipe that would block.
   const StorageFile file(::openat(dir_.descriptor(), blob_, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
   if (!file.is_open() || ::fstat(file.descriptor(), &status) != 0 || !S_ISREG(status.st_mode)) return;
+  mail.unread = "longer than any blob of this topology";
   if (static_cast<std::uint64_t>(status.st_size) > blob.size()) return;
   const auto got = file.read_at(blob.first(static_cast<std::size_t>(status.st_size)), 0, "read pushed blob");
+  mail.unread = got ? nullptr : "a medium that cannot be read";
   if (got) mail.blob_bytes = *got;
 }
 

@@ -17,7 +17,8 @@ namespace airside::hal {
 struct Mail {
   bool hand_back = false, release = false, rollback = false;
   bool has_blob = false;
-  std::size_t blob_bytes = 0;  ///< what `blob` holds; 0: too long to be one, or unreadable
+  const char* unread = nullptr;  ///< why nothing of it could be read; nullptr where it was
+  std::size_t blob_bytes = 0;    ///< what `blob` holds; 0: nothing
 };
 
 class Mailbox {
@@ -30,8 +31,11 @@ class Mailbox {
   /// Opens or makes the folder. Errors: none; one that cannot be had is empty, and tried again at each collect().
   explicit Mailbox(const std::string& dir);
   static constexpr const char* refused_name = "refused";
+  static constexpr std::int64_t arriving_s = 600;
 
   /// Tells the wishes that are new, and reads one blob into `blob`: any file `*.blob`, as it comes from a stick too.
+  /// One that is shorter than its own header says and was written to within arriving_s is still on its way, by scp or
+  /// from a slow stick: it is left for later.
   /// Everything stays where it is until finish(). Cost: a few system calls, no heap.
   Mail collect(std::span<std::byte> blob);
   /// Takes the wishes and the blob of the last collect() away; a refused blob stands as `refused` for whoever looks.
@@ -54,6 +58,7 @@ class Mailbox {
   bool is_new(int wish, const Seen& seen) const { return seen.inode != 0 && !(seen == told_[wish]); }
   bool tell(int wish);
   bool take(const char* name);
+  bool is_arriving(const char* name) const;
   bool find_blob();
   void read_blob(std::span<std::byte> blob, Mail& mail);
 

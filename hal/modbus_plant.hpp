@@ -160,8 +160,10 @@ class ModbusPlant {
     setpoint_slot_ = add(setpoint_.readback());
     supply_slot_ = add(map.find("supply_temp"));
     clock_slot_ = add(map.find("clock_s"));
-    const Point* beat = map.find("heartbeat");
-    beat_slot_ = beat != nullptr && !beat->writable() ? add(beat) : -1;
+    const Point* beat = map.find("device_heartbeat");
+    const Point* only_read = map.find("heartbeat");
+    if (beat == nullptr && only_read != nullptr && !only_read->writable()) beat = only_read;
+    beat_slot_ = add(beat);
     return points;
   }
 

@@ -61,8 +61,10 @@ class SystemClock {
     }
     goes_on = goes_on && sleep_until_ns(due_ns_, stop_);
     woke_ns_ = monotonic_ns();
+    woke_ = now();
     return goes_on;
   }
+  CivilTime woke() const { return woke_; }
   /// The instant that the last sleep_until waited for, and when it came back, in monotonic_ns().
   std::int64_t due_ns() const { return due_ns_; }
   std::int64_t woke_ns() const { return woke_ns_; }
@@ -77,6 +79,7 @@ class SystemClock {
   double speed_;
   std::int64_t began_wall_ns_, began_ns_;
   mutable std::int64_t due_ns_ = 0, woke_ns_ = 0;  ///< noted, of no influence
+  mutable CivilTime woke_;
 };
 
 /// The clock of a plant that publishes clock_s and takes clock_advance_s: asks it to reach t, then waits.
@@ -89,6 +92,7 @@ class ModbusPlantClock {
   CivilTime now();
   /// False: told to stop, or the plant's clock stood still for stall_s.
   bool sleep_until(CivilTime t);
+  CivilTime woke() const { return last_; }
   /// Whether the last sleep_until ended because the plant stood still.
   bool stalled() const { return stalled_; }
 

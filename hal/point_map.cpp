@@ -26,15 +26,16 @@ struct KnownPoint {
   const char* name;
   const char* unit;
 };
-constexpr std::array<KnownPoint, 9> single_points = {{{"mau_temp", "degc"},
-                                                      {"outdoor_temp", "degc"},
-                                                      {"rain", ""},
-                                                      {"setpoint", "degc"},
-                                                      {"supply_temp", "degc"},
-                                                      {"clock_s", "s"},
-                                                      {"clock_advance_s", "s"},
-                                                      {"heartbeat", ""},
-                                                      {"map_fingerprint", ""}}};
+constexpr std::array<KnownPoint, 10> single_points = {{{"mau_temp", "degc"},
+                                                       {"outdoor_temp", "degc"},
+                                                       {"rain", ""},
+                                                       {"setpoint", "degc"},
+                                                       {"supply_temp", "degc"},
+                                                       {"clock_s", "s"},
+                                                       {"clock_advance_s", "s"},
+                                                       {"heartbeat", ""},
+                                                       {"device_heartbeat", ""},
+                                                       {"map_fingerprint", ""}}};
 
 struct PlacedName {
   SignalKind kind;

@@ -1,13 +1,16 @@
 #include "hal/site_file.hpp"
 
 #include <arpa/inet.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <regex>
+#include <span>
 
+#include "airside/crc32c.hpp"
 #include "hal/input_error.hpp"
 #include "hal/text_file.hpp"
 #include "hal/toml_section.hpp"
@@ -66,6 +69,12 @@ std::string resolved(const std::string& path, const std::string& site_path) {
   throw InputError(site.place("topology"), site.found("topology"), "one of " + known, remedy);
 }
 
+/// A name as a scope: one that is too long keeps its beginning and becomes its own by a checksum of the whole.
+std::string short_scope(const std::string& name, std::size_t most) {
+  if (name.size() <= most) return name;
+  return fmt::format("{}-{:08x}", name.substr(0, most - 9), crc32c(std::as_bytes(std::span(name))));
+}
+
 void read_site(TomlSection root, SiteFile& out, const SiteRules& rules) {
   if (!root.present()) {
     throw InputError(out.path + ": site", "nothing", "a table [site] with name and topology",
@@ -86,7 +95,12 @@ void read_site(TomlSection root, SiteFile& out, const SiteRules& rules) {
   bool known = false;
   for (const std::string& topology : rules.topologies) known = known || topology == out.topology;
   if (!known) refuse_topology(root, out.topology, rules);
-  out.scope = root.text("scope", out.name);
+  constexpr std::size_t scope_bytes = 32;  // as a blob's header has them
+  out.scope = root.text("scope", short_scope(out.name, scope_bytes));
+  if (out.scope.size() > scope_bytes) {
+    throw InputError(root.place("scope"), std::to_string(out.scope.size()) + " bytes",
+                     "at most " + std::to_string(scope_bytes), "shorten the scope");
+  }
   root.refuse_unknown_keys();
 }
 

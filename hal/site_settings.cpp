@@ -55,6 +55,22 @@ ControllerSettings controller_settings(const SiteFile& site) {
   return s;
 }
 
+void refuse_contradiction(const SiteFile& site, const PointMap& points) {
+  const Point* setpoint = points.find("setpoint");
+  if (setpoint == nullptr || setpoint->write_policy != WritePolicy::refresh) return;
+  const auto budget = site.overrides.find("writes_per_day");
+  if (budget == site.overrides.end() || budget->second <= 0) return;
+  throw InputError(fmt::format("{}:{}: write_policy", points.file(), setpoint->line), "refresh",
+                   fmt::format("on-change, since {} has writes_per_day = {}", site.path, budget->second),
+                   "write on change, or set no budget: a register that must be refreshed is none that wears out");
+}
+
+std::string warning_of(const PointMap& points) {
+  const Point* beat = points.find("heartbeat");
+  if (beat != nullptr && beat->writable()) return {};
+  return "no writable heartbeat: where this box is gone the AHU keeps the last setpoint";
+}
+
 LinkSettings link_settings(const ModbusSection& modbus, double backoff_first_s, double backoff_max_s) {
   LinkSettings settings;
   if (modbus.transport == ModbusTransport::tcp) {

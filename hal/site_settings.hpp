@@ -16,6 +16,12 @@ SiteRules site_rules();
 /// Errors: InputError if the settings contradict one another.
 ControllerSettings controller_settings(const SiteFile& site);
 
+/// Errors: InputError where settings and point map contradict one another: a budget of writes and a setpoint that is
+/// written again and again.
+void refuse_contradiction(const SiteFile& site, const PointMap& points);
+/// What is allowed and had better be known, as a sentence; empty where there is nothing of the kind.
+std::string warning_of(const PointMap& points);
+
 /// How to reach the AHU of section [modbus]; after a failed exchange the link waits `backoff_first_s`, at most
 /// `backoff_max_s` (never less than the first wait).
 LinkSettings link_settings(const ModbusSection& modbus, double backoff_first_s,

@@ -62,6 +62,7 @@ class SimulatedClock {
     if (model_.time() < t) model_.advance_to(t);
     return true;
   }
+  CivilTime woke() { return model_.time(); }
 
  private:
   PlantModel& model_;

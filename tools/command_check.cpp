@@ -8,6 +8,7 @@
 #include "airside/topologies.hpp"
 #include "hal/civil_text.hpp"
 #include "hal/input_error.hpp"
+#include "hal/key_ring.hpp"
 #include "hal/site_settings.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/epjson_lint.hpp"
@@ -62,9 +63,10 @@ std::string site_facts(const hal::SiteFile& f) {
   const ControllerSettings s = hal::controller_settings(f);
   const int candidates = static_cast<int>(std::lround((s.action_max_degc - s.action_min_degc) / s.action_step_k)) + 1;
   return fmt::format(
-      "\"{}\", topology {}, holds {} degC from {} to {}{}, preset {} with {} overrides, {} candidate setpoints "
+      "\"{}\", scope of its weights \"{}\", topology {}, holds {} degC from {} to {}{}, preset {} with {} overrides, "
+      "{} candidate setpoints "
       "from {} to {} degC, {}",
-      f.name, f.topology, f.room_temp_degc, clock_text(f.work_start_s), clock_text(f.work_end_s),
+      f.name, f.scope, f.topology, f.room_temp_degc, clock_text(f.work_start_s), clock_text(f.work_end_s),
       f.weekday_only ? " on weekdays" : "", f.preset == hal::ControllerPreset::paper ? "paper" : "product",
       f.overrides.size(), candidates, s.action_min_degc, s.action_max_degc,
       f.modbus ? "Modbus " + (f.modbus->transport == hal::ModbusTransport::tcp
@@ -78,8 +80,10 @@ std::string points_facts(const std::string& path, const hal::TopologyCounts& cou
   map.check_topology(counts.vavs, counts.fcus, counts.powers);
   const auto writable =
       std::count_if(map.points().begin(), map.points().end(), [](const auto& p) { return p.writable(); });
-  return fmt::format("{} points for {}, {} of them writable, {} beyond the topology, fingerprint {:016x}",
-                     map.points().size(), counts.name, writable, map.extras().size(), map.fingerprint());
+  const std::string warning = hal::warning_of(map);
+  return fmt::format("{} points for {}, {} of them writable, {} beyond the topology, fingerprint {:016x}{}",
+                     map.points().size(), counts.name, writable, map.extras().size(), map.fingerprint(),
+                     warning.empty() ? "" : "; " + warning);
 }
 
 std::string log_facts(const std::string& path, const hal::TopologyCounts& counts) {
@@ -131,6 +135,18 @@ std::size_t objects_in(const json& model) {
   std::size_t n = 0;
   for (const auto& type : model) n += type.is_object() ? type.size() : 0;
   return n;
+}
+
+/// The keys whose weights the box takes; their ids are what `revoked` wants.
+std::string keys_facts(const std::string& dir) {
+  const hal::KeyRing ring = hal::KeyRing::load(dir);
+  if (ring.size() == 0) return "no keys: this box takes no pushed weights";
+  std::string text;
+  for (const hal::PublicKey& key : ring.keys()) {
+    text += fmt::format("{}{} ({}{})", text.empty() ? "" : ", ", hal::hex_of(key.id), key.name.view(),
+                        key.revoked ? ", revoked" : "");
+  }
+  return text;
 }
 
 struct CheckCommand {
@@ -206,8 +222,15 @@ struct CheckCommand {
     };
     const auto check_weather = [&](const std::string& p) { out.check("weather", p, [&] { return weather_facts(p); }); };
     if (file) {
-      if (file->modbus) check_points(file->modbus->points);
+      if (file->modbus) {
+        out.check("points", file->modbus->points, [&] {
+          std::string facts = points_facts(file->modbus->points, counts);
+          hal::refuse_contradiction(*file, hal::PointMap::load(file->modbus->points));
+          return facts;
+        });
+      }
       if (!file->weights_blob.empty()) check_blob(file->weights_blob);
+      out.check("keys", file->keys_dir, [&] { return keys_facts(file->keys_dir); });
       if (!file->history_log.empty()) check_log("history", file->history_log);
       if (file->twin) {
         if (file->twin->model != "rc") check_twin(out, file->twin->model, file->twin->patches);

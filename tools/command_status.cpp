@@ -139,7 +139,8 @@ std::string pushed_text(const Snapshot& s) {
   const std::string state = s.text("pushed_weights"), refusal = s.text("pushed_refusal");
   std::string text =
       state == "none" ? "No weights have been pushed" : "Pushed weights " + s.text("pushed_crc") + ": " + state;
-  if (refusal != "none") text += "; the last blob was refused: " + refusal;
+  if (refusal != "none")
+    text += "; the last blob was refused: " + refusal + " (" + s.text("pushed_refusal_field") + ")";
   return text + '.';
 }
 

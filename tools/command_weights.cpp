@@ -10,6 +10,7 @@
 #include <ctime>
 #include <filesystem>
 #include <optional>
+#include <regex>
 
 #include "hal/atomic_file.hpp"
 #include "hal/blob_file.hpp"
@@ -98,7 +99,7 @@ struct SignCommand {
       fmt::print("{}\n", nlohmann::json{{"blob", path}, {"key_id", id}, {"security_counter", count}}.dump());
       return;
     }
-    fmt::print("signed {} with key {} ({}), counter {}\n", path, id, secret.open.name, count);
+    fmt::print("signed {} with key {} ({}), counter {}\n", path, id, secret.open.name.view(), count);
   }
 };
 
@@ -125,6 +126,19 @@ void drop(const std::string& target, const std::string& name, std::span<const st
   }
 }
 
+/// The page of a host that is given without more, such as `ahu-3` or `10.0.0.7:8350`; empty for anything else, a folder
+/// of that name included.
+std::string page_of(const std::string& target) {
+  static const std::regex bare(R"(([A-Za-z0-9][A-Za-z0-9.-]*)(:\d{1,5})?)");
+  std::smatch parts;
+  std::error_code none;
+  const bool is_host = std::regex_match(target, parts, bare) && !target.ends_with(".toml");
+  if (!is_host || fs::exists(target, none)) return {};
+  const std::string host = parts[1];
+  const bool here = host == "localhost" || host.starts_with("127.");  // where the page needs no certificate
+  return (here ? "http://" : "https://") + host + (parts[2].matched ? parts[2].str() : ":8350");
+}
+
 struct PushCommand {
   std::string blob, target, ca;
   SendBlob over_http = nullptr;
@@ -138,13 +152,15 @@ struct PushCommand {
       throw hal::InputError(blob + ": key_id", "an unsigned blob", "a signed one, since boxes take no other",
                             "airside sign " + blob + " --key YOUR.key");
     }
-    if (over_http != nullptr && (target.starts_with("http://") || target.starts_with("https://"))) {
-      nlohmann::json sent = over_http(target, bytes, ca);
+    const bool is_address = target.starts_with("http://") || target.starts_with("https://");
+    const std::string address = is_address ? target : page_of(target);
+    if (over_http != nullptr && !address.empty()) {
+      nlohmann::json sent = over_http(address, bytes, ca);
       sent["blob"] = blob;
       if (json) {
         fmt::print("{}\n", sent.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
       } else {
-        fmt::print("{} ({} bytes) lies in the inbox behind {}: {}\n", blob, bytes.size(), target,
+        fmt::print("{} ({} bytes) lies in the inbox behind {}: {}\n", blob, bytes.size(), address,
                    sent["said"].get<std::string>());
       }
       return;
@@ -214,9 +230,9 @@ void add_weights(CLI::App& app, SendBlob over_http) {
   CLI::App* p = app.add_subcommand("push", "give a signed weight blob to a box");
   p->add_option("blob", push->blob, "a signed blob")->required();
   p->add_option("target", push->target,
-                over_http != nullptr
-                    ? "the box's inbox folder, its site file, or http(s)://HOST:PORT of its airside-page"
-                    : target_help)
+                over_http != nullptr ? "the box's inbox folder, its site file, HOST (its airside-page at "
+                                       "https://HOST:8350) or http(s)://HOST:PORT"
+                                     : target_help)
       ->required();
   if (over_http != nullptr) {
     p->add_option("--ca", push->ca, "PEM file of the certificates to trust, such as the box's own");

@@ -50,6 +50,7 @@ class CountedRoom {
     written_ = false;
     return room_.sleep_until(t);
   }
+  CivilTime woke() const { return room_.woke(); }
   Expected<Reading<Topo>> sense() {
     const auto sensed = room_.sense();
     at_ = instructions();

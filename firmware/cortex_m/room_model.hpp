@@ -35,6 +35,7 @@ class RoomModel {
     while (now_ < t) minute();
     return true;
   }
+  CivilTime woke() const { return now_; }
 
   Expected<Reading<Topo>> sense() {
     Reading<Topo> r;

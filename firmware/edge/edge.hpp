@@ -38,6 +38,8 @@ class Edge final : public Daemon {
         controller_(std::make_unique<Controller<T>>()),
         memory_(site_, options.sync, *controller_),
         starts_(site.state_dir, options.sync) {
+    hal::refuse_contradiction(site, points);
+    if (const std::string warning = hal::warning_of(points); !warning.empty()) say("{}: {}", points.file(), warning);
     controller_->configure(hal::controller_settings(site), limits_, hal::box_kernels(), site.seed);
     if (site.clock == hal::ClockSource::plant) plant_clock_.emplace(points, link_, stop, options.stall_s);
     for (int i = 0; i < Layout<T>::signals; ++i) names_[static_cast<std::size_t>(i)] = hal::point_name(signal_id<T>(i));
@@ -157,7 +159,7 @@ class Edge final : public Daemon {
   /// One line whenever the rung or its reason changes.
   void say_rung(const OnRung& on) {
     if (on == said_rung_) return;
-    say("{}: {}; {}", text_of(on.mode), rung_of(on.reason).why, rung_of(on.reason).way_out);
+    say("{}: {}; {}", text_of(on.mode), why_of(on), way_out_of(on));
     said_rung_ = on;
   }
 
@@ -168,6 +170,7 @@ class Edge final : public Daemon {
     bool sleep_until(CivilTime t) const {
       return edge->system_clock_.sleep_until(t, edge->site_.modbus->heartbeat_s, [this] { edge->beat_between_rows(); });
     }
+    CivilTime woke() const { return edge->system_clock_.woke(); }
   };
 
   /// The AHU takes over soon after this program is gone, hangs, or a person has asked for it: not first at a row.
@@ -224,6 +227,7 @@ class Edge final : public Daemon {
     s.ladder = &controller_->cycle().ladder;
     s.trial = text_of(memory_.trial().state);
     s.trial_refusal = text_of(memory_.trial().refusal);
+    s.trial_refusal_field = memory_.trial().refusal_field.data();
     s.pushed_crc = memory_.trial().blob_crc;
     if (!plant_clock_) {
       s.row_late_ms = static_cast<double>(system_clock_.woke_ns() - system_clock_.due_ns()) * 1e-6;

@@ -88,10 +88,12 @@ class EdgeMemory {
     history_.reset();
     return last;
   }
-  /// Reads what open() would read and leaves everything as it is. Errors: as of open(), but for the state folder.
+  /// Reads what open() would read and leaves everything as it is. Errors: as of open(), but for the state folder; and
+  /// for bad key files, which a start leaves out.
   void check() {
     (void)load_blob();
     load_history();
+    (void)hal::KeyRing::load(site_.keys_dir);
   }
 
   /// One row: log it unless its time cannot be right, look into the inbox, commit. Order matters: the log first, then
@@ -129,7 +131,7 @@ class EdgeMemory {
   /// `ok`, or what is wrong with the disk.
   const char* storage() const { return storage_; }
   bool is_well() const { return std::strcmp(storage_, "ok") == 0; }
-  /// There was state, and none of it is whole.
+  /// There was state, and none of it is whole and of this version and topology.
   bool state_lost() const { return state_lost_; }
   bool release_waits() const { return trial_.release_waits(); }
   const TrialRecord& trial() const { return record_.trial; }
@@ -220,6 +222,7 @@ class EdgeMemory {
                                          sizeof(typename Ring::Row) * static_cast<std::size_t>(Ring::capacity))});
     if (!found) {
       say("state in {}: {}", site_.state_dir, hal::describe(found.error()));
+      if (found.error().fault == hal::StoreFault::other_layout) set_other_aside();
       return forget();
     }
     if (found->outcome == hal::LoadOutcome::none) {
@@ -245,6 +248,15 @@ class EdgeMemory {
     say("resuming after row {} ({}, generation {})", hal::civil_text(record_.row_time), hal::text_of(found->outcome),
         found->generation);
     return record_.row_time;
+  }
+
+  /// What another topology or version has learned is lost to this one, but not gone: the schedule runs until a person
+  /// has seen it.
+  void set_other_aside() {
+    state_lost_ = true;
+    const hal::StoreResult<void> aside = store_->set_aside();
+    if (aside) say("it is kept there as other-*; control begins anew");
+    if (!aside) say("it cannot be kept: {}", hal::describe(aside.error()));
   }
 
   /// The state's medium came after the start. What it holds is worth more than what was learned since.

@@ -80,8 +80,8 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.string("topology", s.topology);
   text.string("state", text_of(s.rung.mode));
   text.string("reason", text_of(s.rung.reason));
-  text.string("why", rung_of(s.rung.reason).why);
-  text.string("way_out", rung_of(s.rung.reason).way_out);
+  text.string("why", why_of(s.rung));
+  text.string("way_out", way_out_of(s.rung));
   add_alarms(text, now, s.ladder);
   text.string("fault", text_of(s.fault));
   text.string("fault_signal", s.fault_signal);
@@ -113,6 +113,7 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.string("pushed_weights", s.trial);
   text.add(",\"pushed_crc\":\"{:08x}\"", s.pushed_crc);
   text.string("pushed_refusal", s.trial_refusal);
+  text.string("pushed_refusal_field", s.trial_refusal_field);
   text.string("storage", s.storage);
   text.number("row_late_ms", s.row_late_ms);
   text.number("row_done_ms", s.row_done_ms);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "airside/controller_instances.hpp"
@@ -40,30 +41,38 @@ struct TrialRecord {
   std::array<Counter, hal::KeyRing::max_keys> counter{};
   TrialState state = TrialState::none;
   std::uint32_t blob_crc = 0;  ///< of the weights in question
-  std::int64_t until_s = 0;    ///< end of the trial
+  std::int64_t begun_s = 0;    ///< when they came
+  std::int64_t until_s = 0;    ///< before then the trial does not end
   std::uint32_t worse_cycles = 0;
-  Fault refusal = Fault::none;  ///< why the last blob was refused
-  std::array<std::uint8_t, 3> reserved{};
+  std::uint32_t tried_cycles = 0;  ///< that these weights foretold while the box was in control
+  double error_sum_k2 = 0;         ///< of those forecasts
+  double before_error_k2 = 0;      ///< mean square error of the weights before
+  std::uint32_t had_weights = 0;   ///< whether there were any
+  Fault refusal = Fault::none;     ///< why the last blob was refused
+  std::array<char, 43> refusal_field{};
   std::uint64_t previous_digest = 0;  ///< of the copy to go back to; 0: none
 };
 
-/// Cost: no heap after construction.  Source: RELIABILITY "Weight blob", rows 44-50.
+/// Cost: no heap after construction.  Source: RELIABILITY "Weight blob", rows 44-50; DESIGN.md "Weights in and out".
 template <Topology T>
 class WeightsTrial {
  public:
   static constexpr std::int64_t trial_s = 86400;
   static constexpr double wildest_replay_k = 5.0;  ///< forecasts so far from what the room did are wild
+  static constexpr std::uint32_t enough_cycles = 40, few_cycles = 10;
+  static constexpr double bad_error_k = 1.0;  ///< forecasts of 18 min that err so, and more than those before, are bad
 
-  /// Errors: InputError for bad key files.
   WeightsTrial(const std::string& keys_dir, const std::string& inbox_dir, const std::string& state_dir,
                std::uint64_t meaning, hal::Sync sync, std::string scope)
-      : keys_(hal::KeyRing::load(keys_dir)),
+      : keys_dir_(keys_dir),
         inbox_dir_(inbox_dir),
         copy_(state_dir, meaning, sync),
         scope_(std::move(scope)),
         bytes_(std::make_unique<std::array<std::byte, WeightBlob<T>::max_bytes>>()),
         payload_(std::make_unique<Payload>()),
-        weights_(std::make_unique<NetworkWeights<T, float>>()) {}
+        weights_(std::make_unique<NetworkWeights<T, float>>()) {
+    read_keys();
+  }
 
   /// Opens or makes the inbox; before, nothing is collected.
   void open_inbox() { mailbox_ = hal::Mailbox(inbox_dir_); }
@@ -79,8 +88,13 @@ class WeightsTrial {
     if (mail.rollback && is_back) say("weights {:08x} are rolled back already", record.blob_crc);
     if (mail.rollback && !is_back) exchanged = roll_back(controller, record, "an operator asked for it");
     if (mail.has_blob) {
-      const BlobError refusal = install(t, {bytes_->data(), mail.blob_bytes}, controller, record);
+      read_keys();  // each time, so that a key that was revoked is refused at once, and a new one known
+      const BlobError refusal = mail.unread != nullptr
+                                    ? BlobError{Fault::blob_truncated, mail.unread}
+                                    : install(t, {bytes_->data(), mail.blob_bytes}, controller, record);
       record.refusal = refusal.fault;
+      record.refusal_field = {};
+      std::string_view(refusal.field).copy(record.refusal_field.data(), record.refusal_field.size() - 1);
       if (refusal.fault != Fault::none) say("pushed weights refused: {} ({})", text_of(refusal.fault), refusal.field);
       exchanged = exchanged || refusal.fault == Fault::none;
       accepted_ = refusal.fault == Fault::none;
@@ -100,7 +114,11 @@ class WeightsTrial {
   using Payload = typename WeightBlob<T>::Payload;
   using Learning = LearningState<T, float>;
 
-  /// In the order of RELIABILITY: length, key, signature, topology and units, counter, finite, canary.
+  void read_keys() {
+    keys_.reload(keys_dir_.c_str(), [](const char* file, const char* what) { say("keys: {} {}", file, what); });
+  }
+
+  /// Length, key, signature, topology, units and finite numbers, counter, canary: in this order.
   BlobError install(CivilTime t, std::span<const std::byte> bytes, Controller<T>& controller, TrialRecord& record) {
     const auto key = hal::verify_blob(bytes, keys_);
     if (!key) return key.error();
@@ -114,47 +132,65 @@ class WeightsTrial {
     const auto wild = controller.wildness(payload_->scaler, *weights_);
     if (!(wild.canary_k <= 0)) return {Fault::blob_value, "canary states"};
     if (!(wild.replay_k <= wildest_replay_k)) return {Fault::blob_value, "forecasts of what this room did"};
-    const bool had_weights = controller.cycle().has_weights != 0;
-    hal::StoreResult<std::uint64_t> kept = 0;
-    if (had_weights) {
-      kept = copy_.save(learning_bytes(controller), record.previous_digest);
-      if (!kept) {
-        // Without a way back there is no trial; the blob may be pushed again when the disk is well.
-        say("weights before the push cannot be kept: {}", hal::describe(kept.error()));
-        return {Fault::state_invalid, "copy of the weights before"};
-      }
+    const hal::StoreResult<std::uint64_t> kept = copy_.save(learning_bytes(controller), record.previous_digest);
+    if (!kept) {
+      // Without a way back there is no trial; the blob may be pushed again when the disk is well.
+      say("weights before the push cannot be kept: {}", hal::describe(kept.error()));
+      return {Fault::state_invalid, "copy of the weights before"};
     }
+    record.had_weights = controller.cycle().has_weights != 0 ? 1 : 0;
+    record.before_error_k2 = controller.cycle().network_error_k2;
     exchange_payload<T>(controller, *payload_);
     counter->highest = header->security_counter;
     record.previous_digest = *kept;
     staged_copy_ = *kept;
-    record.state = had_weights ? TrialState::on_trial : TrialState::confirmed;
+    record.state = TrialState::on_trial;
+    record.begun_s = t.seconds;
     record.until_s = t.seconds + trial_s;
-    record.worse_cycles = 0;
+    record.worse_cycles = record.tried_cycles = 0;
+    record.error_sum_k2 = 0;
     record.blob_crc = crc32c(bytes);
     controller.report(Reason::state_lost, false, t);
-    say("weights {:08x} of {} taken; {}", record.blob_crc, (*key)->name, text_of(record.state));
+    say("weights {:08x} of {} taken; {}", record.blob_crc, (*key)->name.view(), text_of(record.state));
     return {Fault::none, ""};
   }
 
-  /// A trial ends when its day is over, or as soon as the weights act wildly.
+  /// A trial ends when its day is over and enough of it was foretold by the new weights while the box was in control:
+  /// neither a day on the schedule nor a clock that was set forward shows anything of them. It ends at once when they
+  /// act wildly. What the weights before decided is not held against them.
   bool supervise(CivilTime t, Controller<T>& controller, TrialRecord& record) {
     if (record.state != TrialState::on_trial) return false;
+    record.begun_s = std::min(record.begun_s, t.seconds);
     record.until_s = std::min(record.until_s, t.seconds + trial_s);  // no clock makes it longer
     const Decision& d = controller.decision();
-    if (starts_cycle(t)) {
-      const bool worse = d.reason == Reason::worse_than_schedule || d.reason == Reason::worse_for_long;
-      record.worse_cycles = worse ? record.worse_cycles + 1 : 0;
-    }
+    if (d.time.seconds <= record.begun_s) return false;
+    if (starts_cycle(t)) count(d, record);
     if (d.fault == Fault::forecast_invalid) return roll_back(controller, record, "their forecasts are no numbers");
     constexpr std::uint32_t patience = 3;
     if (record.worse_cycles >= patience) return roll_back(controller, record, "the schedule would do better");
-    if (d.reason == Reason::gain_reversed) return roll_back(controller, record, "rooms answer the wrong way round");
-    if (t.seconds >= record.until_s) {
+    if (d.reason == Reason::gain_reversed &&
+        controller.cycle().ladder.since_s(Reason::gain_reversed) >= record.begun_s) {
+      return roll_back(controller, record, "rooms answer the wrong way round");
+    }
+    const double error_k2 = record.error_sum_k2 / std::max(record.tried_cycles, 1U);
+    if (record.tried_cycles >= few_cycles && error_k2 > bad_error_k * bad_error_k &&
+        error_k2 > record.before_error_k2) {
+      return roll_back(controller, record, "they foretell the rooms worse than those before, by more than 1 K");
+    }
+    if (t.seconds >= record.until_s && record.tried_cycles >= enough_cycles) {
       record.state = TrialState::confirmed;
-      say("weights {:08x} confirmed after a day", record.blob_crc);
+      say("weights {:08x} confirmed after a day: {} cycles foretold within {:.2f} K", record.blob_crc,
+          record.tried_cycles, std::sqrt(error_k2));
     }
     return false;
+  }
+
+  static void count(const Decision& d, TrialRecord& record) {
+    const bool worse = d.reason == Reason::worse_than_schedule || d.reason == Reason::worse_for_long;
+    record.worse_cycles = worse ? record.worse_cycles + 1 : 0;
+    if (d.mode > Mode::run || !std::isfinite(d.network_error_k)) return;
+    ++record.tried_cycles;
+    record.error_sum_k2 += d.network_error_k * d.network_error_k;
   }
 
   bool roll_back(Controller<T>& controller, TrialRecord& record, const char* why) {
@@ -168,6 +204,7 @@ class WeightsTrial {
     }
     controller.learning() = *before_;
     if (controller.go_back(present) != Fault::none) say("the weights before are not finite");
+    if (record.had_weights == 0) controller.cycle().has_weights = 0;
     record.state = TrialState::rolled_back;
     say("weights {:08x} rolled back: {}", record.blob_crc, why);
     return true;
@@ -177,21 +214,22 @@ class WeightsTrial {
     return std::as_bytes(std::span(&controller.learning(), 1));
   }
 
-  /// Where the key's counter stands, or a place for it: an empty one, or that of a key which is not trusted any more.
+  /// Where the key's counter stands, or a place for it: an empty one, else that of a key which lies there no more.
   TrialRecord::Counter* counter_of(TrialRecord& record, const hal::KeyId& key) const {
     for (auto& counter : record.counter) {
       if (counter.key == key) return &counter;
     }
     for (auto& counter : record.counter) {
-      if (counter.key != hal::KeyId{} && keys_.find(counter.key) != nullptr) continue;
-      counter = {.key = key, .highest = 0};
-      return &counter;
+      if (counter.key == hal::KeyId{}) return &(counter = {.key = key, .highest = 0});
+    }
+    for (auto& counter : record.counter) {
+      if (keys_.find(counter.key) == nullptr) return &(counter = {.key = key, .highest = 0});
     }
     return nullptr;
   }
 
+  std::string keys_dir_, inbox_dir_;
   hal::KeyRing keys_;
-  std::string inbox_dir_;
   hal::Mailbox mailbox_{""};
   hal::StateCopy copy_;
   std::string scope_;

@@ -57,7 +57,7 @@ UploadDoor::Answer UploadDoor::take(std::span<const std::byte> blob) const {
                         key.error().field),
             ""};
   }
-  const std::string signer = fmt::format("key {} ({})", hal::hex_of((*key)->id), (*key)->name);
+  const std::string signer = fmt::format("key {} ({})", hal::hex_of((*key)->id), (*key)->name.view());
   const auto header = decode_(blob);
   if (!header) {
     return {422, fmt::format("{} ({})", text_of(header.error().fault), header.error().field), signer};

@@ -249,13 +249,13 @@ class Controller {
     cycle_.features.x(HeadFeatures::power_change) *=
         learning_.scaler.scale(power_of_head) / scaler.scale(power_of_head);
     cycle_.confidence = std::min(cycle_.confidence, settings_.confidence_initial);
-    cycle_.network_expected_degc = unknown;
+    forget_comparison();
     start(scaler);
   }
   /// After learning() was overwritten by an older one whose scaler may differ from `present`.
   Fault go_back(const Scaler<T>& present) {
     rescale_memories(present, learning_.scaler);
-    cycle_.network_expected_degc = unknown;
+    forget_comparison();
     const Fault fault = restored();
     resumed_ = false;
     return fault;
@@ -271,6 +271,15 @@ class Controller {
  private:
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   static constexpr int power_of_head = L::power + T::powers - 1;
+  /// Other weights do not answer for what those before them did, and get a day of their own to show it.
+  void forget_comparison() {
+    cycle_.network_expected_degc = unknown;
+    cycle_.shadow.reset();
+    cycle_.worse_cycles = 0;
+    cycle_.ladder.set(Reason::worse_than_schedule, false, cycle_.last_time);
+    cycle_.ladder.set(Reason::worse_for_long, false, cycle_.last_time);
+  }
+
   static constexpr double foreign_k = 0.05;  ///< a setpoint differs by more than a register's rounding
 
   Expected<ValidReading<T>> check(CivilTime t, const Reading<T>& reading) {
@@ -351,8 +360,10 @@ class Controller {
     if (!applied) return;
     cycle_.refused_writes = 0;
     cycle_.ladder.set(Reason::write_refused, false, t);
-    if (settings_.writes_per_day > 0 && applied->setpoint_degc != cycle_.last_setpoint_degc) cycle_.budget.spend();
     const double altered_k = std::abs(applied->setpoint_degc - decision_.command.setpoint_degc());
+    // What the AHU made another value of was written too, and is again each time.
+    const bool written = applied->setpoint_degc != cycle_.last_setpoint_degc || altered_k > foreign_k;
+    if (settings_.writes_per_day > 0 && written) cycle_.budget.spend();
     cycle_.ladder.set(Reason::setpoint_altered, altered_k > foreign_k, t);
     const bool rests = cycle_.excitation.cycle(applied->setpoint_degc, settings_.excitation_k);
     cycle_.ladder.set(Reason::no_excitation, rests && cycle_.has_weights != 0, t);
@@ -366,8 +377,7 @@ class Controller {
     const bool worse = cycle_.shadow.worse(settings_.worse_k);
     cycle_.ladder.set(Reason::worse_than_schedule, worse, t);
     cycle_.worse_cycles = worse ? cycle_.worse_cycles + 1 : 0;
-    constexpr std::int32_t working_day = 40;
-    if (cycle_.worse_cycles < working_day) return;
+    if (cycle_.worse_cycles * cycle_s < settings_.worse_h * 3600) return;
     constexpr std::int64_t day_s = 86400;
     cycle_.ladder.hold(Reason::worse_for_long, t, day_s);
     cycle_.ladder.set(Reason::worse_than_schedule, false, t);
@@ -386,6 +396,14 @@ class Controller {
       cycle_.gain_reversed = Spell();
     }
     cycle_.ladder.set(Reason::gain_reversed, reversed, t);
+  }
+
+  /// What nothing may be learned from though each reading is good: a room that drifts, air that does not follow its
+  /// setpoint (a gain learned then would be that of a closed valve), hours that nobody knows.
+  bool doubted(CivilTime t) const {
+    const Ladder& on = cycle_.ladder;
+    return on.active(Reason::sensor_drifts, t) || on.active(Reason::supply_ignores_setpoint, t) ||
+           on.active(Reason::clock_not_set, t);
   }
 
   /// A transition like the last one to the bit is no news: a device that repeats itself must not fill the memory.
@@ -447,15 +465,15 @@ class Controller {
       HeadFeatures f = cycle_.features;
       f.x(HeadFeatures::setpoint_change) = cycle_.last_setpoint_degc - cycle_.before_setpoint_degc;
       learning_.head.grow(settings_, 1.0 / cycles_per_day);
-      learning_.head.update(settings_, cycle_.last_time, f, moved);
+      if (!doubted(t)) learning_.head.update(settings_, cycle_.last_time, f, moved);
       watch_gain(t);
     }
     if (cycle_.has_weights == 0) return;
     compare_with_schedule(t);
     newest_ = transition(cycle_.last_value, cycle_.last_setpoint_degc, now_);
-    completed_ = true;
+    completed_ = !doubted(t);
     decision_.loss = learning_.learner.loss_of(learning_.weights, newest_, learner_settings_.loss, scratch_);
-    const double network_error = decision_.room_mean_degc - cycle_.network_expected_degc;
+    const double network_error = decision_.network_error_k = decision_.room_mean_degc - cycle_.network_expected_degc;
     const double head_error = decision_.room_mean_degc - cycle_.head_expected_degc;
     track(cycle_.network_error_k2, network_error);
     track(cycle_.head_error_k2, head_error);

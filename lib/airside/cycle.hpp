@@ -17,7 +17,8 @@ constexpr CivilTime next_row(CivilTime t) {
 
 /// Runs rows from `from` until `until` (exclusive): every 6 min sense, every 18 min decide, actuate, learn.
 /// `sink.row(t, sensed, controller)` logs the row and commits the state; it returns false to stop.
-/// A row whose instant has passed while the program was away is skipped, never made up for in a burst. A clock that was
+/// A row whose instant has passed while the program was away, or while it slept for that row because the machine was
+/// suspended, is skipped, never made up for in a burst. A clock that was
 /// set back by more than a cycle is followed: waiting until it catches up would leave the room alone for that long.
 /// Returns the first instant that was not run.
 /// Errors: none; a plant that cannot be read yields the schedule's command through the controller.
@@ -28,6 +29,10 @@ requires Plant<Plant_, Topology_> && Clock<Clock_> CivilTime run_cycles(Plant_& 
   CivilTime t = from;
   while (t < until) {
     if (!clock.sleep_until(t)) return t;
+    if (const CivilTime woke = clock.woke(); woke.seconds - t.seconds >= row_s) {
+      t = next_row(woke);
+      continue;
+    }
     const Expected<Reading<Topology_>> sensed = plant.sense();
     if (starts_cycle(t)) {
       const auto& decision = controller.decide(t, sensed);

@@ -30,6 +30,7 @@ struct Decision {
   double g36_degc = none;            ///< what Guideline 36 would command
   double confidence = none;          ///< c_t before it is made effective
   double head_share = none;          ///< weight of the head against the network
+  double network_error_k = none;     ///< by which the network's forecast of the cycle that ended was wrong
   double expected_mean_degc = none;  ///< room mean forecast for the end of the cycle, at the applied setpoint
   LossTerms loss{none, none, none, none, none, none};  ///< of the transition that just ended
 };

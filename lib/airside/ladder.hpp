@@ -197,7 +197,7 @@ constexpr Rung rung_of(Reason reason) {
               Mode::expert,
               true,
               true,
-              "no saved state is whole, though there was one",
+              "no saved state is whole and of this version, though there was one",
               "ends when weights are pushed or the AHU is handed back; look at the disk"};
     case Reason::worse_for_long:
       return {"worse for long",
@@ -263,6 +263,13 @@ constexpr Rung rung_of(Reason reason) {
 }
 
 constexpr const char* text_of(Reason reason) { return rung_of(reason).name; }
+/// What people read of it. The schedule without a reason is where every controller begins.
+constexpr const char* why_of(OnRung on) {
+  return on == OnRung{Mode::expert, Reason::none} ? "it has decided nothing yet" : rung_of(on.reason).why;
+}
+constexpr const char* way_out_of(OnRung on) {
+  return on == OnRung{Mode::expert, Reason::none} ? "ends with its first cycle" : rung_of(on.reason).way_out;
+}
 
 /// Which reasons are active and until when. Plain bytes: part of the durable state.
 class Ladder {

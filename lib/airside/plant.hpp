@@ -19,11 +19,13 @@ concept Plant = Topology<T> && requires(P plant, const Command& command) {
 };
 
 /// now(): civil time. sleep_until(t): returns true at t, false if it was told to stop before.
-/// A simulated clock makes its plant reach t; a real one waits.
+/// A simulated clock makes its plant reach t; a real one waits. woke(): its time when the last sleep ended, which is
+/// far past t where the machine was suspended.
 template <class C>
 concept Clock = requires(C clock, CivilTime t) {
   { clock.now() } -> std::same_as<CivilTime>;
   { clock.sleep_until(t) } -> std::same_as<bool>;
+  { clock.woke() } -> std::same_as<CivilTime>;
 };
 
 }  // namespace airside

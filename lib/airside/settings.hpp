@@ -88,8 +88,9 @@ struct ControllerSettings {
   double supply_ignored_s = 5400;  ///< when it has lasted so long
   double excitation_k = 0.05;      ///< sd of a day's setpoints below which nothing is learned
   double worse_k = 0.15;           ///< further from target than the schedule's shadow by so much
+  double worse_h = 12.0;           ///< for so many working hours: the schedule's turn, for a day
   double override_h = 4.0;         ///< somebody else's setpoint is left alone for so long
-  double trust_ratio = 0.25;       ///< an update may move the weights by this share of their norm
+  double trust_ratio = 0.10;       ///< one cycle's learning may move the weights by this share of their norm
   int refused_updates = 80;        ///< so many in a row freeze the weights for a day
 };
 
@@ -195,6 +196,7 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
     AIRSIDE_REAL(supply_ignored_s, 0, 86400),
     AIRSIDE_REAL(excitation_k, 0, 5),
     AIRSIDE_REAL(worse_k, 0, 10),
+    AIRSIDE_REAL(worse_h, 0.3, 1000),
     AIRSIDE_REAL(override_h, 0, 168),
     AIRSIDE_REAL(trust_ratio, 1e-3, 10),
     AIRSIDE_WHOLE(refused_updates, 1, 1000000),

@@ -2,13 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include "closed_loop/bench.hpp"
 #include "firmware/edge/edge.hpp"
+#include "sanitized.hpp"
 
 namespace airside::fault_matrix {
 namespace {
 
 using closed_loop::Bench;
+using closed_loop::Child;
 
 /// A daemon on the machine's clock, whose rows are called one by one.
 class ClockDesk : public ::testing::Test {
@@ -61,6 +68,52 @@ TEST_F(ClockDesk, Row28AClockThatWasFarAheadIsBelievedADayAfterItWasSetRight) {
   int doubted = 0;
   for (int row = 0; row < 2 * rows_per_day; ++row) doubted += !believed({now.seconds + row * row_s});
   EXPECT_EQ(doubted, rows_per_day);
+}
+
+/// A daemon of the machine's clock, which faketime sets: the wall's, not the monotonic one that waits run on.
+class FakedClock : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (sanitized) GTEST_SKIP() << "faketime and a sanitizer both want to be loaded first";
+    if (std::system("faketime -f '+0' true >/dev/null 2>&1") != 0) GTEST_SKIP() << "faketime is not installed";
+    bench.start_server();
+    std::ifstream in(bench.file("site.toml"));
+    std::string site(std::istreambuf_iterator<char>(in), {});
+    const std::string plant = "source = \"plant\"";
+    site.replace(site.find(plant), plant.size(), "source = \"system\"");
+    std::ofstream(bench.file("site.toml")) << site;
+  }
+  /// status.json after the row that comes 2 s after the daemon's start at this time of the wall.
+  nlohmann::json status_at(const std::string& start) {
+    std::filesystem::remove(bench.file("state") / "status.json");
+    Child daemon({"/usr/bin/env", "TZ=UTC", "LD_PRELOAD=/usr/$LIB/faketime/libfaketime.so.1", "FAKETIME=@" + start,
+                  "DONT_FAKE_MONOTONIC=1", "FAKETIME_DONT_FAKE_MONOTONIC=1", bench.program("airsided").string(),
+                  "--site", bench.file("site.toml").string(), "--no-sync", "--crash-limit", "0"},
+                 bench.file("daemon.txt"));
+    nlohmann::json status;
+    for (int i = 0; i < 3000 && !status.is_object(); ++i) {
+      closed_loop::sleep_s(0.01);
+      std::ifstream in(bench.file("state") / "status.json");
+      status = nlohmann::json::parse(in, nullptr, false);
+    }
+    daemon.signal(SIGTERM);
+    EXPECT_EQ(daemon.wait(20), 0) << daemon.said();
+    return status;
+  }
+  Bench bench{{.name = "faketime", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1}};
+};
+
+TEST_F(FakedClock, Row30ARealDaemonOf1970RunsTheScheduleAndGoesOnOnceTheClockIsSet) {
+  const auto without_battery = status_at("1970-01-01 00:17:58");
+  EXPECT_EQ(without_battery["time"], "1970-01-01T00:18:00") << without_battery.dump();
+  EXPECT_EQ(without_battery["reason"], text_of(Reason::clock_not_set)) << without_battery.dump();
+  EXPECT_EQ(without_battery["state"], "expert");
+  EXPECT_EQ(bench.logged_rows(), 0u);
+  const auto set = status_at("2026-11-23 00:17:58");
+  EXPECT_EQ(set["time"], "2026-11-23T00:18:00") << set.dump();
+  EXPECT_NE(set["reason"], text_of(Reason::clock_not_set)) << set.dump();
+  EXPECT_TRUE(set["alarms"].empty()) << set.dump();
+  EXPECT_EQ(bench.logged_rows(), 1u) << "believed";
 }
 
 }  // namespace

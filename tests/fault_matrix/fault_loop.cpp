@@ -76,6 +76,7 @@ struct FaultLoop::Clock {
     if (loop.model_->time() < then) loop.model_->advance_to(then);
     return true;
   }
+  CivilTime woke() { return loop.box_time(); }
 };
 
 struct FaultLoop::Sink {

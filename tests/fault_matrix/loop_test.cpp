@@ -153,9 +153,13 @@ TEST_F(Room, Row07ASensorThatDriftsIsAnAlarmWithoutLearning) {
   loop.begin(FaultKind::drift, 40 * 24, 2, 0.3);
   ASSERT_TRUE(shows(Reason::sensor_drifts, 15 * cycles_per_day));
   EXPECT_EQ(mode(), Mode::run);
-  const std::uint64_t before = loop.controller().learning().learner.steps();
+  const auto& learning = loop.controller().learning();
+  const std::uint64_t before = learning.learner.steps(), pushed = remembered();
+  const auto updates = learning.head.updates();
   loop.cycles(10);
-  EXPECT_EQ(loop.controller().learning().learner.steps(), before);
+  EXPECT_EQ(learning.learner.steps(), before);
+  EXPECT_EQ(learning.head.updates(), updates);
+  EXPECT_EQ(remembered(), pushed) << "nothing of it is trained on later";
 }
 
 TEST_F(Room, Row07WithoutItSixWeeksShowNoDrift) {
@@ -241,9 +245,13 @@ TEST_F(Room, Row27SupplyAirThatIgnoresItsSetpointFreezesLearningAndIsAnAlarm) {
   loop.begin(FaultKind::setpoint_ignored, 30);
   ASSERT_TRUE(shows(Reason::supply_ignores_setpoint, in_cycles(28)));
   EXPECT_EQ(mode(), Mode::run);
-  const std::uint64_t before = loop.controller().learning().learner.steps();
+  const auto& learning = loop.controller().learning();
+  const std::uint64_t before = learning.learner.steps(), pushed = remembered();
+  const auto updates = learning.head.updates();
   loop.cycles(3);
-  EXPECT_EQ(loop.controller().learning().learner.steps(), before);
+  EXPECT_EQ(learning.learner.steps(), before);
+  EXPECT_EQ(learning.head.updates(), updates) << "it would learn the gain of a closed valve";
+  EXPECT_EQ(remembered(), pushed);
 }
 
 TEST_F(Room, Row27WithoutItTheCoilsLagIsNoAlarm) {

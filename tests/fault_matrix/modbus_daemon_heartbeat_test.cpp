@@ -65,17 +65,23 @@ TEST_F(HeartbeatDesk, BeatsThreeTimesAMinuteBetweenTwoRows) {
   loop->expect_safe();
 }
 
-TEST_F(HeartbeatDesk, StopsWithTheDaemonAndGoesOnWithItsSuccessor) {
+TEST_F(HeartbeatDesk, StopsWithTheDaemonAndGoesOnWithItsSuccessorBeforeItsFirstRow) {
   open();
   ASSERT_TRUE(within(10, [this] { return beats().size() >= 4; }));
-  daemon->signal(SIGKILL);
-  daemon->wait(10);
-  const std::size_t last = beats().size(), rows = loop->bench.logged_rows();
-  closed_loop::sleep_s(3 * beat_real_s);
-  EXPECT_EQ(beats().size(), last);
-  daemon = loop->bench.start_daemon(false, {"--clock-speed", "60", "--until", "2100-01-01T00:00:00"});
-  const bool goes_on = within(30, [&] { return beats().size() > last || loop->bench.logged_rows() > rows; });
-  EXPECT_TRUE(goes_on) << loop->said();
+  bool before_a_row = false;
+  for (int i = 0; i < 4 && !before_a_row; ++i) {  // a machine that needs a row's time for a start gets another
+    const std::size_t seen = loop->bench.logged_rows();
+    ASSERT_TRUE(within(60, [&] { return loop->bench.logged_rows() > seen; })) << "so that the next row is far";
+    daemon->signal(SIGKILL);
+    daemon->wait(10);
+    const std::size_t last = beats().size(), rows = loop->bench.logged_rows();
+    closed_loop::sleep_s(3 * beat_real_s);
+    ASSERT_EQ(beats().size(), last);
+    daemon = loop->bench.start_daemon(false, {"--clock-speed", "60", "--until", "2100-01-01T00:00:00"});
+    ASSERT_TRUE(within(30, [&] { return beats().size() > last; })) << loop->said();
+    before_a_row = loop->bench.logged_rows() == rows;
+  }
+  EXPECT_TRUE(before_a_row) << loop->said();
   loop->expect_safe();
 }
 

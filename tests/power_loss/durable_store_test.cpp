@@ -376,6 +376,35 @@ TEST(DurableStore, StateOfAnotherTopologyIsRefusedAndNotTouched) {
   EXPECT_EQ(folder.image(), good);
 }
 
+TEST(DurableStore, StateOfAnotherTopologyCanBeSetAsideAndIsWholeThere) {
+  const TestFolder folder("store_aside");
+  const FolderImage good = record_history(folder).end;
+  StoreLayout other = layout;
+  other.meaning = 2;
+  for (int times = 0; times < 2; ++times) {
+    DurableStore store = open_store(folder, other);
+    StateScript script(other);
+    if (times == 0) {
+      ASSERT_FALSE(store.load(script.buffers()).has_value());
+      ASSERT_TRUE(store.set_aside().has_value());
+      EXPECT_EQ(store.load(script.buffers())->outcome, LoadOutcome::none);
+    } else {
+      EXPECT_EQ(store.load(script.buffers())->outcome, LoadOutcome::newest);
+    }
+    script.advance_to(8);
+    ASSERT_TRUE(store.commit(script.stored()).has_value());
+  }
+  const FolderImage now = folder.image();
+  for (const auto& [name, bytes] : good) {
+    if (name == "lock") continue;
+    EXPECT_EQ(now.at("other-" + name), bytes) << name;
+  }
+  std::filesystem::remove(folder.file("row.b"));
+  DurableStore again = open_store(folder);
+  std::filesystem::remove(folder.file("row.b"));
+  EXPECT_EQ(again.set_aside().error().fault, StoreFault::not_found);
+}
+
 TEST(DurableStore, AReplacedReplayIsWrittenWhole) {
   const TestFolder folder("store_replaced");
   {

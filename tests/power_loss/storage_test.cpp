@@ -226,6 +226,27 @@ TEST_F(RottenBox, Row37WithoutRotItResumes) {
   EXPECT_TRUE(status["alarms"].empty()) << status.dump();
 }
 
+TEST_F(RottenBox, StateOfAnotherVersionIsKeptAsideAndTheScheduleRunsWithAnAlarm) {
+  hal::StoreLayout other = layout;
+  other.meaning ^= 1;
+  fs::remove_all(desk.box() / "state");
+  {
+    auto store = hal::DurableStore::open((desk.box() / "state").c_str(), other, hal::Sync::none);
+    ASSERT_TRUE(store.has_value());
+    ASSERT_TRUE(store->load({learning, row, replay}).has_value());
+    ASSERT_TRUE(store->commit({.learning = learning, .row = row, .replay = replay, .log = {}}).has_value());
+  }
+  ASSERT_EQ(desk.run(23).code, 0);
+  EXPECT_NE(desk.said().find("kept there as other-*"), std::string::npos) << desk.said();
+  const auto status = nlohmann::json::parse(desk.status(), nullptr, false);
+  EXPECT_EQ(status["state"], "expert") << status.dump();
+  EXPECT_EQ(status["reason"], text_of(Reason::state_lost)) << status.dump();
+  EXPECT_EQ(status["storage"], "ok") << status.dump();
+  EXPECT_EQ(fs::file_size(desk.box() / "state" / "other-learning.a"),
+            fs::file_size(desk.box() / "state" / "learning.a"));
+  EXPECT_TRUE(load().has_value()) << "and what was learned since is saved";
+}
+
 TEST_F(RottenBox, Row38AnyMixtureOfOlderAndNewerFilesIsLoadedAsOneGeneration) {
   const char* names[6] = {"row.a", "row.b", "learning.a", "learning.b", "replay.a", "replay.b"};
   int none = 0;

@@ -271,6 +271,51 @@ TEST(ControllerLadder, WorseThanTheScheduleFreezesFirstAndEndsInTheScheduleAfter
   EXPECT_EQ(rig.decision().mode, Mode::learn) << "after a day under the schedule it tries again";
 }
 
+TEST(ControllerLadder, AnAhuThatTakesAnotherSetpointIsNotWrittenToBeyondTheBudget) {
+  for (const bool clamps : {false, true}) {
+    ControllerSettings s = product_settings();
+    s.writes_per_day = 20;
+    Rig rig(s);
+    rig.cycles(cycles_per_day);
+    rig.lowest_degc = clamps ? 24.5 : rig.lowest_degc;
+    rig.writes = 0;
+    rig.cycles(10 * cycles_per_day);
+    EXPECT_LE(rig.writes, 10 * 20 + 20) << clamps;
+    EXPECT_GE(rig.writes, 10) << clamps << ": the schedule's steps at least";
+  }
+}
+
+TEST(ControllerLadder, AnUpdateBeyondTheTrustRegionIsRefused) {
+  ControllerSettings s = product_settings();
+  s.trust_ratio = 1e-3;
+  Rig narrow(s), usual;
+  s.trust_ratio = 10;
+  Rig without(s);
+  for (Rig* rig : {&narrow, &usual, &without}) rig->cycles(cycles_per_day);
+  EXPECT_GT(narrow.controller->learning().rejected, 60u) << "every usual update is wider";
+  EXPECT_EQ(usual.controller->learning().rejected, without.controller->learning().rejected)
+      << "and never binds by itself";
+}
+
+TEST(ControllerLadder, Row52ARangeThatKeepsTheRoomsFromTheirTargetIsFoundWorseThanTheScheduleByItself) {
+  for (const double set_h : {6.0, 12.0}) {
+    ControllerSettings s = product_settings();
+    s.expert_work_degc = 22.6;  // holds this room; ours may not go there
+    s.action_max_degc = 20.8;
+    s.worse_h = set_h;
+    Rig rig(s, {1'627'862'400 + 7 * 3600});
+    int ours = 0, frozen = 0;
+    while (rig.decision().mode != Mode::expert || rig.decision().reason == Reason::none) {
+      rig.cycles(1);
+      frozen += rig.decision().reason == Reason::worse_than_schedule;
+      ASSERT_LT(++ours, 3 * cycles_per_day);
+    }
+    EXPECT_EQ(rig.decision().reason, Reason::worse_for_long);
+    EXPECT_NEAR(frozen, set_h * 3600 / cycle_s, cycles_per_day / 2 + 1) << "of working hours, the night between them";
+    EXPECT_GE(frozen, set_h * 3600 / cycle_s - 1);
+  }
+}
+
 TEST(ControllerLadder, EveryUpdateRefusedForADayFreezesTheWeightsForADay) {
   Rig rig;
   rig.cycles(6);

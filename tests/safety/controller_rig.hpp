@@ -69,8 +69,9 @@ class ControllerRig {
       } else if (refuses) {
         controller->absorb(tl::unexpected(refusal));
       } else {
-        setpoint = a;
-        controller->absorb(Applied{a});
+        writes += std::abs(a - before) > 1e-9;
+        setpoint = std::max(a, lowest_degc);
+        controller->absorb(Applied{setpoint});
       }
     } else {
       controller->observe(now, sensed);
@@ -94,7 +95,9 @@ class ControllerRig {
   std::unique_ptr<Controller<T>> controller = std::make_unique<Controller<T>>();
   CivilTime now;
   double setpoint = 25;
-  Fault refusal = Fault::not_applied;  ///< what a refused command comes back as
+  double lowest_degc = -std::numeric_limits<double>::infinity();  ///< the AHU takes nothing below
+  int writes = 0;                                                 ///< setpoints that differ from what stood
+  Fault refusal = Fault::not_applied;                             ///< what a refused command comes back as
 };
 
 }  // namespace airside

@@ -97,6 +97,17 @@ TEST(Ladder, EveryReasonSaysWhyAndHowItEnds) {
   }
 }
 
+TEST(Ladder, BeforeTheFirstCycleItSaysSo) {
+  const OnRung begun{Mode::expert, Reason::none}, well{Mode::learn, Reason::none},
+      map{Mode::expert, Reason::map_differs};
+  EXPECT_STREQ(why_of(begun), "it has decided nothing yet");
+  EXPECT_STREQ(way_out_of(begun), "ends with its first cycle");
+  EXPECT_STREQ(why_of(well), "all is well");
+  EXPECT_STREQ(way_out_of(well), "none needed");
+  EXPECT_STREQ(why_of(map), rung_of(Reason::map_differs).why);
+  EXPECT_STREQ(way_out_of(map), rung_of(Reason::map_differs).way_out);
+}
+
 TEST(Ladder, NoReasonHoldsNothing) {
   Ladder ladder;
   ladder.hold(Reason::none, noon, 3600);

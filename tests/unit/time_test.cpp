@@ -62,14 +62,18 @@ struct CorrectedClock {
   CivilTime time;
   std::int64_t correction_s = 0;
   int rows_before = 0;
+  std::int64_t suspended_s = 0;  ///< in the third sleep
+  int sleeps = 0;
   CivilTime now() {
     if (rows_before-- == 0) time.seconds += correction_s;
     return time;
   }
   bool sleep_until(CivilTime t) {
     time = std::max(time, t);
+    if (++sleeps == 3) time.seconds += suspended_s;
     return true;
   }
+  CivilTime woke() const { return time; }
 };
 struct Schedule {
   Decision last{.time = {}, .command = SafetyEnvelope(paper_settings()).limit(25, 25, 25)};
@@ -112,6 +116,21 @@ TEST(RunCycles, SkipsTheRowsThatAClockJumpsOver) {
   ASSERT_EQ(rows.size(), 6U);
   EXPECT_EQ(rows[2], at(0, 12, 12));
   EXPECT_EQ(rows[3], at(0, 13, 12));
+}
+
+TEST(RunCycles, Row31ARowThatTheMachineSleptThroughIsLeftOutAndControlGoesOnWhereItWoke) {
+  for (const std::int64_t away_s : {359, 360, 7250}) {
+    AnsweringPlant plant;
+    CorrectedClock clock{.time = at(0, 12, 0), .rows_before = -1, .suspended_s = away_s};
+    Schedule controller;
+    Times times;
+    run_cycles<FiveZone>(plant, clock, controller, times, at(0, 12, 0), at(2, 0, 0));
+    ASSERT_EQ(times.rows.size(), 6U);
+    const CivilTime third = away_s == 359 ? at(0, 12, 12) : away_s == 360 ? at(0, 12, 18) : at(0, 14, 18);
+    EXPECT_EQ(times.rows[1], at(0, 12, 6));
+    EXPECT_EQ(times.rows[2], third) << away_s;
+    EXPECT_EQ(times.rows[3].seconds, third.seconds + row_s) << away_s;
+  }
 }
 
 TEST(ExpertSchedule, Row29WithoutItChangesAtSevenAndAtNineteen) {

@@ -7,9 +7,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 
+#include "airside/blob.hpp"
 #include "power_loss/test_folder.hpp"
 
 namespace airside::weights {
@@ -121,6 +123,46 @@ TEST_F(Inbox, FindsABlobAmongThousandsOfOtherFiles) {
   for (int i = 0; i < 3000; ++i) put("note" + std::to_string(i));
   put("z.blob", "abc");
   EXPECT_EQ(box.collect(blob).blob_bytes, 3u);
+}
+
+TEST_F(Inbox, LeavesABlobThatIsStillOnItsWayAndTakesOneThatWillNeverBeWhole) {
+  BlobHeader header;
+  header.payload_bytes = 100;
+  const auto part = [&](const std::string& name, std::size_t bytes) {
+    std::string text(reinterpret_cast<const char*>(&header), sizeof header);
+    text.resize(bytes, 'x');
+    put(name, text);
+  };
+  const std::size_t whole = sizeof header + 100 + blob_signature_bytes;
+  for (const std::size_t bytes : {std::size_t{0}, std::size_t{5}, sizeof header - 1, sizeof header, whole - 1}) {
+    part("a.blob", bytes);
+    EXPECT_FALSE(box.collect(blob).has_blob) << bytes << " bytes, just written";
+    put("b.blob", "abc");
+    EXPECT_EQ(box.collect(blob).blob_bytes, 3u) << "and does not stand before others";
+    box.finish(true);
+    EXPECT_TRUE(fs::exists(folder.file("a.blob")));
+    for (const auto age : {std::chrono::seconds(hal::Mailbox::arriving_s + 1), std::chrono::seconds(-3600)}) {
+      fs::last_write_time(folder.file("a.blob"), fs::file_time_type::clock::now() - age);
+      const hal::Mail mail = box.collect(blob);
+      EXPECT_TRUE(mail.has_blob) << bytes << ", " << age.count() << " s old";
+      EXPECT_EQ(mail.blob_bytes, bytes);
+      box.finish(false);
+      part("a.blob", bytes);
+    }
+  }
+  part("a.blob", whole);
+  EXPECT_EQ(box.collect(blob).blob_bytes, whole);
+}
+
+TEST_F(Inbox, SaysWhyNothingOfABlobCouldBeRead) {
+  put("a.blob", "abc");
+  EXPECT_EQ(box.collect(blob).unread, nullptr);
+  box.finish(true);
+  put("a.blob", std::string(1001, 'x'));
+  EXPECT_NE(std::string(box.collect(blob).unread).find("longer"), std::string::npos);
+  box.finish(true);
+  fs::create_symlink("/proc/version", folder.file("a.blob"));
+  EXPECT_NE(std::string(box.collect(blob).unread).find("may read"), std::string::npos);
 }
 
 TEST(InboxWithoutAFolder, StaysEmpty) {

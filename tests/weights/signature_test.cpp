@@ -33,7 +33,7 @@ class Signed : public ::testing::Test {
 TEST_F(Signed, Row44Row48WithoutItIsTakenWithItsKeyAndCounter) {
   const auto found = hal::verify_blob(blob, ring);
   ASSERT_TRUE(found) << found.error().field;
-  EXPECT_EQ((*found)->name, "Ann");
+  EXPECT_EQ((*found)->name.view(), "Ann");
   auto payload = std::make_unique<WeightBlob<FiveZone>::Payload>();
   const auto header = WeightBlob<FiveZone>::decode(blob, {}, *payload);
   ASSERT_TRUE(header) << header.error().field;
@@ -161,7 +161,7 @@ TEST_F(KeyFiles, ReadBackAsTheyWereWritten) {
   const auto open = hal::read_public_key(write("a.pub", hal::public_key_text(key.open)));
   EXPECT_EQ(open.bytes, key.open.bytes);
   EXPECT_EQ(open.id, key.open.id);
-  EXPECT_EQ(open.name, "Ann Other");
+  EXPECT_EQ(open.name.view(), "Ann Other");
   const auto secret = hal::read_secret_key(write("a.key", hal::secret_key_text(key)));
   EXPECT_EQ(secret.bytes, key.bytes);
   EXPECT_EQ(secret.open.id, key.open.id);
@@ -213,6 +213,73 @@ TEST_F(KeyFiles, TheRevokedListTakesCapitalsAndSpacesAndRefusesAnythingElse) {
   write("revoked", "0011\n");
   EXPECT_NE(complaint([&] { hal::KeyRing::load(std::string(folder.c_str())); }).find("16 hex digits"),
             std::string::npos);
+}
+
+/// What reload() complains of.
+std::vector<std::string> told;
+hal::KeyRing reloaded(const std::string& dir) {
+  told.clear();
+  hal::KeyRing ring;
+  ring.add(hal::make_key("of before").open);
+  ring.reload(dir.c_str(), [](const char* file, const char* what) { told.push_back(std::string(file) + " " + what); });
+  return ring;
+}
+
+TEST_F(KeyFiles, ABoxReadsTheFolderAnewAndLeavesOutWhatIsNoKey) {
+  const hal::SecretKey other = hal::make_key("Bob");
+  write("a.pub", hal::public_key_text(key.open));
+  write("b.pub", hal::public_key_text(other.open));
+  write("revoked", hal::hex_of(other.open.id));
+  const std::string dir(folder.c_str());
+  const hal::KeyRing good = reloaded(dir), loaded = hal::KeyRing::load(dir);
+  EXPECT_TRUE(told.empty());
+  ASSERT_EQ(good.size(), 2u);
+  for (const hal::PublicKey& known : loaded.keys()) {
+    const hal::PublicKey* same = good.find(known.id);
+    ASSERT_NE(same, nullptr);
+    EXPECT_EQ(same->bytes, known.bytes);
+    EXPECT_EQ(same->name.view(), known.name.view());
+    EXPECT_EQ(same->revoked, known.revoked);
+  }
+  write("c.pub", hal::secret_key_text(key), 0600);
+  write("d.pub", "airside-public-key-1 0011 Cid");
+  write("e.pub", std::string(600, 'x'));
+  std::filesystem::create_directory(folder.file("f.pub"));
+  EXPECT_EQ(reloaded(dir).size(), 2u);
+  EXPECT_EQ(told.size(), 4u);
+  for (const std::string& line : told) EXPECT_NE(line.find("no public key"), std::string::npos) << line;
+  for (int i = 0; i < 15; ++i) write("k" + std::to_string(i) + ".pub", hal::public_key_text(hal::make_key("k").open));
+  EXPECT_EQ(reloaded(dir).size(), hal::KeyRing::max_keys);
+  EXPECT_EQ(told.size(), 5u);
+}
+
+TEST_F(KeyFiles, ABoxThatCannotReadWhoWasRevokedTrustsNobody) {
+  const std::string dir(folder.c_str());
+  write("a.pub", hal::public_key_text(key.open));
+  for (const std::string& list :
+       {std::string("no id\n"), std::string("00112233445566778899\n"), std::string(17000, '#')}) {
+    write("revoked", list);
+    EXPECT_EQ(reloaded(dir).size(), 0u) << list.substr(0, 30);
+    ASSERT_EQ(told.size(), 1u);
+    EXPECT_NE(told[0].find("no key is trusted"), std::string::npos);
+  }
+  std::filesystem::remove(folder.file("revoked"));
+  std::filesystem::create_symlink("revoked", folder.file("revoked"));
+  EXPECT_EQ(reloaded(dir).size(), 0u) << "a link in a circle";
+  std::filesystem::remove(folder.file("revoked"));
+  EXPECT_EQ(reloaded(dir).size(), 1u);
+  EXPECT_EQ(reloaded("").size() + reloaded(folder.file("none").string()).size(), 0u);
+  EXPECT_TRUE(told.empty()) << "a box without keys takes no pushed weights";
+  EXPECT_EQ(reloaded(folder.file("a.pub").string()).size(), 0u);
+  EXPECT_EQ(told.size(), 1u);
+}
+
+TEST_F(KeyFiles, ALongNameIsCutAndTheRingHasAnEnd) {
+  key.open.name = hal::KeyName(std::string(200, 'n'));
+  EXPECT_EQ(key.open.name.view().size(), 63u);
+  hal::KeyRing ring;
+  for (std::size_t i = 0; i < hal::KeyRing::max_keys; ++i) EXPECT_TRUE(ring.add(key.open));
+  EXPECT_FALSE(ring.add(key.open));
 }
 
 TEST_F(KeyFiles, AMissingSecretKeyIsSaidToBeMissing) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
 
 #include "power_loss/test_folder.hpp"
@@ -34,8 +35,11 @@ class Trial : public ::testing::Test {
   }
 
   void push(const Bytes& bytes) {
-    std::ofstream out(folder.file("inbox") / "weights.blob", std::ios::binary);
+    const auto path = folder.file("inbox") / "weights.blob";
+    std::ofstream out(path, std::ios::binary);
     for (const std::byte b : bytes) out.put(static_cast<char>(b));
+    out.close();
+    std::filesystem::last_write_time(path, std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
   }
   void wish(const std::string& name) { std::ofstream(folder.file("inbox") / name); }
   /// The rig's weights with every one scaled, so that they differ and stay sane.
@@ -198,6 +202,7 @@ TEST_F(Trial, Row49WeightsThatDoWorseThanTheScheduleAreTakenBack) {
   const ControllerSettings& s = rig.controller->settings();
   int rows_on_trial = 0;
   while (record.state == TrialState::on_trial && rows_on_trial < 60) {
+    // From the second cycle on: what the first row judges is still of the weights before.
     for (int k = 0; k < 40; ++k) rig.controller->cycle().shadow.cycle(s, s.target_degc + 1, 22, 20.5, 0.6);
     row();
     ++rows_on_trial;
@@ -205,6 +210,103 @@ TEST_F(Trial, Row49WeightsThatDoWorseThanTheScheduleAreTakenBack) {
   EXPECT_EQ(record.state, TrialState::rolled_back);
   EXPECT_LE(rows_on_trial, 15) << "within a few cycles";
   EXPECT_TRUE(rig.same_weights(before)) << "those from before the push";
+}
+
+TEST_F(Trial, NewWeightsDoNotAnswerForWhatThoseBeforeThemDid) {
+  rig.now = {1'627'862'400 + 8 * 3600};
+  rig.cycles(6);
+  const ControllerSettings& s = rig.controller->settings();
+  auto& cycle = rig.controller->cycle();
+  for (int k = 0; k < 40; ++k) cycle.shadow.cycle(s, s.target_degc + 1, 22, 20.5, 0.6);
+  rig.cycles(1);
+  ASSERT_EQ(rig.decision().reason, Reason::worse_than_schedule);
+  cycle.ladder.hold(Reason::worse_for_long, rig.now, 86400);
+  push(other(1));
+  ASSERT_TRUE(row()) << "and the standing decision is still that of the weights before";
+  rows(rows_per_day / 2);
+  EXPECT_EQ(record.state, TrialState::on_trial);
+  EXPECT_EQ(rig.decision().mode, Mode::learn) << "they act, else a trial shows nothing";
+  rows(rows_per_day / 2 + 2);
+  EXPECT_EQ(record.state, TrialState::confirmed);
+}
+
+TEST_F(Trial, WeightsThatForetellTheRoomsBadlyAreTakenBackThoughTheHeadControlsWell) {
+  ASSERT_EQ(rig.controller->settings().head_weight, 1.0);
+  while (starts_cycle(rig.now)) rig.row();
+  const NetworkWeights<T, float> before = rig.controller->learning().weights;
+  push(other(1));
+  ASSERT_TRUE(row());
+  int rows_on_trial = 0;
+  for (; record.state == TrialState::on_trial && rows_on_trial < rows_per_day; ++rows_on_trial) {
+    rig.controller->cycle().network_expected_degc += 1.5;
+    row();
+  }
+  EXPECT_EQ(record.state, TrialState::rolled_back);
+  EXPECT_LE(rows_on_trial, 12 * rows_per_cycle);
+  EXPECT_TRUE(rig.same_weights(before));
+}
+
+TEST_F(Trial, ADayOnTheScheduleConfirmsNothing) {
+  push(other(1));
+  ASSERT_TRUE(row());
+  rig.controller->hold(Reason::crash_loop, rig.now, 2 * 86400);
+  rows(rows_per_day + 10);
+  EXPECT_EQ(record.state, TrialState::on_trial);
+  EXPECT_EQ(record.tried_cycles, 0u);
+  rows(rows_per_day + 50 * rows_per_cycle);
+  EXPECT_EQ(record.state, TrialState::confirmed);
+}
+
+TEST_F(Trial, FirstWeightsAreOnTrialTooAndTheWayBackIsTheSchedule) {
+  rig.controller->cycle().has_weights = 0;
+  rig.cycles(2);
+  ASSERT_EQ(rig.decision().reason, Reason::no_weights);
+  push(other(1));
+  ASSERT_TRUE(row());
+  EXPECT_EQ(record.state, TrialState::on_trial);
+  rig.cycles(2);
+  EXPECT_LT(rig.decision().mode, Mode::expert);
+  wish("rollback");
+  EXPECT_TRUE(row());
+  rig.cycles(2);
+  EXPECT_EQ(rig.decision().reason, Reason::no_weights);
+}
+
+TEST_F(Trial, Row48KeysAreReadAnewForEachBlob) {
+  const hal::SecretKey bob = hal::make_key("Bob");
+  push(signed_by(other(1), bob, 1));
+  EXPECT_FALSE(row());
+  EXPECT_STREQ(record.refusal_field.data(), "key_id");
+  std::ofstream(folder.file("keys") / "bob.pub") << hal::public_key_text(bob.open);
+  push(signed_by(other(1), bob, 1));
+  EXPECT_TRUE(row()) << "without a restart";
+  std::ofstream(folder.file("keys") / "revoked") << hal::hex_of(bob.open.id) << '\n';
+  push(signed_by(other(1), bob, 2));
+  EXPECT_FALSE(row());
+  EXPECT_EQ(record.refusal, Fault::blob_signature);
+  std::ofstream(folder.file("keys") / "spoilt.pub") << "no key";
+  push(other(3));
+  EXPECT_TRUE(row()) << "a spoilt file is left out";
+}
+
+TEST_F(Trial, AKeyThatLiesAsideForAWhileKeepsItsCounterWhereThereIsRoom) {
+  push(other(5));
+  ASSERT_TRUE(row());
+  std::filesystem::rename(folder.file("keys") / "ann.pub", folder.file("ann.pub"));
+  const hal::SecretKey bob = hal::make_key("Bob");
+  std::ofstream(folder.file("keys") / "bob.pub") << hal::public_key_text(bob.open);
+  push(signed_by(other(1), bob, 1));
+  ASSERT_TRUE(row());
+  std::filesystem::rename(folder.file("ann.pub"), folder.file("keys") / "ann.pub");
+  push(other(5));
+  EXPECT_FALSE(row());
+  EXPECT_EQ(record.refusal, Fault::blob_counter);
+}
+
+TEST_F(Trial, ABlobThatMayNotBeReadIsRefusedWithThatReason) {
+  std::filesystem::create_symlink("/proc/version", folder.file("inbox") / "a.blob");
+  EXPECT_FALSE(row());
+  EXPECT_NE(std::string(record.refusal_field.data()).find("may read"), std::string::npos);
 }
 
 TEST_F(Trial, AnOperatorMayTakeThemBackAndARestartInBetweenChangesNothing) {
