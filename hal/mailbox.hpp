@@ -38,6 +38,8 @@ class Mailbox {
   /// from a slow stick: it is left for later.
   /// Everything stays where it is until finish(). Cost: a few system calls, no heap.
   Mail collect(std::span<std::byte> blob);
+  /// The blob of the last collect() stays, and is found again by the next one.
+  void leave_blob() { blob_[0] = '\0'; }
   /// Takes the wishes and the blob of the last collect() away; a refused blob stands as `refused` for whoever looks.
   void finish(bool accepted);
   /// Whether a wish to release lies there that no collect() has told yet; it stays.

@@ -92,12 +92,17 @@ class WeightsTrial {
       const BlobError refusal = mail.unread != nullptr
                                     ? BlobError{Fault::blob_truncated, mail.unread}
                                     : install(t, {bytes_->data(), mail.blob_bytes}, controller, record);
+      accepted_ = refusal.fault == Fault::none;
+      exchanged = exchanged || accepted_;
+      const bool waits = refusal.fault == Fault::state_invalid;  // without a way back there is no trial
+      const bool said = waits && record.refusal == refusal.fault;
+      if (!accepted_ && !said) {
+        say("pushed weights {}: {} ({})", waits ? "wait" : "refused", text_of(refusal.fault), refusal.field);
+      }
       record.refusal = refusal.fault;
       record.refusal_field = {};
       std::string_view(refusal.field).copy(record.refusal_field.data(), record.refusal_field.size() - 1);
-      if (refusal.fault != Fault::none) say("pushed weights refused: {} ({})", text_of(refusal.fault), refusal.field);
-      exchanged = exchanged || refusal.fault == Fault::none;
-      accepted_ = refusal.fault == Fault::none;
+      if (waits) mailbox_.leave_blob();
     }
     finish_mail_ = finish_mail_ || mail.has_blob || mail.rollback || mail.release || mail.hand_back;
     return supervise(t, controller, record) || exchanged;
@@ -133,11 +138,7 @@ class WeightsTrial {
     if (!(wild.canary_k <= 0)) return {Fault::blob_value, "canary states"};
     if (!(wild.replay_k <= wildest_replay_k)) return {Fault::blob_value, "forecasts of what this room did"};
     const hal::StoreResult<std::uint64_t> kept = copy_.save(learning_bytes(controller), record.previous_digest);
-    if (!kept) {
-      // Without a way back there is no trial; the blob may be pushed again when the disk is well.
-      say("weights before the push cannot be kept: {}", hal::describe(kept.error()));
-      return {Fault::state_invalid, "copy of the weights before"};
-    }
+    if (!kept) return {Fault::state_invalid, "copy of the weights before"};
     record.had_weights = controller.cycle().has_weights != 0 ? 1 : 0;
     record.before_error_k2 = controller.cycle().network_error_k2;
     exchange_payload<T>(controller, *payload_);

@@ -96,7 +96,7 @@ class FailedCalls : public ::testing::Test {
     // Only what could not be read at all, twice and for long, may change control; it is said.
     const bool lost = said.find("no saved generation is whole") != std::string::npos ||
                       said.find("each row tries again") != std::string::npos ||
-                      said.find("no way back") != std::string::npos || said.find("refused") != std::string::npos;
+                      said.find("no way back") != std::string::npos || said.find("weights wait") != std::string::npos;
     const bool inbox_away = count > 1 && part.from > 0 && setpoints != want;  // a wish that could not be seen yet
     if (setpoints == want) {
       ++counts.same;
@@ -118,7 +118,7 @@ class FailedCalls : public ::testing::Test {
       ASSERT_NE(desk.said().find(last), std::string::npos) << where << "\n" << desk.said();
       ++counts.resumed;
     }
-    if (count == 1) {
+    if (count == 1 && !lost) {
       ASSERT_EQ(setpoints, want) << where << "\n" << said;
     }
   }

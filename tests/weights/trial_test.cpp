@@ -303,6 +303,19 @@ TEST_F(Trial, AKeyThatLiesAsideForAWhileKeepsItsCounterWhereThereIsRoom) {
   EXPECT_EQ(record.refusal, Fault::blob_counter);
 }
 
+TEST_F(Trial, WhereTheWayBackCannotBeWrittenThePushWaitsInTheInbox) {
+  std::filesystem::create_directories(folder.file("state") / "previous.new");
+  push(other(1));
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(row());
+  EXPECT_EQ(record.refusal, Fault::state_invalid);
+  EXPECT_TRUE(std::filesystem::exists(folder.file("inbox") / "weights.blob"));
+  EXPECT_EQ(record.state, TrialState::none);
+  std::filesystem::remove(folder.file("state") / "previous.new");
+  EXPECT_TRUE(row());
+  EXPECT_EQ(record.refusal, Fault::none);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.file("inbox")));
+}
+
 TEST_F(Trial, ABlobThatMayNotBeReadIsRefusedWithThatReason) {
   std::filesystem::create_symlink("/proc/version", folder.file("inbox") / "a.blob");
   EXPECT_FALSE(row());
