@@ -70,6 +70,7 @@ class KeyRing {
   std::span<const PublicKey> keys() const { return std::span(keys_).first(size_); }
 
  private:
+  void revoke(const KeyId& id);
   const char* revoke_listed(int dir_fd);
 
   std::array<PublicKey, max_keys> keys_{};

@@ -187,6 +187,7 @@ TEST_F(KeyFiles, AFolderOfThemIsARingAndItsRevokedOnesStayKnown) {
   write("a.pub", hal::public_key_text(key.open));
   write("b.pub", hal::public_key_text(other.open));
   write("notes.txt", "anything");
+  EXPECT_FALSE(hal::KeyRing::load(std::string(folder.c_str())).find(other.open.id)->revoked) << "nobody is yet";
   write("revoked", "# left in May\n" + hal::hex_of(other.open.id) + "\n");
   const hal::KeyRing ring = hal::KeyRing::load(std::string(folder.c_str()));
   ASSERT_EQ(ring.size(), 2u);
