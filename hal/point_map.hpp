@@ -45,7 +45,7 @@ struct Point {
   int sentinels = 0;                                                  ///< how many of them are used
   WritePolicy write_policy = WritePolicy::none;
   int fc_write = 0;  ///< 5, 6 or 16; 0 where nothing may be written
-  /// Value that is safe to leave behind; NaN where the site names none.
+  /// What a served simulation shows at first; NaN where the site names none.
   double default_value = std::numeric_limits<double>::quiet_NaN();
   std::string readback;  ///< `self`, `none` or the name of the point that shows what was taken
   int line = 0;          ///< of the file, for messages
