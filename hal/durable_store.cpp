@@ -20,6 +20,13 @@ constexpr const char* kept_names[3][2] = {
 
 auto fail(StoreFault fault, const char* step) { return tl::make_unexpected(StoreError{fault, 0, step}); }
 
+/// Whether nothing was ever written to the beginning of a file.
+bool is_blank(const StorageFile& file) {
+  std::byte front[64] = {};
+  (void)file.read_at(front, 0, "look at state");  // what cannot be read is no reason to lose what can
+  return std::ranges::all_of(front, [](std::byte b) { return b == std::byte{0}; });
+}
+
 }  // namespace
 
 std::uint64_t StoreLayout::hash() const {
@@ -101,17 +108,21 @@ StoreResult<void> DurableStore::open_everything() {
 
 StoreResult<void> DurableStore::set_aside() {
   const char* const(*names[3])[2] = {&row_names, &learning_names, &replay_names};
+  const StorageFile(*files[3])[2] = {&row_, &learning_, &replay_};
+  const int dir = dir_.descriptor();
+  StoreResult<void> failed;
   for (int kind = 0; kind < 3; ++kind) {
     for (int i = 0; i < 2; ++i) {
-      const int dir = dir_.descriptor();
+      // After a power cut in the middle of this some were renamed and made anew: those must not replace the kept ones.
+      if (is_blank((*files[kind])[i]) && ::faccessat(dir, kept_names[kind][i], F_OK, 0) == 0) continue;
       if (::renameat(dir, (*names[kind])[i], dir, kept_names[kind][i]) == 0) continue;
-      return tl::make_unexpected(store_error(errno, "set other state aside"));
+      failed = tl::make_unexpected(store_error(errno, "set other state aside"));
     }
   }
   committed_ = {};
   ready_ = open_everything();
   scan();
-  return ready_;
+  return failed ? ready_ : failed;
 }
 
 std::uint64_t DurableStore::run_length(std::uint64_t number, std::uint64_t end) const {

@@ -53,7 +53,7 @@ struct TrialRecord {
   std::uint64_t previous_digest = 0;  ///< of the copy to go back to; 0: none
 };
 
-/// Cost: no heap after construction.  Source: RELIABILITY "Weight blob", rows 44-50; DESIGN.md "Weights in and out".
+/// Cost: no heap after construction.  Source: RELIABILITY "Weight blob", rows 44-50; DESIGN.md "Weights that arrive".
 template <Topology T>
 class WeightsTrial {
  public:
