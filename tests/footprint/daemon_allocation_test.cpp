@@ -1,16 +1,20 @@
-// Once it runs, the daemon asks nothing of the heap: not for rows, learning, durable commits, the status, nor for a new
-// day's log.
+// Once it runs, the daemon asks nothing of the heap: not for rows, learning, durable commits, the status, weights that
+// are pushed, nor for a new day's log.
 
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <thread>
 
 #include "closed_loop/bench.hpp"
 #include "firmware/edge/edge.hpp"
 #include "footprint/allocation_guard.hpp"
+#include "hal/blob_file.hpp"
+#include "hal/signature.hpp"
 
 namespace airside::footprint {
 namespace {
@@ -103,6 +107,43 @@ TEST(DaemonHeap, IsNotTouchedWhileThePlantIsAway) {
   }
   const HeapEvents events = guard.disarm();
   EXPECT_EQ(events.total(), 0U) << "first: " << events.first << " of " << events.first_bytes << " bytes";
+}
+
+TEST(DaemonHeap, IsNotTouchedByPushedWeightsGoodOrBadNorByAWayBack) {
+  Bench bench({.name = "heap_push", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1});
+  for (const char* part : {"keys", "inbox"}) std::filesystem::create_directories(bench.file(part));
+  const hal::SecretKey key = hal::make_key("Ann");
+  std::ofstream(bench.file("keys") / "ann.pub") << hal::public_key_text(key.open);
+  std::ofstream(bench.file("keys") / "spoilt.pub") << "no key";
+  std::ofstream(bench.file("keys") / "revoked") << "0011223344556677\n";
+  std::vector<std::byte> blob = hal::read_blob_file(bench.file("weights.blob").string());
+  hal::write_blob_file(bench.file("unsigned").string(), blob);
+  hal::sign_blob(blob, key, 10);
+  hal::write_blob_file(bench.file("signed").string(), blob);
+  std::ofstream(bench.file("wish")).close();
+  DaemonHere here(bench, 240);
+  here.daemon().start();
+  here.settle(4);
+  bench.stop_server();
+  auto& wired = dynamic_cast<edge::Edge<FiveZone>&>(here.daemon());
+  const std::string moves[3][2] = {{bench.file("unsigned").string(), bench.file("inbox/a.blob").string()},
+                                   {bench.file("signed").string(), bench.file("inbox/b.blob").string()},
+                                   {bench.file("wish").string(), bench.file("inbox/rollback").string()}};
+  AllocationGuard guard("rows with a push");
+  const Expected<Reading<FiveZone>> nothing = tl::unexpected(Fault::no_reading);
+  int moved = 0;
+  for (int i = 0; i < 6; ++i) {
+    if (i % 2 == 0) moved += ::rename(moves[i / 2][0].c_str(), moves[i / 2][1].c_str()) == 0;
+    const CivilTime t{wired.controller().decision().time.seconds + (i + 1) * row_s};
+    EXPECT_TRUE(wired.row(t, nothing, wired.controller()));
+  }
+  const HeapEvents events = guard.disarm();
+  EXPECT_EQ(moved, 3);
+  EXPECT_EQ(events.total(), 0U) << "first: " << events.first << " of " << events.first_bytes << " bytes";
+  std::ifstream status(bench.file("state") / "status.json");
+  const std::string text{std::istreambuf_iterator<char>(status), {}};
+  EXPECT_NE(text.find("\"pushed_weights\":\"rolled back\""), std::string::npos) << text;
+  EXPECT_TRUE(std::filesystem::exists(bench.file("inbox") / "refused"));
 }
 
 }  // namespace
