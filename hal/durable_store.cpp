@@ -16,7 +16,7 @@ constexpr const char* row_names[2] = {"row.a", "row.b"};
 constexpr const char* learning_names[2] = {"learning.a", "learning.b"};
 constexpr const char* replay_names[2] = {"replay.a", "replay.b"};
 constexpr const char* kept_names[3][2] = {
-    {"other-row.a", "other-row.b"}, {"other-learning.a", "other-learning.b"}, {"other-replay.a", "other-replay.b"}};
+    {"other-replay.a", "other-replay.b"}, {"other-learning.a", "other-learning.b"}, {"other-row.a", "other-row.b"}};
 
 auto fail(StoreFault fault, const char* step) { return tl::make_unexpected(StoreError{fault, 0, step}); }
 
@@ -107,8 +107,9 @@ StoreResult<void> DurableStore::open_everything() {
 }
 
 StoreResult<void> DurableStore::set_aside() {
-  const char* const(*names[3])[2] = {&row_names, &learning_names, &replay_names};
-  const StorageFile(*files[3])[2] = {&row_, &learning_, &replay_};
+  // Rows last: by them the next start sees that there is more to rename.
+  const char* const(*names[3])[2] = {&replay_names, &learning_names, &row_names};
+  const StorageFile(*files[3])[2] = {&replay_, &learning_, &row_};
   const int dir = dir_.descriptor();
   StoreResult<void> failed;
   for (int kind = 0; kind < 3; ++kind) {
@@ -122,7 +123,14 @@ StoreResult<void> DurableStore::set_aside() {
   committed_ = {};
   ready_ = open_everything();
   scan();
-  return failed ? ready_ : failed;
+  if (!failed) return failed;
+  refused_ = out_of_reach_ = false;
+  return ready_;
+}
+
+bool DurableStore::keeps_other() const {
+  const auto stands = [this](const char* name) { return ::faccessat(dir_.descriptor(), name, F_OK, 0) == 0; };
+  return stands(kept_names[2][0]) || stands(kept_names[2][1]);
 }
 
 std::uint64_t DurableStore::run_length(std::uint64_t number, std::uint64_t end) const {
@@ -182,9 +190,10 @@ StoreResult<void> DurableStore::commit(const StoredState& state) {
   }
   if (out_of_reach_) {
     scan();
-    if (highest_generation_ > 0) return fail(StoreFault::unread, "commit state");
+    if (highest_generation_ > 0 || other_layout_) return fail(StoreFault::unread, "commit state");
     out_of_reach_ = false;
   }
+  if (refused_) return fail(StoreFault::unread, "commit state");
   learning_in_doubt_ = learning_in_doubt_ || state.learning_changed;
   rewrite_replay_ = rewrite_replay_ || state.replay_count < committed_.replay_count ||
                     state.replay_count - committed_.replay_count > layout_.spare_slots;

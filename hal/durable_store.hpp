@@ -94,14 +94,17 @@ class DurableStore {
   /// Makes `state` the newest generation.
   /// Errors: no_space, read_only, io, not_found, wrong_size; the generation before then still stands, and the next
   /// commit writes everything that is in doubt again. unread: the medium was away at load(), is there now, and holds
-  /// records: load() them, or load() and commit anew.
+  /// records: load() them, or load() and commit anew; or files of another layout were not set aside.
   /// Cost: 5 to 9 system calls, three of them fdatasync, plus a few µs for each transition.
   StoreResult<void> commit(const StoredState& state);
 
   /// Keeps files of another layout, which load() refused, under names that begin with `other-`, in place of those kept
-  /// before, and begins anew without them. Errors: read_only, no_space, io; what could not be renamed stays.
-  /// Cost: no heap.
+  /// before, and begins anew without them. Until it has succeeded, commit() leaves them alone. A power cut in the
+  /// middle is followed by another load() that refuses, and the rest goes the same way. Errors: read_only, no_space,
+  /// io; what could not be renamed stays. Cost: no heap.
   StoreResult<void> set_aside();
+  /// Whether files stand there that set_aside() has kept.
+  bool keeps_other() const;
 
   /// The ring was cleared or refilled other than by pushing: the next commit writes all of it.
   void replay_replaced() { rewrite_replay_ = true; }
@@ -162,8 +165,8 @@ class DurableStore {
   std::uint64_t highest_generation_ = 0;             ///< seen in any slot, so that a new record is always the newest
   std::uint32_t damaged_ = 0;                        ///< slots that are neither empty nor whole
   StoreResult<void> ready_ = tl::make_unexpected(StoreError{StoreFault::not_found, 0, "open state folder"});
-  bool out_of_reach_ = false;  ///< load() could not look at all files
-  bool other_layout_ = false;
+  bool out_of_reach_ = false;                    ///< load() could not look at all files
+  bool other_layout_ = false, refused_ = false;  ///< seen by scan(); told by load() and not set aside yet
   bool learning_in_doubt_ = true;
   bool rewrite_replay_ = true;
 };

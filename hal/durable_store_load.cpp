@@ -209,6 +209,7 @@ StoreResult<LoadedState> DurableStore::load(const StateBuffers& into) {
       return state;
     }
   }
+  refused_ = other_layout_;
   if (other_layout_) return tl::make_unexpected(StoreError{StoreFault::other_layout, 0, "load state"});
   LoadedState none;
   none.damaged_records = damaged_;

@@ -71,9 +71,18 @@ bool read_hex(std::string_view hex, std::span<std::uint8_t> bytes) {
          sodium_hex2bin(bytes.data(), bytes.size(), hex.data(), hex.size(), nullptr, nullptr, nullptr) == 0;
 }
 
+constexpr std::size_t key_file_bytes = 512, revoked_file_bytes = 16384;
+
+void refuse_longer(const std::string& path, const std::string& text, std::size_t most) {
+  if (text.size() <= most) return;
+  throw InputError(path, fmt::format("{} bytes", text.size()), fmt::format("at most {}", most),
+                   "a box would not read it; leave out what is no key");
+}
+
 template <std::size_t N>
 KeyName read_key(const std::string& path, std::string_view word, std::array<std::uint8_t, N>& bytes) {
   const std::string text = read_text_file(path, "a key file that `airside keygen` wrote");
+  refuse_longer(path, text, key_file_bytes);
   const KeyLine line(text);
   if (line.word != word) {
     throw InputError(path + ":1", fmt::format("\"{}\"", line.word.substr(0, 40)), fmt::format("the word {}", word),
@@ -192,6 +201,7 @@ KeyRing KeyRing::load(const std::string& dir) {
   const fs::path list = fs::path(dir) / revoked_name;
   if (!fs::exists(list)) return ring;
   const std::string text = read_text_file(list.string(), "key ids in hex, one a line");
+  refuse_longer(list.string(), text, revoked_file_bytes);
   const int bad = read_revoked(text, [&ring](const KeyId& id) { ring.revoke(id); });
   if (bad != 0) {
     throw InputError(fmt::format("{}:{}", list.string(), bad), "a line that is none", "a key id of 16 hex digits",
@@ -203,24 +213,26 @@ KeyRing KeyRing::load(const std::string& dir) {
 const char* KeyRing::revoke_listed(int dir_fd) {
   struct stat status {};
   if (::fstatat(dir_fd, revoked_name, &status, 0) != 0 && errno == ENOENT) return nullptr;
-  std::array<char, 16384> text;
+  std::array<char, revoked_file_bytes> text;
   const long got = read_small(dir_fd, revoked_name, text);
   if (got < 0) return "cannot be read, or is longer than 16 kB: no key is trusted";
   const int bad = read_revoked({text.data(), static_cast<std::size_t>(got)}, [this](const KeyId& id) { revoke(id); });
   return bad == 0 ? nullptr : "has a line that is no key id of 16 hex digits: no key is trusted";
 }
 
-void KeyRing::reload(const char* dir, Tell tell) {
+const char* KeyRing::reload(const char* dir, Tell tell) {
   *this = {};
   need_sodium();
   const StorageFile folder(::open(dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!folder.is_open()) {
-    if (*dir != '\0' && errno != ENOENT) tell(dir, "cannot be opened: no key is trusted");
-    return;
+    if (*dir == '\0' || errno == ENOENT) return nullptr;
+    constexpr const char* closed = "cannot be opened: no key is trusted";
+    tell(dir, closed);
+    return closed;
   }
   const bool listed = for_each_name(folder.descriptor(), [&](const char* name) {
     if (!std::string_view(name).ends_with(".pub")) return true;
-    std::array<char, 512> text;
+    std::array<char, key_file_bytes> text;
     const long got = read_small(folder.descriptor(), name, text);
     const KeyLine line({text.data(), static_cast<std::size_t>(std::max(got, 0L))});
     PublicKey key;
@@ -235,9 +247,10 @@ void KeyRing::reload(const char* dir, Tell tell) {
   });
   const char* wrong = revoke_listed(folder.descriptor());
   if (!listed) wrong = "stands in a folder that cannot be listed: no key is trusted";  // uncovered: one that was opened
-  if (wrong == nullptr) return;
+  if (wrong == nullptr) return nullptr;
   tell(revoked_name, wrong);
   *this = {};
+  return wrong;
 }
 
 const PublicKey* KeyRing::find(const KeyId& id) const {

@@ -57,10 +57,11 @@ class KeyRing {
   /// Errors: InputError for a bad key file, or more than max_keys; a folder that does not exist holds no keys.
   static KeyRing load(const std::string& dir);
   /// The folder as it is now, for a box that must go on whatever lies there: `tell(file, what)` for each file that is
-  /// no key and each key beyond max_keys, which are left out. Where `revoked` cannot be read no key is trusted.
+  /// no key and each key beyond max_keys, which are left out. Where `revoked` cannot be read no key is trusted, and
+  /// the reason is returned, else nullptr.
   /// Cost: a few system calls a key, no heap.
   using Tell = void (*)(const char* file, const char* what);
-  void reload(const char* dir, Tell tell);
+  const char* reload(const char* dir, Tell tell);
 
   /// False: there is no place for another.
   bool add(const PublicKey& key);

@@ -139,8 +139,11 @@ std::string pushed_text(const Snapshot& s) {
   const std::string state = s.text("pushed_weights"), refusal = s.text("pushed_refusal");
   std::string text =
       state == "none" ? "No weights have been pushed" : "Pushed weights " + s.text("pushed_crc") + ": " + state;
-  if (refusal != "none")
-    text += "; the last blob was refused: " + refusal + " (" + s.text("pushed_refusal_field") + ")";
+  const bool waits = refusal == text_of(Fault::state_invalid);  // no copy of the weights before can be written
+  if (refusal != "none") {
+    text += waits ? "; a blob waits in the inbox: " : "; the last blob was refused: ";
+    text += refusal + " (" + s.text("pushed_refusal_field") + ")";
+  }
   return text + '.';
 }
 

@@ -108,7 +108,7 @@ class EdgeMemory {
     if (exchanged) learning_exchanged_ = true;
     hal::StoreResult<void> committed = store_ ? store_->commit(state(t)) : hal::StoreResult<void>{};
     if (!committed && committed.error().fault == hal::StoreFault::unread) {
-      resume_late();
+      resume_late(t);
       committed = store_->commit(state(t));
     }
     has_committed_ = has_committed_ || committed;
@@ -221,13 +221,15 @@ class EdgeMemory {
                       .replay = bytes_of(static_cast<void*>(&controller_.replay().slot(0)),
                                          sizeof(typename Ring::Row) * static_cast<std::size_t>(Ring::capacity))});
     if (!found) {
-      say("state in {}: {}", site_.state_dir, hal::describe(found.error()));
-      if (found.error().fault == hal::StoreFault::other_layout) set_other_aside();
-      return forget();
+      say("state in {}: {} ({})", site_.state_dir, hal::text_of(found.error().fault), found.error().step);
+      if (found.error().fault != hal::StoreFault::other_layout) return forget();
+      set_other_aside();
+      return late ? CivilTime{} : forget();  // late, nothing was read over what was learned since the start
     }
     if (found->outcome == hal::LoadOutcome::none) {
-      state_lost_ = found->damaged_records > 0;
-      if (state_lost_) say("state in {}: no saved generation is whole", site_.state_dir);
+      // Kept files of another version beside none of this one: a start that did not come to its first row.
+      state_lost_ = found->damaged_records > 0 || store_->keeps_other();
+      if (state_lost_) say("state in {}: no saved generation is whole and of this version", site_.state_dir);
       return forget();
     }
     if (record_.blob_crc != blob_crc) {
@@ -256,13 +258,15 @@ class EdgeMemory {
     state_lost_ = true;
     const hal::StoreResult<void> aside = store_->set_aside();
     if (aside) say("it is kept there as other-*; control begins anew");
-    if (!aside) say("it cannot be kept: {}", hal::describe(aside.error()));
+    if (!aside) say("it cannot be set aside: {}; each row tries again", hal::text_of(aside.error().fault));
   }
 
   /// The state's medium came after the start. What it holds is worth more than what was learned since.
-  void resume_late() {
+  void resume_late(CivilTime t) {
     const std::uint32_t blob_crc = record_.blob_crc;
+    const bool known = state_lost_;
     if (load_state(blob_crc, true).seconds == 0) record_.blob_crc = blob_crc;
+    if (state_lost_ && !known) controller_.hold(Reason::state_lost, t, 0);
   }
 
   /// Undoes what load_state() may have overwritten.

@@ -137,14 +137,16 @@ class WeightsTrial {
     const auto wild = controller.wildness(payload_->scaler, *weights_);
     if (!(wild.canary_k <= 0)) return {Fault::blob_value, "canary states"};
     if (!(wild.replay_k <= wildest_replay_k)) return {Fault::blob_value, "forecasts of what this room did"};
-    const hal::StoreResult<std::uint64_t> kept = copy_.save(learning_bytes(controller), record.previous_digest);
-    if (!kept) return {Fault::state_invalid, "copy of the weights before"};
-    record.had_weights = controller.cycle().has_weights != 0 ? 1 : 0;
-    record.before_error_k2 = controller.cycle().network_error_k2;
+    // Weights that are on trial themselves are no way back: the copy that was made before them stays the one.
+    if (record.state != TrialState::on_trial) {
+      const hal::StoreResult<std::uint64_t> kept = copy_.save(learning_bytes(controller), record.previous_digest);
+      if (!kept) return {Fault::state_invalid, "copy of the weights before"};
+      record.previous_digest = staged_copy_ = *kept;
+      record.had_weights = controller.cycle().has_weights != 0 ? 1 : 0;
+      record.before_error_k2 = controller.cycle().network_error_k2;
+    }
     exchange_payload<T>(controller, *payload_);
     counter->highest = header->security_counter;
-    record.previous_digest = *kept;
-    staged_copy_ = *kept;
     record.state = TrialState::on_trial;
     record.begun_s = t.seconds;
     record.until_s = t.seconds + trial_s;
@@ -199,13 +201,16 @@ class WeightsTrial {
     // Read to a place of its own first: a copy that is damaged must not harm what stands.
     const hal::StoreResult<void> read =
         copy_.load(std::as_writable_bytes(std::span(before_.get(), 1)), record.previous_digest);
-    if (!read) {
-      say("no way back: {}", hal::describe(read.error()));
+    if (!read && record.had_weights != 0) {
+      say("no way back: {} ({})", hal::text_of(read.error().fault), read.error().step);
       return false;
     }
-    controller.learning() = *before_;
-    if (controller.go_back(present) != Fault::none) say("the weights before are not finite");
-    if (record.had_weights == 0) controller.cycle().has_weights = 0;
+    if (read) {
+      controller.learning() = *before_;
+      if (controller.go_back(present) != Fault::none) say("the weights before are not finite");
+    }
+    if (record.had_weights == 0) controller.drop_weights();  // which asks for no copy
+    controller.cycle().network_error_k2 = record.before_error_k2;
     record.state = TrialState::rolled_back;
     say("weights {:08x} rolled back: {}", record.blob_crc, why);
     return true;

@@ -94,6 +94,7 @@ class Controller {
   const Decision& decide(CivilTime t, const Expected<Reading<T>>& sensed) {
     const SafetyEnvelope envelope(settings_);
     cycle_.ladder.tick(t);
+    cycle_.budget.earn(settings_.writes_per_day);
     // Where nobody knows the hour, the working hours' setpoint: it costs energy, the night's would cost comfort.
     const double expert = cycle_.ladder.active(Reason::clock_not_set, t) ? settings_.expert_work_degc
                                                                          : expert_setpoint_degc(settings_, t);
@@ -261,6 +262,12 @@ class Controller {
     return fault;
   }
 
+  /// The schedule again, until other weights come.
+  void drop_weights() {
+    cycle_.has_weights = 0;
+    forget_comparison();
+  }
+
   /// One optimiser step on the replay; for a host that fine-tunes.  Errors: returns the losses before the step.
   LossTerms train_step() {
     return training_.step(settings_, learner_settings_, learning_, replay_, scratch_, learning_.weights);
@@ -363,7 +370,7 @@ class Controller {
     const double altered_k = std::abs(applied->setpoint_degc - decision_.command.setpoint_degc());
     // What the AHU made another value of was written too, and is again each time.
     const bool written = applied->setpoint_degc != cycle_.last_setpoint_degc || altered_k > foreign_k;
-    if (settings_.writes_per_day > 0 && written) cycle_.budget.spend();
+    if (settings_.writes_per_day > 0 && written) cycle_.budget.spend(settings_.writes_per_day);
     cycle_.ladder.set(Reason::setpoint_altered, altered_k > foreign_k, t);
     const bool rests = cycle_.excitation.cycle(applied->setpoint_degc, settings_.excitation_k);
     cycle_.ladder.set(Reason::no_excitation, rests && cycle_.has_weights != 0, t);

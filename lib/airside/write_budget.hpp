@@ -16,14 +16,17 @@ namespace airside {
 /// Source: RELIABILITY "setpoint writes".
 class WriteBudget {
  public:
-  /// Once a cycle. Returns whether a move of so many kelvin is worth a write now.
-  bool allows(double move_k, double writes_per_day) {
+  /// Once a cycle, on every rung.
+  void earn(double writes_per_day) {
     tokens_ = std::min(tokens_ + writes_per_day / cycles_per_day, writes_per_day / 4);
-    const double least_k = tokens_ < 1 ? 2.0 : std::max(0.05, 0.5 - 0.09 * tokens_);
-    return std::abs(move_k) >= least_k && tokens_ > -writes_per_day;
   }
-  /// A setpoint was written, allowed or forced by the ladder.
-  void spend() { tokens_ -= 1; }
+  /// Whether a move of so many kelvin is worth a write now.
+  bool allows(double move_k, double writes_per_day) const {
+    const double least_k = tokens_ < 1 ? 2.0 : std::max(0.05, 0.5 - 0.09 * tokens_);
+    return std::abs(move_k) >= least_k && tokens_ >= 1 - writes_per_day;  // no debt of ours is forgiven
+  }
+  /// A setpoint was written, allowed or forced by the ladder; what is forced makes a debt of a day at most.
+  void spend(double writes_per_day) { tokens_ = std::max(tokens_ - 1, -writes_per_day); }
   double tokens() const { return tokens_; }
 
  private:

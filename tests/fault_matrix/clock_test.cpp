@@ -103,7 +103,7 @@ class FakedClock : public ::testing::Test {
   Bench bench{{.name = "faketime", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1}};
 };
 
-TEST_F(FakedClock, Row30ARealDaemonOf1970RunsTheScheduleAndGoesOnOnceTheClockIsSet) {
+TEST_F(FakedClock, Row30ARealDaemonOf1970RunsTheScheduleAndOneOfTodayGoesOn) {
   const auto without_battery = status_at("1970-01-01 00:17:58");
   EXPECT_EQ(without_battery["time"], "1970-01-01T00:18:00") << without_battery.dump();
   EXPECT_EQ(without_battery["reason"], text_of(Reason::clock_not_set)) << without_battery.dump();

@@ -70,6 +70,11 @@ bool load(View input) {
       FUZZ_CLAIM(same_replay(again, found, loaded.replay_count));
     }
     if (loaded.generation > hal::largest_count - 8 || loaded.replay_count > hal::largest_count - 8) return true;
+    if (!state) {
+      // What is another's is not written over, and makes room once it was set aside.
+      FUZZ_CLAIM(!store->commit({found.learning, found.row, found.replay, 0, {}, true}));
+      FUZZ_CLAIM(store->set_aside() && store->keeps_other());
+    }
     // The next row: one transition is pushed, learning moves, and all of it is committed.
     found.row[0] ^= std::byte{1};
     found.learning[3] ^= std::byte{1};

@@ -29,7 +29,7 @@ struct Part {
 };
 
 struct Counts {
-  int runs = 0, same = 0, other = 0, alarms = 0, resumed = 0;
+  int runs = 0, same = 0, other = 0, alarms = 0, resumed = 0, waited = 0;
 };
 
 class FailedCalls : public ::testing::Test {
@@ -118,7 +118,9 @@ class FailedCalls : public ::testing::Test {
       ASSERT_NE(desk.said().find(last), std::string::npos) << where << "\n" << desk.said();
       ++counts.resumed;
     }
-    if (count == 1 && !lost) {
+    const bool waits = said.find("weights wait") != std::string::npos;  // no copy, hence taken a row later
+    counts.waited += waits;
+    if (count == 1 && !waits) {
       ASSERT_EQ(setpoints, want) << where << "\n" << said;
     }
   }
@@ -154,7 +156,7 @@ TEST_F(FailedCalls, Row32Row33OnceOrForLongChangeNoSetpointAndEndInWrittenState)
         name, counts.runs, counts.same, counts.other, counts.alarms, counts.resumed);
     EXPECT_GT(counts.alarms, counts.runs / 3) << name;
   }
-  EXPECT_EQ(once.other, 0);
+  EXPECT_LE(once.other, once.waited);
 }
 
 TEST_F(FailedCalls, Row32WithoutAFailureNothingIsSaid) {

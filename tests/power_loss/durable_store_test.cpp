@@ -399,18 +399,31 @@ TEST(DurableStore, StateOfAnotherTopologyCanBeSetAsideAndIsWholeThere) {
     if (name == "lock") continue;
     EXPECT_EQ(now.at("other-" + name), bytes) << name;
   }
-  {  // a power cut after the first two renames: the next start makes these files anew, and goes on
+  // A power cut after so many renames: the next start makes those files anew, sees that there is more, and goes on.
+  const char* const order[] = {"replay.a", "replay.b", "learning.a", "learning.b", "row.a", "row.b"};
+  for (std::size_t cut_after = 0; cut_after <= 6; ++cut_after) {
     const TestFolder cut("store_aside_cut");
     cut.restore(good);
-    for (const char* name : {"row.a", "learning.a"}) {
-      std::filesystem::rename(cut.file(name), cut.file(std::string("other-") + name));
+    for (std::size_t i = 0; i < cut_after; ++i) {
+      std::filesystem::rename(cut.file(order[i]), cut.file(std::string("other-") + order[i]));
     }
     DurableStore store = open_store(cut, other);
-    ASSERT_TRUE(store.set_aside().has_value());
+    StateScript script(other);
+    const auto loaded = store.load(script.buffers());
+    EXPECT_EQ(store.keeps_other(), cut_after > 4) << cut_after;
+    if (cut_after < 6) {
+      ASSERT_FALSE(loaded.has_value()) << cut_after;
+      script.advance_to(8);
+      EXPECT_EQ(store.commit(script.stored()).error().fault, StoreFault::unread) << "nothing is written over";
+      ASSERT_TRUE(store.set_aside().has_value());
+    }
+    EXPECT_TRUE(store.keeps_other());
     for (const auto& [name, bytes] : good) {
       if (name == "lock") continue;
-      EXPECT_EQ(cut.image().at("other-" + name), bytes) << name;
+      EXPECT_EQ(cut.image().at("other-" + name), bytes) << name << " after " << cut_after;
     }
+    script.advance_to(8);
+    EXPECT_TRUE(store.commit(script.stored()).has_value());
   }
   std::filesystem::remove(folder.file("row.b"));
   DurableStore again = open_store(folder);

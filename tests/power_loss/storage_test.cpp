@@ -245,6 +245,10 @@ TEST_F(RottenBox, StateOfAnotherVersionIsKeptAsideAndTheScheduleRunsWithAnAlarm)
   EXPECT_EQ(fs::file_size(desk.box() / "state" / "other-learning.a"),
             fs::file_size(desk.box() / "state" / "learning.a"));
   EXPECT_TRUE(load().has_value()) << "and what was learned since is saved";
+  // A start that was cut off before its first row leaves kept files and nothing else: still an alarm.
+  for (const char* name : {"row.a", "row.b", "learning.a", "learning.b"}) fs::remove(desk.box() / "state" / name);
+  ASSERT_EQ(desk.run(26).code, 0);
+  EXPECT_EQ(nlohmann::json::parse(desk.status(), nullptr, false)["reason"], text_of(Reason::state_lost));
 }
 
 TEST_F(RottenBox, Row38AnyMixtureOfOlderAndNewerFilesIsLoadedAsOneGeneration) {

@@ -110,8 +110,9 @@ TEST(WriteBudget, KeepsItsAverageWhateverIsWished) {
     int writes = 0;
     constexpr int days = 200;
     for (int i = 0; i < days * cycles_per_day; ++i) {
+      budget.earn(20);
       if (!budget.allows(largest_k * draw.symmetric(), 20)) continue;
-      budget.spend();
+      budget.spend(20);
       ++writes;
     }
     EXPECT_LE(writes, 20 * days + 20) << largest_k;
@@ -123,8 +124,21 @@ TEST(WriteBudget, ALargeMoveIsNeverLateAndASmallOneWaits) {
   WriteBudget budget;
   EXPECT_TRUE(budget.allows(4.5, 20)) << "the schedule's step, without a token";
   EXPECT_FALSE(budget.allows(0.3, 20));
-  for (int i = 0; i < cycles_per_day; ++i) budget.allows(0, 20);
+  for (int i = 0; i < cycles_per_day; ++i) budget.earn(20);
   EXPECT_TRUE(budget.allows(0.06, 20)) << "rested for a day";
+}
+
+TEST(WriteBudget, WritesThatWereForcedForWeeksMakeADebtOfADay) {
+  WriteBudget budget;
+  for (int i = 0; i < 1000; ++i) budget.spend(20);
+  int cycles = 0;
+  while (!budget.allows(2, 20)) {
+    budget.earn(20);
+    ++cycles;
+  }
+  EXPECT_LE(cycles, 4) << "a move of 2 K";
+  for (; !budget.allows(0.3, 20); ++cycles) budget.earn(20);
+  EXPECT_LE(cycles, cycles_per_day * 3 / 2);
 }
 
 TEST(ShadowWatch, LearnsNothingFromASetpointThatIsUnknown) {

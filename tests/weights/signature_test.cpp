@@ -211,6 +211,9 @@ TEST_F(KeyFiles, TheRevokedListTakesCapitalsAndSpacesAndRefusesAnythingElse) {
   write("revoked", "\t" + id + "\r\n# Ann\r\n\n");
   EXPECT_TRUE(hal::KeyRing::load(std::string(folder.c_str())).find(key.open.id)->revoked);
   EXPECT_EQ(hal::KeyRing::load(std::string(folder.c_str())).find(hal::KeyId{}), nullptr);
+  write("revoked", std::string(17000, '#'));
+  EXPECT_NE(complaint([&] { hal::KeyRing::load(std::string(folder.c_str())); }).find("at most 16384"),
+            std::string::npos);
   write("revoked", "0011\n");
   EXPECT_NE(complaint([&] { hal::KeyRing::load(std::string(folder.c_str())); }).find("16 hex digits"),
             std::string::npos);

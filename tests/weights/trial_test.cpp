@@ -272,6 +272,41 @@ TEST_F(Trial, FirstWeightsAreOnTrialTooAndTheWayBackIsTheSchedule) {
   EXPECT_EQ(rig.decision().reason, Reason::no_weights);
 }
 
+TEST_F(Trial, AnotherPushDuringATrialKeepsTheWayBackThatWasProven) {
+  while (starts_cycle(rig.now)) rig.row();
+  const NetworkWeights<T, float> before = rig.controller->learning().weights;
+  push(other(1));
+  ASSERT_TRUE(row());
+  push(other(2, 0.8F));
+  ASSERT_TRUE(row());
+  wish("rollback");
+  ASSERT_TRUE(row());
+  EXPECT_TRUE(rig.same_weights(before));
+}
+
+TEST_F(Trial, AfterAWayBackTheBarIsThatOfTheWeightsInUse) {
+  rig.controller->cycle().network_error_k2 = 0.04;
+  push(other(1));
+  ASSERT_TRUE(row());
+  rig.controller->cycle().network_error_k2 = 3.6;  // what bad weights leave
+  wish("rollback");
+  ASSERT_TRUE(row());
+  EXPECT_EQ(rig.controller->cycle().network_error_k2, record.before_error_k2);
+  EXPECT_LT(record.before_error_k2, 1.0);
+}
+
+TEST_F(Trial, TheScheduleIsAWayBackThatNeedsNoCopy) {
+  rig.controller->cycle().has_weights = 0;
+  push(other(1));
+  ASSERT_TRUE(row());
+  std::filesystem::remove(folder.file("state") / "previous");
+  wish("rollback");
+  EXPECT_TRUE(row());
+  EXPECT_EQ(record.state, TrialState::rolled_back);
+  rig.cycles(2);
+  EXPECT_EQ(rig.decision().reason, Reason::no_weights);
+}
+
 TEST_F(Trial, Row48KeysAreReadAnewForEachBlob) {
   const hal::SecretKey bob = hal::make_key("Bob");
   push(signed_by(other(1), bob, 1));
