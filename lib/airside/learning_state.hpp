@@ -49,8 +49,10 @@ struct CycleState {
   Spell gain_reversed{};
   Guideline36 guideline36{};
   WriteBudget budget{};
-  typename Reading<T>::Vector last_value = Reading<T>::Vector::Zero();  ///< at the last decision
-  typename Reading<T>::Vector row_value = Reading<T>::Vector::Zero();   ///< at the last row in between
+  alignas(state_alignment)
+      typename Reading<T>::Vector last_value = Reading<T>::Vector::Zero();  ///< at the last decision
+  alignas(state_alignment)
+      typename Reading<T>::Vector row_value = Reading<T>::Vector::Zero();  ///< at the last row in between
   CivilTime last_time;
   CivilTime row_time;
   HeadFeatures features;                  ///< of the last decision, its own setpoint change left 0

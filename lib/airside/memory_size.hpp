@@ -2,7 +2,13 @@
 // How much memory a controller takes, chosen for the whole build (AIRSIDE_SMALL_MEMORY). `full` is the box with an
 // operating system; `small` fits the static RAM of one microcontroller (DESIGN.md "Without an operating system").
 
+#include <cstddef>
+
 namespace airside {
+
+/// Of Eigen's vectors in saved state: Eigen's own choice follows the build's vectors, and a state must be read by the
+/// builds of all architectures.
+constexpr std::size_t state_alignment = 16;
 
 #ifdef AIRSIDE_SMALL_MEMORY
 constexpr int replay_capacity = 3 * 80;  ///< transitions kept: three days of cycles

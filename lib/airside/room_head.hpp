@@ -23,7 +23,7 @@ struct HeadFeatures {
   static constexpr int count = 14;
   static constexpr int setpoint_change = 1;  ///< filled in when the next setpoint is known
   static constexpr int power_change = 3;     ///< in units of the scaler
-  Eigen::Matrix<double, count, 1> x = Eigen::Matrix<double, count, 1>::Zero();
+  alignas(state_alignment) Eigen::Matrix<double, count, 1> x = Eigen::Matrix<double, count, 1>::Zero();
 };
 
 /// The readings that the regressors compare: one cycle ago, one row ago, now.
@@ -242,9 +242,9 @@ class RoomHead {
     }
   }
 
-  State theta_ = State::Zero();
+  alignas(state_alignment) State theta_ = State::Zero();
   CovarianceStore covariance_{};
-  State work_ = State::Zero();
+  alignas(state_alignment) State work_ = State::Zero();
   double last_innovation_k_ = 0;
   std::uint32_t updates_ = 0;
 };

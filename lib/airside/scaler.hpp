@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "airside/memory_size.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/signals.hpp"
@@ -17,8 +18,8 @@ namespace airside {
 template <Topology T>
 struct Scaler {
   using Vector = Eigen::Matrix<double, Layout<T>::inputs, 1>;
-  Vector mean = Vector::Zero();
-  Vector scale = Vector::Ones();
+  alignas(state_alignment) Vector mean = Vector::Zero();
+  alignas(state_alignment) Vector scale = Vector::Ones();
 
   double room_mean() const { return mean(0); }
   double room_scale() const { return scale(0); }
