@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "airside/fault.hpp"
 #include "hal/input_error.hpp"
 #include "hal/site_settings.hpp"
 #include "sim/merge_patch.hpp"
