@@ -82,7 +82,7 @@ class ChaosProxy {
   OnExchange on_exchange_;
   std::string to_numeric_;
   int listener_ = -1;
-  int port_ = 0;
+  std::atomic<int> port_ = 0;  ///< found when the listener opens, also again after it refused
   std::int64_t began_ns_ = 0;
   std::atomic<bool> stop_{false};
   std::atomic<std::int64_t> refuse_until_ns_{0};
