@@ -532,6 +532,27 @@ TEST_F(OutOfReach, AreLoadedBeforeTheyAreWrittenOver) {
   EXPECT_TRUE(store.commit(script.stored()));
 }
 
+TEST_F(OutOfReach, AreNotWrittenOverWhereTheyAreOfAnotherTopologyUntilTheyWereSetAside) {
+  StateScript script(layout);
+  script.advance();
+  { ASSERT_TRUE(open_store(folder).commit(script.stored())); }
+  const auto kept = folder.image().at("row.a");
+  hide();
+  StoreLayout other = layout;
+  other.meaning = 2;
+  DurableStore store = open_store(folder, other);
+  StateScript mine(other);
+  mine.advance();
+  EXPECT_FALSE(store.commit(mine.stored()));
+  show(true);
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(store.commit(mine.stored()).error().fault, StoreFault::unread);
+  StateScript found(other);
+  EXPECT_EQ(store.load(found.buffers()).error().fault, StoreFault::other_layout);
+  ASSERT_TRUE(store.set_aside());
+  EXPECT_TRUE(store.commit(mine.stored()));
+  EXPECT_EQ(folder.image().at("other-row.a"), kept);
+}
+
 TEST_F(OutOfReach, AreWrittenWhereTheyHoldNothing) {
   { const DurableStore first = open_store(folder); }
   hide();
