@@ -3,11 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "airside/topologies.hpp"
 #include "hal/input_error.hpp"
 
 namespace airside::hal {
+
+namespace {
+
+/// Between two values that a point can hold; 0 for a float, which holds any.
+double step_of(const Point& p) { return p.type == PointType::float32 ? 0.0 : std::abs(p.scale); }
+
+}  // namespace
 
 SiteRules site_rules() {
   SiteRules rules;
@@ -55,9 +63,41 @@ ControllerSettings controller_settings(const SiteFile& site) {
   return s;
 }
 
+ControllerSettings controller_settings(const SiteFile& site, const PointMap& points) {
+  ControllerSettings s = controller_settings(site);
+  const Point* setpoint = points.find("setpoint");
+  if (setpoint == nullptr) return s;
+  s.register_step_k = step_of(*setpoint);
+  s.register_offset_degc = setpoint->offset;
+  const Point* shown = setpoint->readback == "self" ? setpoint : points.find(setpoint->readback);
+  if (shown != nullptr) s.readback_step_k = step_of(*shown);
+  return s;
+}
+
+namespace {
+
+/// A register that holds too few setpoints to control by.
+void refuse_coarse(const SiteFile& site, const PointMap& points, const Point& setpoint) {
+  const ControllerSettings s = controller_settings(site, points);
+  if (!(s.register_step_k > 0)) return;
+  const double first = std::ceil((s.limit_min_degc - s.register_offset_degc) / s.register_step_k - 1e-9);
+  const double last = std::floor((s.limit_max_degc - s.register_offset_degc) / s.register_step_k + 1e-9);
+  if (last - first >= 1 && s.register_step_k <= s.limit_change_k + 1e-9) return;
+  throw InputError(
+      fmt::format("{}:{}: scale", points.file(), setpoint.line),
+      fmt::format("a register of whole steps of {} K", s.register_step_k),
+      fmt::format("at least two values from {} to {} degC, and steps of at most {} K a cycle, as {} has it",
+                  s.limit_min_degc, s.limit_max_degc, s.limit_change_k, site.path),
+      "correct scale and offset; where the AHU is really that coarse, widen [setpoint]");
+}
+
+}  // namespace
+
 void refuse_contradiction(const SiteFile& site, const PointMap& points) {
   const Point* setpoint = points.find("setpoint");
-  if (setpoint == nullptr || setpoint->write_policy != WritePolicy::refresh) return;
+  if (setpoint == nullptr) return;
+  refuse_coarse(site, points, *setpoint);
+  if (setpoint->write_policy != WritePolicy::refresh) return;
   const auto budget = site.overrides.find("writes_per_day");
   if (budget == site.overrides.end() || budget->second <= 0) return;
   throw InputError(fmt::format("{}:{}: write_policy", points.file(), setpoint->line), "refresh",

@@ -15,9 +15,12 @@ SiteRules site_rules();
 /// The preset of the site file with its targets, ranges and overrides.
 /// Errors: InputError if the settings contradict one another.
 ControllerSettings controller_settings(const SiteFile& site);
+/// The same, and which setpoints the register of `points` can hold.
+ControllerSettings controller_settings(const SiteFile& site, const PointMap& points);
 
 /// Errors: InputError where settings and point map contradict one another: a budget of writes and a setpoint that is
-/// written again and again.
+/// written again and again; a register whose steps are wider than the setpoint may change, or that has no two values
+/// within its limits.
 void refuse_contradiction(const SiteFile& site, const PointMap& points);
 /// What is allowed and had better be known, as a sentence; empty where there is nothing of the kind.
 std::string warning_of(const PointMap& points);

@@ -24,12 +24,12 @@ Site load_site(const std::string& path) {
   Site site;
   site.file = hal::read_site_file(path, hal::site_rules());
   site.counts = counts_of_name(site.file.topology);
-  site.settings = hal::controller_settings(site.file);
   site.points = site.file.modbus
                     ? hal::PointMap::load(site.file.modbus->points)
                     : hal::PointMap::parse(
                           hal::default_point_map(site.counts.vavs, site.counts.fcus, site.counts.powers), "built-in");
   site.points.check_topology(site.counts.vavs, site.counts.fcus, site.counts.powers);
+  site.settings = hal::controller_settings(site.file, site.points);
   return site;
 }
 
@@ -40,16 +40,16 @@ Site built_in_site(const std::string& topology, hal::ControllerPreset preset) {
   site.file.name = site.file.scope = "built-in";
   site.file.topology = topology;
   site.file.preset = preset;
-  site.settings = hal::controller_settings(site.file);
   site.points =
       hal::PointMap::parse(hal::default_point_map(site.counts.vavs, site.counts.fcus, site.counts.powers), "built-in");
+  site.settings = hal::controller_settings(site.file, site.points);
   return site;
 }
 
 Site with_preset(const Site& site, hal::ControllerPreset preset) {
   Site other = site;
   other.file.preset = preset;
-  other.settings = hal::controller_settings(other.file);
+  other.settings = hal::controller_settings(other.file, other.points);
   return other;
 }
 

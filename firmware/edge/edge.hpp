@@ -40,7 +40,7 @@ class Edge final : public Daemon {
         starts_(site.state_dir, options.sync) {
     hal::refuse_contradiction(site, points);
     if (const std::string warning = hal::warning_of(points); !warning.empty()) say("{}: {}", points.file(), warning);
-    controller_->configure(hal::controller_settings(site), limits_, hal::box_kernels(), site.seed);
+    controller_->configure(hal::controller_settings(site, points), limits_, hal::box_kernels(), site.seed);
     if (site.clock == hal::ClockSource::plant) plant_clock_.emplace(points, link_, stop, options.stall_s);
     for (int i = 0; i < Layout<T>::signals; ++i) names_[static_cast<std::size_t>(i)] = hal::point_name(signal_id<T>(i));
   }
@@ -54,7 +54,7 @@ class Edge final : public Daemon {
     next_ = {last.seconds == 0 ? 0 : last.seconds + row_s};
   }
 
-  void check() override { memory_.check(); }
+  std::string check() override { return memory_.check(); }
 
   int run() override {
     service_.tell("READY=1");  // now: a plant that is away for a day must not look like a start that fails
@@ -89,6 +89,7 @@ class Edge final : public Daemon {
     report_bus(t);
     memory_.row(t, sensed, clock_is_set);  // one of 1970 would stand before all others
     controller_->report(Reason::storage_failed, !memory_.is_well(), t);
+    if (memory_.taken_over()) controller_->hold(Reason::two_masters, t, 0);
     beats_ = controller.cycle().ladder.beats(t);
     if (beats_) (void)plant_.beat();
     memory_.give_weights(t);

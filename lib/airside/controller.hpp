@@ -368,10 +368,11 @@ class Controller {
     cycle_.refused_writes = 0;
     cycle_.ladder.set(Reason::write_refused, false, t);
     const double altered_k = std::abs(applied->setpoint_degc - decision_.command.setpoint_degc());
+    const bool altered = altered_k > std::max(foreign_k, 0.5 * settings_.readback_step_k + 1e-9);
     // What the AHU made another value of was written too, and is again each time.
-    const bool written = applied->setpoint_degc != cycle_.last_setpoint_degc || altered_k > foreign_k;
+    const bool written = applied->setpoint_degc != cycle_.last_setpoint_degc || altered;
     if (settings_.writes_per_day > 0 && written) cycle_.budget.spend(settings_.writes_per_day);
-    cycle_.ladder.set(Reason::setpoint_altered, altered_k > foreign_k, t);
+    cycle_.ladder.set(Reason::setpoint_altered, altered, t);
     const bool rests = cycle_.excitation.cycle(applied->setpoint_degc, settings_.excitation_k);
     cycle_.ladder.set(Reason::no_excitation, rests && cycle_.has_weights != 0, t);
   }

@@ -23,16 +23,22 @@ struct StandingSetpoint {
   }
 };
 
-/// Limits a proposal: finite, then clamp, then rate, then round.
+/// Limits a proposal: finite, then clamp, then rate, then round, then to a value that the AHU's register can hold.
 class SafetyEnvelope {
  public:
   constexpr explicit SafetyEnvelope(const ControllerSettings& s)
-      : min_(s.limit_min_degc), max_(s.limit_max_degc), change_(s.limit_change_k), round_(s.round_k) {}
+      : min_(s.limit_min_degc),
+        max_(s.limit_max_degc),
+        change_(s.limit_change_k),
+        round_(s.round_k),
+        step_(s.register_step_k),
+        offset_(s.register_offset_degc) {}
 
   /// The nearest safe setpoint to `proposal_degc`, at most one rate step from `last_degc`, or from the nearer
   /// limit where that lies outside.
   /// Units: degC. `fallback_degc` replaces a proposal that is not finite; `last_degc` may be NaN (unknown): no rate
   /// limit then, since any other choice would invent a value.
+  /// A register's values that lie all beyond that step are reached in one of their own.
   /// Errors: none; every input, NaN included, yields a safe Command.
   Command limit(double proposal_degc, double last_degc, double fallback_degc) const {
     return limit(proposal_degc, StandingSetpoint{last_degc, last_degc}, fallback_degc);
@@ -48,11 +54,11 @@ class SafetyEnvelope {
       high = std::max(low, std::min(max_, std::clamp(standing.low_degc, min_, max_) + change_));
     }
     a = std::clamp(a, low, high);
-    // Rounding must not undo a limit: towards the inside where the nearest step lies outside.
-    double rounded = round_ * std::round(a / round_);
-    if (rounded > high) rounded = round_ * std::floor(a / round_);
-    if (rounded < low) rounded = round_ * std::ceil(a / round_);
-    return Command(std::clamp(rounded, low, high));
+    const double rounded = std::clamp(on_grid(a, low, high, round_, 0, 0), low, high);
+    if (!(step_ > 0)) return Command(rounded);
+    double held = on_grid(rounded, low, high, step_, offset_, slack_k);
+    if (!within(held, low, high)) held = on_grid(rounded, min_, max_, step_, offset_, slack_k);
+    return Command(std::clamp(held, min_, max_));
   }
 
   constexpr double min_degc() const { return min_; }
@@ -60,7 +66,19 @@ class SafetyEnvelope {
   constexpr double change_k() const { return change_; }
 
  private:
-  double min_, max_, change_, round_;
+  static constexpr double slack_k = 1e-9;  ///< a limit on the grid is a decimal, the grid's value a product
+
+  static bool within(double a, double low, double high) { return a >= low - slack_k && a <= high + slack_k; }
+  /// Rounding must not undo a limit: towards the inside where the nearest step lies outside.
+  static double on_grid(double a, double low, double high, double step, double offset, double slack) {
+    const double n = (a - offset) / step;
+    double rounded = offset + step * std::round(n);
+    if (rounded > high + slack) rounded = offset + step * std::floor(n);
+    if (rounded < low - slack) rounded = offset + step * std::ceil(n);
+    return rounded;
+  }
+
+  double min_, max_, change_, round_, step_, offset_;
 };
 
 }  // namespace airside

@@ -77,8 +77,10 @@ struct ControllerSettings {
   double limit_max_degc = 27.0;
   double limit_change_k = 6.0;  ///< largest change from one cycle to the next
   double round_k = 0.01;        ///< resolution of what is written (OPEN-18)
-  double hold_s = 1080;         ///< a lost signal keeps its last good value so long
-  double writes_per_day = 0;    ///< 0: no limit; else setpoints written on average, for registers in EEPROM
+  /// The AHU's register holds offset + n * step, and is read back in steps of its own; 0: any value. Of the point map.
+  double register_step_k = 0, register_offset_degc = 0, readback_step_k = 0;
+  double hold_s = 1080;       ///< a lost signal keeps its last good value so long
+  double writes_per_day = 0;  ///< 0: no limit; else setpoints written on average, for registers in EEPROM
 
   // Ladder (DESIGN.md "Thresholds of the ladder")
   double frozen_s = 3600;          ///< all signals unchanged for so long: the device repeats itself

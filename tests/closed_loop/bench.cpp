@@ -80,8 +80,12 @@ Bench::Bench(BenchOptions options) : options_(std::move(options)) {
   fs::remove_all(folder_);
   for (const char* part : {"state", "log"}) fs::create_directories(folder_ / part);
   const tools::Site built_in = tools::built_in_site(options_.topology);
-  write_text(folder_ / "points.csv",
-             hal::default_point_map(built_in.counts.vavs, built_in.counts.fcus, built_in.counts.powers));
+  std::string points = hal::default_point_map(built_in.counts.vavs, built_in.counts.fcus, built_in.counts.powers);
+  if (!options_.setpoint_point.empty()) {
+    const std::size_t row = points.find("\nsetpoint,") + 1;
+    points.replace(row, points.find('\n', row) - row, options_.setpoint_point);
+  }
+  write_text(folder_ / "points.csv", points);
   write_site(options_.serial ? fmt::format("transport = \"rtu\"\ndevice = \"{}\"\nbaud = 115200\nparity = \"N\"\n",
                                            (folder_ / "line").string())
                              : "transport = \"tcp\"\nhost = \"127.0.0.1\"\nport = 502\n");
@@ -111,8 +115,8 @@ void Bench::write_site(const std::string& transport) const {
       fmt::format("[site]\nname = \"Bench\"\ntopology = \"{}\"\nscope = \"Bench\"\n"
                   "[controller]\nseed = {}\n[modbus]\n{}unit_id = 1\ndeadline_s = 10.0\npoints = \"points.csv\"\n"
                   "[clock]\nsource = \"plant\"\n[state]\ndir = \"state\"\n[log]\ndir = \"log\"\nmax_files = 400\n"
-                  "{}[weights]\nblob = \"weights.blob\"\n",
-                  options_.topology, options_.plant.seed, transport, history));
+                  "{}[weights]\nblob = \"weights.blob\"\n{}",
+                  options_.topology, options_.plant.seed, transport, history, options_.more_site));
 }
 
 std::filesystem::path Bench::program(const std::string& name) const { return fs::path(AIRSIDE_BIN_DIR) / name; }

@@ -20,8 +20,10 @@ struct BenchOptions {
   tools::PlantChoice plant = {};  ///< kind "rc" unless said otherwise
   int expert_days = 1;            ///< under the schedule before, remembered from history.csv
   int days = 1;
-  bool in_memory = true;  ///< folder on a memory file system where there is one
-  bool serial = false;    ///< RTU over a pseudo-terminal
+  bool in_memory = true;            ///< folder on a memory file system where there is one
+  bool serial = false;              ///< RTU over a pseudo-terminal
+  std::string setpoint_point = {};  ///< row of the point map in the place of the default's
+  std::string more_site = {};       ///< text at the end of the site file
 };
 
 /// The daemon's rows as text, oldest first, and the header line of its files.

@@ -100,6 +100,25 @@ TEST(SafetyEnvelope, RoundsTowardsTheInsideOfALimit) {
   EXPECT_LE(SafetyEnvelope(s).limit(99, nan, 25).setpoint_degc(), 26.95);
 }
 
+TEST(SafetyEnvelope, WritesOnlyWhatTheRegisterHoldsAndThatWithinTheLimits) {
+  ControllerSettings s = product_settings();
+  s.limit_min_degc = 20.4;
+  s.limit_max_degc = 24.6;
+  s.register_step_k = 1;
+  const SafetyEnvelope whole_degrees(s);
+  EXPECT_EQ(whole_degrees.limit(24.6, nan, 22).setpoint_degc(), 24);
+  EXPECT_EQ(whole_degrees.limit(20.4, nan, 22).setpoint_degc(), 21);
+  EXPECT_EQ(whole_degrees.limit(22.6, 22, 22).setpoint_degc(), 23);
+  s.limit_change_k = 0.7;
+  EXPECT_EQ(SafetyEnvelope(s).limit(20.4, 9, 22).setpoint_degc(), 21) << "the register's first within the limits";
+  s.register_step_k = 1 / 1.8;  // degF
+  s.register_offset_degc = -32 / 1.8;
+  s.limit_max_degc = 26;
+  EXPECT_NEAR(SafetyEnvelope(s).limit(26, nan, 22).setpoint_degc(), (78 - 32) / 1.8, 1e-9) << "79 degF is 26.11 degC";
+  s.limit_max_degc = 25;  // 77 degF, but for the last bits
+  EXPECT_NEAR(SafetyEnvelope(s).limit(26, nan, 22).setpoint_degc(), 25, 1e-9);
+}
+
 /// Any bit pattern as a double, temperatures more often than chance has it.
 rc::Gen<double> any_double() {
   return rc::gen::oneOf(
@@ -116,10 +135,17 @@ TEST(SafetyEnvelope, EveryTripleOfDoublesGivesAFiniteSetpointInLimitsWithinOneSt
     s.limit_max_degc = s.limit_min_degc + *rc::gen::inRange(1, 3000) / 100.0;
     s.limit_change_k = *rc::gen::inRange(1, 1000) / 100.0;
     s.round_k = *rc::gen::element(0.001, 0.01, 0.05, 0.1, 0.5, 1.0);
+    const double coarse = *rc::gen::element(0.0, 0.0, 0.01, 0.1, 0.5, 1 / 1.8, 1.0);
+    if (coarse <= std::min(s.limit_change_k, (s.limit_max_degc - s.limit_min_degc) / 2)) s.register_step_k = coarse;
+    s.register_offset_degc = *rc::gen::element(0.0, -32 / 1.8, 0.25);
     const double proposal = *any_double(), last = *any_double(), fallback = *any_double();
     const double a = SafetyEnvelope(s).limit(proposal, last, fallback).setpoint_degc();
     RC_ASSERT(std::isfinite(a));
     RC_ASSERT(a >= s.limit_min_degc && a <= s.limit_max_degc);
+    if (s.register_step_k > 0) {
+      const double n = (a - s.register_offset_degc) / s.register_step_k;
+      RC_ASSERT(std::abs(n - std::round(n)) < 1e-6);
+    }
     if (std::isfinite(last)) {
       const double from = std::clamp(last, s.limit_min_degc, s.limit_max_degc);
       RC_ASSERT(std::abs(a - from) <= s.limit_change_k + 1e-12);
