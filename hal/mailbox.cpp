@@ -9,7 +9,6 @@
 #include <cstring>
 #include <string_view>
 
-#include "airside/blob.hpp"
 #include "hal/folder_names.hpp"
 
 namespace airside::hal {
@@ -38,7 +37,7 @@ bool Mailbox::tell(int wish) {
   return differs;
 }
 
-bool Mailbox::release_waits() const { return dir_.is_open() && is_new(1, look(release_name)); }
+bool Mailbox::release_waits() const { return dir_.is_open() && is_new(wish_release, look(release_name)); }
 
 bool Mailbox::take(const char* name) { return ::unlinkat(dir_.descriptor(), name, 0) == 0; }
 
@@ -91,11 +90,25 @@ Mail Mailbox::collect(std::span<std::byte> blob) {
     if (opened) dir_ = std::move(*opened);
   }
   if (!dir_.is_open()) return mail;
-  mail.hand_back = tell(0);
-  mail.release = tell(1);
-  mail.rollback = tell(2);
+  mail.hand_back = tell(wish_hand_back);
+  mail.release = tell(wish_release);
+  mail.rollback = tell(wish_rollback);
+  if (mail.hand_back && mail.release) {
+    mail.hand_back = told_[wish_hand_back].is_after(told_[wish_release]);
+    mail.release = !mail.hand_back;
+  }
   if (blob_[0] == '\0' && find_blob()) read_blob(blob, mail);
+  mail.blob_is_older = mail.has_blob && mail.rollback && !look(blob_).is_after(told_[wish_rollback]);
   return mail;
+}
+
+bool Mailbox::waits(const std::string& path, const BlobHeader& header) {
+  const StorageFile file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (!file.is_open()) return false;
+  BlobHeader waiting;
+  const auto got = file.read_at(std::as_writable_bytes(std::span(&waiting, 1)), 0, "read waiting blob");
+  if (!got || *got != sizeof waiting || waiting.magic != BlobHeader{}.magic) return false;
+  return waiting.key_id != header.key_id || waiting.security_counter >= header.security_counter;
 }
 
 void Mailbox::finish(bool accepted) {

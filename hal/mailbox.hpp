@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 
+#include "airside/blob.hpp"
 #include "hal/storage_file.hpp"
 
 namespace airside::hal {
@@ -17,6 +18,7 @@ namespace airside::hal {
 struct Mail {
   bool hand_back = false, release = false, rollback = false;
   bool has_blob = false;
+  bool blob_is_older = false;    ///< than the rollback that lies beside it
   const char* unread = nullptr;  ///< why nothing of it could be read; nullptr where it was
   std::size_t blob_bytes = 0;    ///< what `blob` holds; 0: nothing
 };
@@ -33,7 +35,8 @@ class Mailbox {
   static constexpr const char* refused_name = "refused";
   static constexpr std::int64_t arriving_s = 600;
 
-  /// Tells the wishes that are new, and reads one blob into `blob`: any file `*.blob`, as it comes from a stick too.
+  /// Tells the wishes that are new (of a release and a hand-back the later one, the release where they are equally
+  /// old), and reads one blob into `blob`: any file `*.blob`, as it comes from a stick too.
   /// One that is shorter than its own header says and was written to within arriving_s is still on its way, by scp or
   /// from a slow stick: it is left for later.
   /// Everything stays where it is until finish(). Cost: a few system calls, no heap.
@@ -45,6 +48,8 @@ class Mailbox {
   /// Whether a wish to release lies there that no collect() has told yet; it stays.
   bool release_waits() const;
   bool is_open() const { return dir_.is_open(); }
+  /// Whether a blob lies at `path` that one with this header may not replace: of another key, or not older.
+  static bool waits(const std::string& path, const BlobHeader& header);
 
  private:
   /// A file as it was when its wish was told.
@@ -54,7 +59,12 @@ class Mailbox {
     bool operator==(const Seen& other) const {
       return inode == other.inode && changed.tv_sec == other.changed.tv_sec && changed.tv_nsec == other.changed.tv_nsec;
     }
+    bool is_after(const Seen& other) const {
+      return changed.tv_sec != other.changed.tv_sec ? changed.tv_sec > other.changed.tv_sec
+                                                    : changed.tv_nsec > other.changed.tv_nsec;
+    }
   };
+  enum Wish { wish_hand_back, wish_release, wish_rollback };
   static constexpr const char* wish_names[3] = {hand_back_name, release_name, rollback_name};
   Seen look(const char* name) const;
   bool is_new(int wish, const Seen& seen) const { return seen.inode != 0 && !(seen == told_[wish]); }

@@ -84,12 +84,16 @@ class WeightsTrial {
     if (mail.release) controller.hold(Reason::released_by_hand, t, 0);
     if (mail.hand_back) controller.hand_back();
     bool exchanged = false;
-    const bool is_back = record.state == TrialState::rolled_back;
-    if (mail.rollback && is_back) say("weights {:08x} are rolled back already", record.blob_crc);
-    if (mail.rollback && !is_back) exchanged = roll_back(controller, record, "an operator asked for it");
+    // Whoever asks for a way back before a blob was tried means that blob. One that was taken already lies here still
+    // where the daemon ended between the commit and this.
+    const bool is_in_use =
+        record.state != TrialState::none && crc32c({bytes_->data(), mail.blob_bytes}) == record.blob_crc;
+    const bool taken_back = mail.blob_is_older && !is_in_use;
+    if (mail.rollback && !taken_back) exchanged = roll_back_as_asked(controller, record);
     if (mail.has_blob) {
       read_keys();  // each time, so that a key that was revoked is refused at once, and a new one known
-      const BlobError refusal = mail.unread != nullptr
+      const BlobError refusal = taken_back ? BlobError{Fault::blob_taken_back, "rollback"}
+                                : mail.unread != nullptr
                                     ? BlobError{Fault::blob_truncated, mail.unread}
                                     : install(t, {bytes_->data(), mail.blob_bytes}, controller, record);
       accepted_ = refusal.fault == Fault::none;
@@ -99,9 +103,7 @@ class WeightsTrial {
       if (!accepted_ && !said) {
         say("pushed weights {}: {} ({})", waits ? "wait" : "refused", text_of(refusal.fault), refusal.field);
       }
-      record.refusal = refusal.fault;
-      record.refusal_field = {};
-      std::string_view(refusal.field).copy(record.refusal_field.data(), record.refusal_field.size() - 1);
+      tell_refusal(refusal, record);
       if (waits) mailbox_.leave_blob();
     }
     finish_mail_ = finish_mail_ || mail.has_blob || mail.rollback || mail.release || mail.hand_back;
@@ -196,20 +198,41 @@ class WeightsTrial {
     record.error_sum_k2 += d.network_error_k * d.network_error_k;
   }
 
+  bool roll_back_as_asked(Controller<T>& controller, TrialRecord& record) {
+    if (record.state == TrialState::none) {
+      say("no weights were pushed, so there are none to go back to; all stays as it is");
+      return false;
+    }
+    if (record.state == TrialState::rolled_back) {
+      say("weights {:08x} are rolled back already", record.blob_crc);
+      return false;
+    }
+    return roll_back(controller, record, "an operator asked for it");
+  }
+
+  static void tell_refusal(const BlobError& refusal, TrialRecord& record) {
+    record.refusal = refusal.fault;
+    record.refusal_field = {};
+    std::string_view(refusal.field).copy(record.refusal_field.data(), record.refusal_field.size() - 1);
+  }
+
+  /// Weights on trial go in any case: where their way back is gone the schedule takes over.
   bool roll_back(Controller<T>& controller, TrialRecord& record, const char* why) {
     const Scaler<T> present = controller.learning().scaler;
     // Read to a place of its own first: a copy that is damaged must not harm what stands.
     const hal::StoreResult<void> read =
         copy_.load(std::as_writable_bytes(std::span(before_.get(), 1)), record.previous_digest);
-    if (!read && record.had_weights != 0) {
-      say("no way back: {} ({})", hal::text_of(read.error().fault), read.error().step);
-      return false;
+    const bool way_is_gone = !read && record.had_weights != 0;
+    if (way_is_gone) {
+      say("the weights before cannot be read: {} ({})", hal::text_of(read.error().fault), read.error().step);
+      tell_refusal({Fault::state_invalid, "copy of the weights before"}, record);
+      if (record.state == TrialState::confirmed) return false;
     }
     if (read) {
       controller.learning() = *before_;
       if (controller.go_back(present) != Fault::none) say("the weights before are not finite");
     }
-    if (record.had_weights == 0) controller.drop_weights();  // which asks for no copy
+    if (record.had_weights == 0 || way_is_gone) controller.drop_weights();  // which asks for no copy
     controller.cycle().network_error_k2 = record.before_error_k2;
     record.state = TrialState::rolled_back;
     say("weights {:08x} rolled back: {}", record.blob_crc, why);

@@ -1,10 +1,6 @@
 #include "firmware/page/upload_door.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
-
-#include <cstring>
 #include <filesystem>
 #include <memory>
 
@@ -12,22 +8,10 @@
 #include "airside/topologies.hpp"
 #include "hal/atomic_file.hpp"
 #include "hal/input_error.hpp"
+#include "hal/mailbox.hpp"
 #include "hal/signature.hpp"
-#include "hal/storage_file.hpp"
 
 namespace airside::page {
-namespace {
-
-/// The header of the blob that waits, if there is one.
-bool read_waiting(const std::string& path, BlobHeader& header) {
-  const hal::StorageFile file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
-  if (!file.is_open()) return false;
-  const auto got = file.read_at(std::as_writable_bytes(std::span(&header, 1)), 0, "read waiting blob");
-  return got && *got == sizeof header && header.magic == BlobHeader{}.magic;
-}
-
-}  // namespace
-
 UploadDoor::UploadDoor(const hal::SiteFile& site)
     : keys_dir_(site.keys_dir), inbox_dir_(site.inbox_dir), scope_(site.scope) {
   with_topology(site.topology.c_str(), [this]<class T>(T) {
@@ -67,13 +51,14 @@ UploadDoor::Answer UploadDoor::take(std::span<const std::byte> blob) const {
 
 UploadDoor::Answer UploadDoor::deliver(std::span<const std::byte> blob, const BlobHeader& header) const {
   const std::string path = (std::filesystem::path(inbox_dir_) / blob_name).string();
-  BlobHeader waiting;
-  if (read_waiting(path, waiting) &&
-      !(waiting.key_id == header.key_id && waiting.security_counter < header.security_counter)) {
+  if (hal::Mailbox::waits(path, header)) {
     return {409, "other weights wait for the daemon already; it looks every 6 min", ""};
   }
   const hal::StoreResult<void> written = hal::write_file_atomically(path, blob);
-  if (written) return {202, "the daemon looks within 6 min, and then tries the weights for a day", ""};
+  if (written)
+    return {202,
+            "the daemon looks within 6 min, and then tries the weights for a day, if they are newer than what it took",
+            ""};
   const bool full = written.error().fault == hal::StoreFault::no_space;
   return {full ? 507 : 503, fmt::format("the inbox cannot be written: {}", hal::text_of(written.error().fault)), ""};
 }

@@ -37,6 +37,7 @@ enum class Fault : std::uint8_t {
   blob_signature = 26,     ///< not signed, or signed by a key that is unknown or revoked, or changed since
   blob_counter = 27,       ///< as old as or older than one that was installed
   other_device = 28,       ///< the device is not the one that the point map describes
+  blob_taken_back = 29,    ///< whoever sent it asked for a way back before it was tried
 };
 
 constexpr const char* text_of(Fault fault) {
@@ -70,6 +71,7 @@ constexpr const char* text_of(Fault fault) {
     case Fault::blob_signature: return "blob signature";
     case Fault::blob_counter: return "blob counter";
     case Fault::other_device: return "other device";
+    case Fault::blob_taken_back: return "blob taken back";
   }
   return "unknown";
 }

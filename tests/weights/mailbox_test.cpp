@@ -10,6 +10,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "airside/blob.hpp"
 #include "power_loss/test_folder.hpp"
@@ -41,7 +42,7 @@ TEST_F(Inbox, GivesEachWishOnce) {
   put("release");
   put("rollback");
   const hal::Mail mail = box.collect(blob);
-  EXPECT_TRUE(mail.hand_back && mail.release && mail.rollback);
+  EXPECT_TRUE(mail.hand_back != mail.release && mail.rollback);
   EXPECT_EQ(files(), 3u) << "a crash before the commit must not lose them";
   const hal::Mail again = box.collect(blob);
   EXPECT_FALSE(again.hand_back || again.release || again.rollback) << "told once";
@@ -61,6 +62,34 @@ TEST_F(Inbox, TellsThatAReleaseWaitsUntilItWasCollected) {
   EXPECT_FALSE(box.release_waits());
   box.finish(true);
   EXPECT_FALSE(box.release_waits());
+}
+
+TEST_F(Inbox, TellsTheLaterOneOfAReleaseAndAHandBack) {
+  const auto later = [] { std::this_thread::sleep_for(std::chrono::milliseconds(20)); };
+  put("hand-back");
+  later();
+  put("release");
+  hal::Mail mail = box.collect(blob);
+  EXPECT_TRUE(mail.release && !mail.hand_back);
+  box.finish(true);
+  EXPECT_EQ(files(), 0u);
+  put("release");
+  later();
+  put("hand-back");
+  mail = box.collect(blob);
+  EXPECT_TRUE(mail.hand_back && !mail.release);
+  box.finish(true);
+}
+
+TEST_F(Inbox, TellsWhetherABlobIsOlderThanTheRollbackBesideIt) {
+  put("a.blob", "abc");
+  put("rollback");
+  EXPECT_TRUE(box.collect(blob).blob_is_older);
+  box.finish(true);
+  put("rollback");
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  put("a.blob", "abc");
+  EXPECT_FALSE(box.collect(blob).blob_is_older);
 }
 
 TEST_F(Inbox, ReadsABlobOnceHoweverOftenItIsLookedInto) {

@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <thread>
 
 #include "power_loss/test_folder.hpp"
 #include "safety/controller_rig.hpp"
@@ -272,6 +273,17 @@ TEST_F(Trial, FirstWeightsAreOnTrialTooAndTheWayBackIsTheSchedule) {
   EXPECT_EQ(rig.decision().reason, Reason::no_weights);
 }
 
+TEST_F(Trial, WeightsThatNobodyPushedAreNotTakenBack) {
+  while (starts_cycle(rig.now)) rig.row();
+  const NetworkWeights<T, float> standing = rig.controller->learning().weights;
+  wish("rollback");
+  EXPECT_FALSE(row());
+  EXPECT_EQ(record.state, TrialState::none);
+  EXPECT_TRUE(rig.same_weights(standing));
+  rig.cycles(2);
+  EXPECT_LT(rig.decision().mode, Mode::expert);
+}
+
 TEST_F(Trial, AnotherPushDuringATrialKeepsTheWayBackThatWasProven) {
   while (starts_cycle(rig.now)) rig.row();
   const NetworkWeights<T, float> before = rig.controller->learning().weights;
@@ -380,10 +392,50 @@ TEST_F(Trial, ADamagedCopyIsNoWayBackAndHarmsNothing) {
   copy.close();
   while (starts_cycle(rig.now)) row();
   const NetworkWeights<T, float> standing = rig.controller->learning().weights;
+  record.state = TrialState::confirmed;
   wish("rollback");
   EXPECT_FALSE(row());
   EXPECT_TRUE(rig.same_weights(standing));
+  EXPECT_EQ(record.state, TrialState::confirmed);
+  EXPECT_EQ(record.refusal, Fault::state_invalid) << "for the status";
+  record.state = TrialState::on_trial;
+  wish("rollback");
+  EXPECT_TRUE(row()) << "what is on trial goes";
+  EXPECT_EQ(record.state, TrialState::rolled_back);
+  rig.cycles(2);
+  EXPECT_EQ(rig.decision().reason, Reason::no_weights) << "the schedule";
+}
+
+TEST_F(Trial, APushThatIsTakenBackBeforeItWasTriedLeavesTheWeightsAlone) {
+  push(other(1));
+  ASSERT_TRUE(row());
+  record.state = TrialState::confirmed;
+  while (starts_cycle(rig.now)) row();
+  const NetworkWeights<T, float> standing = rig.controller->learning().weights;
+  push(other(2, 0.8F));
+  wish("rollback");
+  EXPECT_FALSE(row());
+  EXPECT_EQ(record.state, TrialState::confirmed);
+  EXPECT_EQ(record.refusal, Fault::blob_taken_back);
+  EXPECT_TRUE(rig.same_weights(standing));
+  wish("rollback");
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // files' times have the grain of the kernel's clock
+  push(other(2, 0.8F));
+  EXPECT_TRUE(row()) << "first back, then on with the new ones";
   EXPECT_EQ(record.state, TrialState::on_trial);
+}
+
+TEST_F(Trial, AWayBackIsOneTooWhereTheBlobInUseStillLiesInTheInbox) {
+  while (starts_cycle(rig.now)) rig.row();
+  const NetworkWeights<T, float> before = rig.controller->learning().weights;
+  push(other(1));
+  rig.row();
+  ASSERT_TRUE(trial->row({rig.now.seconds - row_s}, *rig.controller, record));
+  open();  // the daemon ended between the commit and the taking away
+  wish("rollback");
+  EXPECT_TRUE(row());
+  EXPECT_EQ(record.state, TrialState::rolled_back);
+  EXPECT_TRUE(rig.same_weights(before));
 }
 
 TEST_F(Trial, MemoriesKeepTheirMeaningUnderAnotherScaler) {
