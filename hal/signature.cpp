@@ -58,6 +58,21 @@ void sign_blob(std::span<std::byte> blob, const SecretKey& key, std::uint64_t co
   std::memcpy(blob.data() + blob.size() - signature.size(), signature.data(), signature.size());
 }
 
+BlobHeader sound_header(std::span<const std::byte> blob, const std::string& path) {
+  const auto header = whole_header(blob);
+  if (!header) {
+    throw InputError(path + ": " + header.error().field, text_of(header.error().fault), "a whole weight blob",
+                     "copy it again; `airside blob inspect` shows what there is of it");
+  }
+  std::uint32_t told = 0;
+  std::memcpy(&told, header->digest.data(), sizeof told);
+  if (told != blob_digest(*header, blob.subspan(sizeof *header, header->payload_bytes))) {
+    throw InputError(path + ": digest", "bytes that are not those it was made with", "an undamaged weight blob",
+                     "copy it again from where it was made; do not sign or send it as it is");
+  }
+  return *header;
+}
+
 tl::expected<const PublicKey*, BlobError> verify_blob(std::span<const std::byte> blob, const KeyRing& keys) {
   const auto refuse = [](const char* field) { return tl::unexpected(BlobError{Fault::blob_signature, field}); };
   const auto header = whole_header(blob);

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <regex>
 
@@ -69,7 +70,7 @@ struct KeygenCommand {
 struct SignCommand {
   std::string blob, key, out;
   std::optional<std::string> scope;
-  std::uint64_t counter = 0;
+  std::optional<std::int64_t> counter;
   bool json = false;
 
   /// For which site the blob is; weights from a box or a twin are for any.
@@ -89,7 +90,8 @@ struct SignCommand {
     std::vector<std::byte> bytes = hal::read_blob_file(blob);
     const hal::SecretKey secret = hal::read_secret_key(key);
     // Seconds since 1970 rise by themselves on every host that signs; a box takes only what is newer.
-    const std::uint64_t count = counter != 0 ? counter : static_cast<std::uint64_t>(std::time(nullptr));
+    const auto count = static_cast<std::uint64_t>(counter.value_or(std::int64_t{std::time(nullptr)}));
+    hal::sound_header(bytes, blob);  // a signature would make damage genuine
     if (scope) set_scope(bytes);
     hal::sign_blob(bytes, secret, count);
     const std::string path = out.empty() ? blob : out;
@@ -144,10 +146,17 @@ struct PushCommand {
   SendBlob over_http = nullptr;
   bool json = false;
 
+  /// As airside-page has it: two people's weights do not replace one another unseen.
+  void refuse_beside_another(const BlobHeader& header) const {
+    const std::string path = (fs::path(inbox_of(target)) / hal::Mailbox::blob_name).string();
+    if (!hal::Mailbox::waits(path, header)) return;
+    throw hal::InputError(path, "other weights that wait for the daemon, of another key or not older",
+                          "an inbox without", "wait 6 min until the daemon has looked, or take that file away");
+  }
+
   void run() const {
     const std::vector<std::byte> bytes = hal::read_blob_file(blob);
-    BlobHeader header;
-    std::memcpy(&header, bytes.data(), sizeof header);
+    const BlobHeader header = hal::sound_header(bytes, blob);
     if (header.key_id == hal::KeyId{}) {
       throw hal::InputError(blob + ": key_id", "an unsigned blob", "a signed one, since boxes take no other",
                             "airside sign " + blob + " --key YOUR.key");
@@ -165,13 +174,16 @@ struct PushCommand {
       }
       return;
     }
+    refuse_beside_another(header);
     drop(target, hal::Mailbox::blob_name, bytes);
     if (json) {
       fmt::print("{}\n", nlohmann::json{{"blob", blob}, {"bytes", bytes.size()}, {"inbox", inbox_of(target)}}.dump());
       return;
     }
-    fmt::print("{} ({} bytes) lies in {}; the daemon looks within 6 min, and then tries it for a day\n", blob,
-               bytes.size(), inbox_of(target));
+    fmt::print(
+        "{} ({} bytes) lies in {}; the daemon looks within 6 min, and then tries it for a day, if it is newer than "
+        "what it took\n",
+        blob, bytes.size(), inbox_of(target));
   }
 };
 
@@ -222,7 +234,8 @@ void add_weights(CLI::App& app, SendBlob over_http) {
   s->add_option("-o,--out", sign->out, "signed blob (default: the blob itself)");
   s->add_option("--scope", sign->scope,
                 "the one site that shall take it, by its [site] scope; \"\" for any (default: as it is)");
-  s->add_option("--counter", sign->counter, "must rise from blob to blob (default: seconds since 1970)");
+  s->add_option("--counter", sign->counter, "must rise from blob to blob (default: seconds since 1970)")
+      ->check(CLI::Range(std::int64_t{1}, std::numeric_limits<std::int64_t>::max()));
   s->add_flag("--json", sign->json, json_help);
   s->callback([sign] { sign->run(); });
 
@@ -242,12 +255,13 @@ void add_weights(CLI::App& app, SendBlob over_http) {
   p->callback([push] { push->run(); });
 
   add_wish(app, "rollback", hal::Mailbox::rollback_name, "let a box go back to the weights before the last push",
-           "the daemon goes back within 6 min, if it still has the weights from before");
+           "the daemon goes back within 6 min, to the schedule where there were none before; without a push it changes "
+           "nothing");
   add_wish(app, "release", hal::Mailbox::release_name,
            "let a box stop writing, so that the AHU's own controller takes over",
            "the daemon stops writing within 18 min, until `airside hand-back`");
   add_wish(app, "hand-back", hal::Mailbox::hand_back_name, "give a released or overridden AHU back to the box",
-           "the daemon takes over again within 18 min");
+           "the daemon takes over again within 24 min");
 }
 
 }  // namespace airside::tools

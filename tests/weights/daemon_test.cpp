@@ -87,6 +87,43 @@ TEST(PushedWeights, AnUnsignedBlobIsRefusedBeforeItLeaves) {
   EXPECT_EQ(b.run({"keygen", "-o", b.bench.file("ann")}), 1) << "a key is never written over";
 }
 
+TEST(PushedWeights, ADamagedBlobIsNeitherSignedNorSent) {
+  PushBench b("push_damaged");
+  for (const char* name : {"weights.blob", "signed.blob"}) {
+    std::fstream blob(b.bench.file(name), std::ios::in | std::ios::out | std::ios::binary);
+    blob.seekg(50'000);
+    const int was = blob.get();
+    blob.seekp(50'000);
+    blob.put(static_cast<char>(was ^ 4));
+  }
+  EXPECT_EQ(b.run({"sign", b.bench.file("weights.blob"), "--key", b.bench.file("ann.key"), "-o", b.bench.file("x")}),
+            1);
+  EXPECT_NE(b.said().find("weights.blob: digest"), std::string::npos) << b.said();
+  EXPECT_FALSE(fs::exists(b.bench.file("x")));
+  EXPECT_EQ(b.run({"push", b.bench.file("signed.blob"), b.bench.file("site.toml")}), 1);
+  EXPECT_NE(b.said().find("undamaged"), std::string::npos) << b.said();
+  EXPECT_EQ(b.run({"push", b.bench.file("points.csv"), b.bench.file("site.toml")}), 1) << "no blob at all";
+  EXPECT_TRUE(fs::is_empty(b.bench.file("inbox")));
+}
+
+TEST(PushedWeights, ABlobThatWaitsIsOnlyReplacedByANewerOneOfItsKey) {
+  PushBench b("push_twice");
+  const std::string site = b.bench.file("site.toml"), blob = b.bench.file("signed.blob");
+  const auto sign = [&](const char* key, const char* counter) {
+    return b.run({"sign", blob, "--key", b.bench.file(key), "--counter", counter});
+  };
+  ASSERT_EQ(b.run({"push", blob, site}), 0) << b.said();
+  EXPECT_EQ(b.run({"push", blob, site}), 1) << "not older than what waits";
+  ASSERT_EQ(sign("ann.key", "11"), 0) << b.said();
+  EXPECT_EQ(b.run({"push", blob, site}), 0) << b.said();
+  ASSERT_EQ(b.run({"keygen", "-o", b.bench.file("bob")}), 0);
+  ASSERT_EQ(sign("bob.key", "12"), 0) << b.said();
+  EXPECT_EQ(b.run({"push", blob, site}), 1);
+  EXPECT_NE(b.said().find("other weights that wait"), std::string::npos) << b.said();
+  EXPECT_EQ(sign("ann.key", "0"), 2) << "counters begin at 1";
+  EXPECT_EQ(sign("ann.key", "-1"), 2);
+}
+
 TEST(PushedWeights, WithoutAPushTheDaemonsRowsAreTheSimulations) {
   PushBench b("push_none");
   const auto daemon = b.bench.start_daemon();
