@@ -2,6 +2,7 @@
 #include "hal/durable_store.hpp"
 
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -106,6 +107,39 @@ StoreResult<void> DurableStore::open_everything() {
   return {};
 }
 
+bool DurableStore::folder_is_another() const {
+  struct stat held {
+  }, named{};
+  (void)::fstat(dir_.descriptor(), &held);
+  if (::stat(path_.c_str(), &named) != 0) return errno == ENOENT;
+  return held.st_ino != named.st_ino || held.st_dev != named.st_dev;
+}
+
+bool DurableStore::lacks_files() const {
+  const StorageFile* files[] = {&lock_, &row_[0], &row_[1], &learning_[0], &learning_[1], &replay_[0], &replay_[1]};
+  return std::ranges::any_of(files, [](const StorageFile* file) {
+    struct stat held {};
+    (void)::fstat(file->descriptor(), &held);
+    return held.st_nlink == 0;
+  });
+}
+
+/// What is written to files without a name is lost at the next start. Where only files are gone, memory knows best
+/// what belongs into new ones; another folder may hold state that is worth more.
+void DurableStore::let_go() {
+  if (folder_is_another()) {
+    dir_.close();
+    out_of_reach_ = true;
+    highest_generation_ = 0;
+    committed_ = {};
+  }
+  lock_.close();
+  for (auto* files : {&row_, &learning_, &replay_}) {
+    for (StorageFile& file : *files) file.close();
+  }
+  learning_in_doubt_ = rewrite_replay_ = true;
+}
+
 StoreResult<void> DurableStore::set_aside() {
   // Rows last: by them the next start sees that there is more to rename.
   const char* const(*names[3])[2] = {&replay_names, &learning_names, &row_names};
@@ -182,6 +216,10 @@ StoreResult<void> DurableStore::commit(const StoredState& state) {
   if (state.learning.size() != layout_.learning_bytes || state.row.size() != layout_.row_bytes ||
       state.replay.size() != layout_.transition_bytes * layout_.ring_capacity) {
     return fail(StoreFault::wrong_size, "commit state");
+  }
+  if (ready_ && (folder_is_another() || lacks_files())) {
+    let_go();
+    return ready_ = fail(StoreFault::removed, "commit state");
   }
   if (!ready_) {
     ready_ = make_ready();

@@ -17,6 +17,7 @@ const char* remedy_of(StoreFault fault) {
     case StoreFault::log_shorter: return "the missing rows cannot be restored; the log goes on from here";
     case StoreFault::out_of_order: return "check the clock, or log to an empty folder";
     case StoreFault::unread: return "load it; it was out of reach at the start";
+    case StoreFault::removed: return "stop airsided before its files are moved; the next row writes new ones";
     case StoreFault::none:
     case StoreFault::wrong_size:
     case StoreFault::row_too_long: break;
@@ -40,6 +41,7 @@ const char* text_of(StoreFault fault) {
     case StoreFault::out_of_order: return "row not after the last one";
     case StoreFault::row_too_long: return "row too long";
     case StoreFault::unread: return "older state not read yet";
+    case StoreFault::removed: return "files removed while in use";
   }
   return "unknown";
 }

@@ -20,6 +20,7 @@ enum class StoreFault : std::uint8_t {
   out_of_order = 9,   ///< a row is not after the last one
   row_too_long = 10,  ///< a row does not fit the buffer
   unread = 11,        ///< state stands there that could not be read when it was asked for: load it before committing
+  removed = 12,       ///< files were removed or replaced while they were in use
 };
 
 /// A fault, the errno behind it (0 where there is none) and what was being done.

@@ -88,12 +88,12 @@ class EdgeMemory {
     history_.reset();
     return last;
   }
-  /// Reads what open() would read and leaves everything as it is. Errors: as of open(), but for the state folder; and
-  /// for bad key files, which a start leaves out.
-  void check() {
+  /// Reads what open() would read and leaves everything as it is. Returns the keys, for people. Errors: as of open(),
+  /// but for the state folder; and for a bad history without weights or bad key files, which a start leaves out.
+  std::string check() {
     (void)load_blob();
-    load_history();
-    (void)hal::KeyRing::load(site_.keys_dir);
+    if (!site_.history_log.empty()) (void)hal::read_log(site_.history_log, hal::counts_of<T>());
+    return hal::describe(hal::KeyRing::load(site_.keys_dir));
   }
 
   /// One row: log it unless its time cannot be right, look into the inbox, commit. Order matters: the log first, then
@@ -111,6 +111,8 @@ class EdgeMemory {
       resume_late(t);
       committed = store_->commit(state(t));
     }
+    // Only a folder that was taken away under this daemon can be another's.
+    taken_over_ = !committed && committed.error().fault == hal::StoreFault::locked;
     has_committed_ = has_committed_ || committed;
     row_committed_ = committed.has_value();
     if (committed) {
@@ -133,6 +135,8 @@ class EdgeMemory {
   bool is_well() const { return std::strcmp(storage_, "ok") == 0; }
   /// There was state, and none of it is whole and of this version and topology.
   bool state_lost() const { return state_lost_; }
+  /// Another daemon uses the state folder, so the AHU is its.
+  bool taken_over() const { return taken_over_; }
   bool release_waits() const { return trial_.release_waits(); }
   const TrialRecord& trial() const { return record_.trial; }
   std::uint64_t generation() const { return store_ ? store_->generation() : 0; }
@@ -304,7 +308,7 @@ class EdgeMemory {
   /// This process has committed once: until then the medium may hold weights that forget() discarded.
   bool has_committed_ = false, row_committed_ = false;
   bool learning_exchanged_ = false;  ///< and not committed yet
-  bool state_lost_ = false;
+  bool state_lost_ = false, taken_over_ = false;
   const char* storage_ = "ok";
 };
 

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "hal/civil_text.hpp"
+#include "hal/storage_file.hpp"
 
 namespace airside::edge {
 
@@ -65,13 +66,12 @@ void add_alarms(FixedText& text, CivilTime now, const Ladder* ladder) {
 
 }  // namespace
 
-StatusFile::StatusFile(const std::string& dir) {
-  auto opened = hal::StorageFile::open_dir(dir.c_str());
-  if (opened) dir_ = std::move(*opened);
-}
+StatusFile::StatusFile(std::string dir) : path_(std::move(dir)) {}
 
 bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
-  if (!dir_.is_open()) return false;
+  // Each time: a folder that was made anew or mounted later is the one that people look into.
+  const auto dir = hal::StorageFile::open_dir(path_.c_str());
+  if (!dir) return false;
   FixedText text(text_);
   std::array<char, hal::civil_text_size> time{};
   hal::write_civil_text(time.data(), now);
@@ -124,15 +124,15 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.count("setpoint_writes", s.setpoint_writes);
   text.add("}}\n");
   if (!text.fits()) return false;
-  auto file = hal::StorageFile::open(dir_.descriptor(), "status.json.new", true, "open status");
+  auto file = hal::StorageFile::open(dir->descriptor(), "status.json.new", true, "open status");
   if (!file) return false;
   const auto bytes = std::as_bytes(std::span(text_.data(), text.size()));
   if (!file->write_at(bytes, 0, "write status") || !file->truncate(text.size(), "cut status")) return false;
   // The two files change places, so that each keeps its block: a full disk does not silence the status.
-  if (::renameat2(dir_.descriptor(), "status.json.new", dir_.descriptor(), "status.json", RENAME_EXCHANGE) == 0) {
+  if (::renameat2(dir->descriptor(), "status.json.new", dir->descriptor(), "status.json", RENAME_EXCHANGE) == 0) {
     return true;
   }
-  return ::renameat(dir_.descriptor(), "status.json.new", dir_.descriptor(), "status.json") == 0;
+  return ::renameat(dir->descriptor(), "status.json.new", dir->descriptor(), "status.json") == 0;
 }
 
 }  // namespace airside::edge

@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "airside/decision.hpp"
-#include "hal/storage_file.hpp"
 
 namespace airside::edge {
 
@@ -43,12 +42,12 @@ struct StatusSnapshot {
 class StatusFile {
  public:
   /// Errors: none here; a folder that cannot be opened makes every write() fail.
-  explicit StatusFile(const std::string& dir);
+  explicit StatusFile(std::string dir);
   /// False if the snapshot could not be written; the old one then still stands.  Cost: no heap.
   bool write(CivilTime now, const StatusSnapshot& status);
 
  private:
-  hal::StorageFile dir_;
+  std::string path_;
   std::array<char, 4096> text_{};
 };
 

@@ -65,6 +65,7 @@ class WeightsExport {
 
   void give(CivilTime t, const Controller<T>& controller, const TrialRecord& trial) {
     if (!dir_.is_open() || controller.cycle().has_weights == 0 || trial.state == TrialState::on_trial) return;
+    if (auto now = hal::StorageFile::open_dir(state_dir_.c_str())) dir_ = std::move(*now);  // it may be another
     day_ = day_of(t);
     given_cycles_ = controller.learning().cycles;
     give_payload<T>(controller, *payload_);

@@ -190,7 +190,7 @@ constexpr Rung rung_of(Reason reason) {
               Mode::expert,
               true,
               false,
-              "the daemon was restarted three times in ten minutes",
+              "the daemon was started too often in ten minutes",
               "ends after an hour without a restart"};
     case Reason::state_lost:
       return {"state lost",
@@ -218,7 +218,7 @@ constexpr Rung rung_of(Reason reason) {
               Mode::release,
               false,
               true,
-              "somebody else sets the setpoint again and again",
+              "somebody else sets the setpoint again and again, or another airsided has taken this one's state folder",
               "ends when the AHU is handed back; find the other master"};
     case Reason::writes_refused:
       return {"writes refused",

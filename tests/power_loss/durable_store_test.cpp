@@ -493,6 +493,85 @@ TEST(DurableStore, AFileThatCanBeHadLaterIsWrittenThen) {
   EXPECT_TRUE(store.ready());
 }
 
+/// What somebody does to the files of a store in use.
+class TakenAway : public ::testing::Test {
+ protected:
+  TakenAway() { advance(3); }
+  void advance(int times) {
+    for (int i = 0; i < times; ++i) {
+      script.advance();
+      ASSERT_TRUE(store.commit(script.stored()));
+    }
+  }
+  StoreFault fault_of_commit() {
+    script.advance();
+    const auto done = store.commit(script.stored());
+    return done ? StoreFault::none : done.error().fault;
+  }
+  /// The newest step that a start finds.
+  std::uint64_t found() {
+    store = open_store(TestFolder("store_taken_other"));  // releases the lock
+    const Recovered r = recover(folder);
+    EXPECT_TRUE(r.script.is_whole(r.loaded.replay_count));
+    return r.script.step_in_row();
+  }
+
+  TestFolder folder{"store_taken"};
+  DurableStore store = open_store(folder);
+  StateScript script{layout};
+};
+
+TEST_F(TakenAway, FilesAreToldAndWrittenAnewWhicheverTheyAre) {
+  std::uint64_t step = 3;
+  for (const char* name : {"lock", "row.a", "row.b", "learning.a", "learning.b", "replay.a", "replay.b"}) {
+    std::filesystem::remove(folder.file(name));
+    EXPECT_EQ(fault_of_commit(), StoreFault::removed) << name;
+    EXPECT_EQ(fault_of_commit(), StoreFault::none) << name;
+    step += 2;
+  }
+  EXPECT_EQ(found(), step);
+}
+
+TEST_F(TakenAway, AFolderIsToldAndMadeAnew) {
+  std::filesystem::remove_all(folder.c_str());
+  EXPECT_EQ(fault_of_commit(), StoreFault::removed);
+  EXPECT_EQ(fault_of_commit(), StoreFault::none);
+  EXPECT_EQ(found(), 5u);
+}
+
+TEST_F(TakenAway, AFolderThatAnotherDaemonMadeAnewIsIts) {
+  std::filesystem::remove_all(folder.c_str());
+  const DurableStore other = open_store(folder);
+  EXPECT_EQ(fault_of_commit(), StoreFault::removed);
+  EXPECT_EQ(fault_of_commit(), StoreFault::locked);
+}
+
+TEST_F(TakenAway, StateThatWasPutInItsPlaceIsNotWrittenOver) {
+  const TestFolder kept("store_taken_kept");
+  std::filesystem::copy(folder.c_str(), kept.c_str(), std::filesystem::copy_options::recursive);
+  advance(2);
+  const std::string away = std::string(folder.c_str()) + ".away";
+  std::filesystem::rename(folder.c_str(), away);
+  std::filesystem::create_directory(folder.c_str());
+  std::filesystem::copy(kept.c_str(), folder.c_str());
+  EXPECT_EQ(fault_of_commit(), StoreFault::removed);
+  EXPECT_EQ(fault_of_commit(), StoreFault::unread);
+  StateScript loaded(layout);
+  ASSERT_TRUE(store.load(loaded.buffers()));
+  EXPECT_EQ(loaded.step_in_row(), 3u);
+  std::filesystem::remove_all(away);
+}
+
+TEST_F(TakenAway, AFolderThatCannotBeLookedAtIsNotCalledAnother) {
+  const std::string away = std::string(folder.c_str()) + ".away";
+  std::filesystem::rename(folder.c_str(), away);
+  std::filesystem::create_symlink(std::filesystem::path(folder.c_str()).filename(), folder.c_str());  // to itself
+  EXPECT_EQ(fault_of_commit(), StoreFault::none);
+  std::filesystem::remove(folder.c_str());
+  std::filesystem::rename(away, folder.c_str());
+  EXPECT_EQ(found(), 4u);
+}
+
 /// Records that stand on the medium and cannot be opened now.
 class OutOfReach : public ::testing::Test {
  protected:

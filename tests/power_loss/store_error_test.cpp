@@ -13,7 +13,8 @@ namespace {
 constexpr StoreFault all_faults[] = {StoreFault::none,         StoreFault::no_space,     StoreFault::read_only,
                                      StoreFault::io,           StoreFault::locked,       StoreFault::not_found,
                                      StoreFault::wrong_size,   StoreFault::other_layout, StoreFault::log_shorter,
-                                     StoreFault::out_of_order, StoreFault::row_too_long, StoreFault::unread};
+                                     StoreFault::out_of_order, StoreFault::row_too_long, StoreFault::unread,
+                                     StoreFault::removed};
 
 TEST(StoreErrors, EachFaultHasAWordAndARemedy) {
   std::set<std::string> words;
