@@ -9,7 +9,9 @@ std::string default_point_map(int vavs, int fcus, int powers) {
   std::string csv =
       "# physical = raw * scale + offset; addr counts from 0; max_rate is per minute in the unit.\n"
       "# Empty: byte_order and word_order big, scale 1, offset 0, no limit of rate or age, no sentinel, "
-      "read-only.\n";
+      "read-only.\n"
+      "# clock_s and clock_advance_s are a simulated AHU's clock: take the two rows out for a real one, and\n"
+      "# map_fingerprint unless a register tells a constant, which then is its default.\n";
   csv += fmt::format("{}\n", fmt::join(point_columns, ","));
   int addr = 0;
   const auto places = [&](SignalKind kind, int count, int width, std::string_view row) {

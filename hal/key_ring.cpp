@@ -205,9 +205,19 @@ KeyRing KeyRing::load(const std::string& dir) {
   const int bad = read_revoked(text, [&ring](const KeyId& id) { ring.revoke(id); });
   if (bad != 0) {
     throw InputError(fmt::format("{}:{}", list.string(), bad), "a line that is none", "a key id of 16 hex digits",
-                     "take it from `airside check` of the box's site file, or from `airside blob inspect`");
+                     "take it from `airsided --check`, which lists the keys, or from `airside blob inspect`");
   }
   return ring;
+}
+
+std::string describe(const KeyRing& ring) {
+  if (ring.size() == 0) return "no keys: this box takes no pushed weights";
+  std::string text;
+  for (const PublicKey& key : ring.keys()) {
+    text += fmt::format("{}{} ({}{})", text.empty() ? "" : ", ", hex_of(key.id), key.name.view(),
+                        key.revoked ? ", revoked" : "");
+  }
+  return text;
 }
 
 const char* KeyRing::revoke_listed(int dir_fd) {

@@ -78,6 +78,9 @@ class KeyRing {
   std::size_t size_ = 0;
 };
 
+/// `0123456789abcdef (NAME), 0123456789abcdef (NAME, revoked)`, or that there are none: for people.
+std::string describe(const KeyRing& ring);
+
 /// `0123456789abcdef`.
 std::string hex_of(std::span<const std::uint8_t> bytes);
 

@@ -15,7 +15,7 @@ std::string example_site_text(const std::string& topology) {
          R"(
 [target]
 room_temp_degc = 25.25   # mean of the rooms to hold, degC
-work_start = "07:00"     # local standard time
+work_start = "07:00"     # local time; standard time unless daylight_saving is set
 work_end = "19:00"
 weekday_only = false     # true: Saturday and Sunday are days off
 
@@ -34,7 +34,7 @@ off_degc = 25.0          # outside
 preset = "product"       # product, or paper: the printed method to the letter
 seed = 1                 # of the random generator
 
-[controller.override]    # any controller setting by name, such as
+[controller.override]    # a controller setting that has no key above, by name, such as
 # move_penalty = 0.1
 
 [modbus]                 # leave this table out for a room that is only simulated
@@ -63,7 +63,7 @@ max_files = 40           # the oldest is removed
 max_file_mb = 8.0
 
 [history]
-log = ""                 # CSV log of days under the schedule, for first training
+log = ""                 # CSV log of days under the schedule, remembered when the box starts from a blob
 
 [weights]
 blob = ""                # weight blob to start with

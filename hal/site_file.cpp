@@ -217,6 +217,10 @@ void read_folders(TomlSection& root, SiteFile& out) {
   TomlSection inbox = root.section("inbox");
   out.inbox_dir = resolved(inbox.text("dir", "inbox"), out.path);
   inbox.refuse_unknown_keys();
+  if (out.inbox_dir == out.state_dir && !out.state_dir.empty()) {  // where weights.blob is given out, not pushed
+    throw InputError(inbox.place("dir"), inbox.found("dir") + ", which is [state] dir", "a folder of its own",
+                     "name another");
+  }
 }
 
 enum class Address : std::uint8_t { none, loopback, other };

@@ -138,17 +138,6 @@ std::size_t objects_in(const json& model) {
 }
 
 /// The keys whose weights the box takes; their ids are what `revoked` wants.
-std::string keys_facts(const std::string& dir) {
-  const hal::KeyRing ring = hal::KeyRing::load(dir);
-  if (ring.size() == 0) return "no keys: this box takes no pushed weights";
-  std::string text;
-  for (const hal::PublicKey& key : ring.keys()) {
-    text += fmt::format("{}{} ({}{})", text.empty() ? "" : ", ", hal::hex_of(key.id), key.name.view(),
-                        key.revoked ? ", revoked" : "");
-  }
-  return text;
-}
-
 struct CheckCommand {
   std::string site, topology = "5vav-5fcu-2power", points, twin, weather, room;
   std::vector<std::string> patches, logs, weights;
@@ -230,7 +219,7 @@ struct CheckCommand {
         });
       }
       if (!file->weights_blob.empty()) check_blob(file->weights_blob);
-      out.check("keys", file->keys_dir, [&] { return keys_facts(file->keys_dir); });
+      out.check("keys", file->keys_dir, [&] { return hal::describe(hal::KeyRing::load(file->keys_dir)); });
       if (!file->history_log.empty()) check_log("history", file->history_log);
       if (file->twin) {
         if (file->twin->model != "rc") check_twin(out, file->twin->model, file->twin->patches);

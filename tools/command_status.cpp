@@ -154,7 +154,7 @@ std::string rooms_text(const Snapshot& s) {
     rooms += (rooms.empty() ? "" : ", ") + (value ? fmt::format("{:.2f}", *value) : std::string("no value"));
   }
   const auto mean = s.number("room_mean_degc"), target = s.number("target_degc");
-  if (rooms.empty()) return "No room temperature has been read yet.";
+  if (rooms.empty()) return "No room temperature is known now.";
   if (!mean || !target) return fmt::format("Rooms: {} degC; their mean is not known.", rooms);
   const double off = *mean - *target;
   const std::string side = std::abs(off) < 0.005

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "airside/civil_time.hpp"
 #include "hal/plant_clock.hpp"
@@ -31,9 +32,10 @@ class Daemon {
   /// Errors: hal::InputError for a bad blob or history, or a state folder that another daemon uses.
   virtual void start() = 0;
 
-  /// Reads what start() would read and leaves everything as it is, beside a running daemon too.
+  /// Reads what start() would read and leaves everything as it is, beside a running daemon too. Returns the trusted
+  /// keys, for people.
   /// Errors: hal::InputError as of start(), but for the state folder.
-  virtual void check() = 0;
+  virtual std::string check() = 0;
 
   /// Runs until told to stop, or until options.until; called again, it goes on. Returns the process's exit code.
   /// Cost: no heap.

@@ -33,7 +33,7 @@ int run(int argc, char** argv) {
   app.add_option("--site", site_path, "site file, such as /etc/airside/site.toml")->required();
   app.add_option("--until", until, "stop at this local time, such as 2021-08-20T00:00:00");
   app.add_flag("--check", check_only,
-               "read site, points, weights and history, say whether they are in order, and stop");
+               "read site, points, weights, history and keys, say whether they are in order, list the keys, and stop");
   app.add_flag("--no-sync", no_sync, "do not force state to the disk each row; for simulations");
   app.add_option("--backoff", options.backoff_first_s, "first wait after a lost link, s")
       ->check(CLI::Range(0.01, 60.0));
@@ -71,8 +71,9 @@ int run(int argc, char** argv) {
                             "build with it in AIRSIDE_TOPOLOGIES");
     }
     if (check_only) {
-      daemon->check();
-      std::printf("%s: site, points, weights and history are in order\n", site_path.c_str());
+      const std::string keys = daemon->check();
+      std::printf("%s: site, points, weights, history and keys are in order\nkeys: %s\n", site_path.c_str(),
+                  keys.c_str());
       return 0;
     }
     daemon->start();

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "airside/civil_time.hpp"
 #include "airside/settings.hpp"
@@ -114,10 +115,12 @@ class ShadowWatch {
   }
   bool worse(double by_k) const { return cycles_ >= 12 && ours_k_ > schedule_k_ + by_k; }
   void reset() { *this = {}; }
-  double ours_k() const { return ours_k_; }
-  double schedule_k() const { return schedule_k_; }
+  double ours_k() const { return known(ours_k_); }  ///< NaN before the first working cycle
+  double schedule_k() const { return known(schedule_k_); }
 
  private:
+  double known(double mean_k) const { return cycles_ > 0 ? mean_k : std::numeric_limits<double>::quiet_NaN(); }
+
   double ours_k_ = 0, schedule_k_ = 0;
   std::int64_t cycles_ = 0;
 };
