@@ -15,6 +15,7 @@
 #include "airside/splitmix64.hpp"
 #include "closed_loop/bench.hpp"
 #include "hal/register_codec.hpp"
+#include "sanitized.hpp"
 #include "sim/faulty_model.hpp"
 #include "tools/chaos/chaos_proxy.hpp"
 #include "tools/served_plant.hpp"
@@ -308,7 +309,7 @@ TEST(Soak, YearsWithAFaultEveryTenCyclesLeaveMemoryFilesAndControlAsTheyWere) {
     EXPECT_LE(held.descriptors, first.descriptors + 1) << "the bus may be connected or not";
     EXPECT_EQ(held.threads, first.threads);
     EXPECT_LE(held.files, 20 + 12);
-    if (i < before_kills) {
+    if (i < before_kills && !address_sanitized) {  // whose stacks for use after return fill as time goes by
       EXPECT_LE(held.resident_kib, first.resident_kib + 256) << "at sample " << i;
     }
   }
