@@ -48,38 +48,48 @@ void write_blob_file(const std::string& path, std::span<const std::byte> blob) {
   }
 }
 
-void throw_blob_error(const BlobError& error, const std::string& place) {
-  const std::string where = place + ": " + error.field;
-  switch (error.fault) {
+BlobComplaint complaint_of(Fault fault) {
+  switch (fault) {
     case Fault::blob_truncated:
-      throw InputError(where, "a blob that ends early", "as many bytes as its header says",
-                       "copy the file again, whole");
+      return {"a blob that ends early", "as many bytes as its header says", "copy the file again, whole"};
     case Fault::blob_magic:
-      throw InputError(where, "another kind of file", "a weight blob (it begins with AIRSIDEB)",
-                       "give a file made by `airside pretrain` or `airside transfer`");
+      return {"another kind of file", "a weight blob (it begins with AIRSIDEB)",
+              "give a file made by `airside pretrain` or `airside transfer`"};
     case Fault::blob_version:
-      throw InputError(where, "a format version that this build does not read", "version 1",
-                       "use the airside version that wrote it, or make the blob again");
+      return {"a format version that this build does not read", "version 1",
+              "use the airside version that wrote it, or make the blob again"};
     case Fault::blob_architecture:
-      throw InputError(where, "other byte order or float format", "little-endian IEEE 754",
-                       "make the blob on a little-endian machine");
-    case Fault::blob_digest:
-      throw InputError(where, "a checksum that does not match", "an undamaged blob", "copy the file again");
+      return {"other byte order or float format", "little-endian IEEE 754", "make the blob on a little-endian machine"};
+    case Fault::blob_digest: return {"a checksum that does not match", "an undamaged blob", "copy the file again"};
     case Fault::blob_topology:
-      throw InputError(where, "weights of another topology", "the site's topology",
-                       "pretrain with this site file, or correct `topology` in it");
+      return {"weights of another topology", "the site's topology",
+              "pretrain with this site file, or correct `topology` in it"};
     case Fault::blob_units:
-      throw InputError(where, "other signals or units", "the signals of spec 3.1 in order",
-                       "make the blob again with this version");
+      return {"other signals or units", "the signals of spec 3.1 in order", "make the blob again with this version"};
     case Fault::blob_scope:
-      throw InputError(where, "a blob for another site", "this site's scope or none",
-                       "transfer it to this site, or correct `scope` in the site file");
+      return {"a blob for another site", "this site's scope or none",
+              "transfer it to this site, or correct `scope` in the site file"};
     case Fault::blob_value:
-      throw InputError(where, "a number that is not finite or out of bounds", "finite weights within +-1000",
-                       "train again; these weights diverged or were damaged");
-    default:
-      throw InputError(where, "a length that does not fit", "the topology's number of values", "make the blob again");
+      return {"numbers that are not finite or out of bounds, or that act wildly",
+              "finite weights within +-1000, sane here",
+              "train again; these weights diverged, were damaged, or are another room's"};
+    case Fault::blob_signature:
+      return {"no signature of a key that is known here and not revoked", "a blob signed by one of [weights] keys",
+              "airside sign it, or put the signer's .pub into that folder"};
+    case Fault::blob_counter:
+      return {"a blob as old as one that was taken, or older", "a higher counter",
+              "airside sign it again, if it is really to be taken"};
+    case Fault::blob_taken_back:
+      return {"a rollback that came after it", "a blob that nobody took back", "push it again, if it is to be taken"};
+    case Fault::state_invalid:
+      return {"no room for a copy of the weights before", "a way back", "make room in the state folder"};
+    default: return {"a length that does not fit", "the topology's number of values", "make the blob again"};
   }
+}
+
+void throw_blob_error(const BlobError& error, const std::string& place) {
+  const BlobComplaint complaint = complaint_of(error.fault);
+  throw InputError(place + ": " + error.field, complaint.found, complaint.expected, complaint.remedy);
 }
 
 Kernels<float> box_kernels() {

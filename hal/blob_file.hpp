@@ -18,7 +18,12 @@ std::vector<std::byte> read_blob_file(const std::string& path);
 /// Errors: InputError naming the path.
 void write_blob_file(const std::string& path, std::span<const std::byte> blob);
 
-/// The complaint about a refused blob, with remedy.
+/// Why a blob is refused, for people: what was found, what was expected, what to do.
+struct BlobComplaint {
+  const char *found, *expected, *remedy;
+};
+BlobComplaint complaint_of(Fault fault);
+/// The same as InputError.
 [[noreturn]] void throw_blob_error(const BlobError& error, const std::string& place);
 
 /// Decodes into `payload`.  Errors: InputError naming `place` and the field.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 namespace airside::hal {
 namespace {
@@ -112,7 +113,7 @@ bool DurableStore::folder_is_another() const {
   }, named{};
   (void)::fstat(dir_.descriptor(), &held);
   if (::stat(path_.c_str(), &named) != 0) return errno == ENOENT;
-  return held.st_ino != named.st_ino || held.st_dev != named.st_dev;
+  return std::pair(held.st_dev, held.st_ino) != std::pair(named.st_dev, named.st_ino);
 }
 
 bool DurableStore::lacks_files() const {

@@ -48,6 +48,8 @@ class Mailbox {
   /// Whether a wish to release lies there that no collect() has told yet; it stays.
   bool release_waits() const;
   bool is_open() const { return dir_.is_open(); }
+  /// Name of the blob that the last collect() told of.
+  const char* blob_file() const { return blob_; }
   /// Whether a blob lies at `path` that one with this header may not replace: of another key, or not older.
   static bool waits(const std::string& path, const BlobHeader& header);
 

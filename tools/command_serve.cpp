@@ -91,7 +91,8 @@ void add_serve(CLI::App& app) {
   c->add_option("--days", self->days, "days that can be controlled")->check(CLI::Range(1, 364))->capture_default_str();
   c->add_option("--port", self->port, "TCP port, 0 for any (default: the site's)")->check(CLI::Range(0, 65535));
   c->add_option("--listen", self->listen, "address to listen on")->capture_default_str();
-  c->add_option("--pty", self->pty, "serve RTU on a pseudo-terminal with this symlink");
+  c->add_option("--pty", self->pty, "serve RTU on a pseudo-terminal with this symlink, instead of TCP")
+      ->excludes("--port");
   c->add_option(
       "--faults", self->faults,
       "CSV of faults of sensors and AHU, hours from the opening (FORMATS.md, \"Faults of a simulated room\")");

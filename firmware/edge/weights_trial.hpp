@@ -2,6 +2,7 @@
 // Weights that arrive while the box is in control: checked in a fixed order, exchanged in one commit, on trial for a
 // day, then confirmed or taken back. And an operator's wishes, which come the same way.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "airside/controller_instances.hpp"
 #include "airside/history.hpp"
 #include "firmware/edge/say.hpp"
+#include "hal/blob_file.hpp"
 #include "hal/mailbox.hpp"
 #include "hal/signature.hpp"
 #include "hal/state_copy.hpp"
@@ -83,6 +85,7 @@ class WeightsTrial {
     const hal::Mail mail = mailbox_.collect(*bytes_);
     if (mail.release) controller.hold(Reason::released_by_hand, t, 0);
     if (mail.hand_back) controller.hand_back();
+    if (mail.release || mail.hand_back) say("an operator asked: {}", mail.release ? "release" : "hand-back");
     bool exchanged = false;
     // Whoever asks for a way back before a blob was tried means that blob. One that was taken already lies here still
     // where the daemon ended between the commit and this.
@@ -100,9 +103,7 @@ class WeightsTrial {
       exchanged = exchanged || accepted_;
       const bool waits = refusal.fault == Fault::state_invalid;  // without a way back there is no trial
       const bool said = waits && record.refusal == refusal.fault;
-      if (!accepted_ && !said) {
-        say("pushed weights {}: {} ({})", waits ? "wait" : "refused", text_of(refusal.fault), refusal.field);
-      }
+      if (!accepted_ && !said) say_why(mail, refusal, waits);
       tell_refusal(refusal, record);
       if (waits) mailbox_.leave_blob();
     }
@@ -210,6 +211,18 @@ class WeightsTrial {
     return roll_back(controller, record, "an operator asked for it");
   }
 
+  void say_why(const hal::Mail& mail, const BlobError& refusal, bool waits) const {
+    const hal::BlobComplaint why = hal::complaint_of(refusal.fault);
+    const std::string_view name = mailbox_.blob_file();
+    const bool is_plain = std::ranges::all_of(name, [](char c) { return c > ' ' && c <= '~'; });  // log lines are lines
+    if (mail.unread != nullptr && refusal.fault == Fault::blob_truncated) {
+      return say("pushed weights refused: {}: {}; put a whole file there that this user may read",
+                 is_plain ? name : "a blob", mail.unread);
+    }
+    say("pushed weights {}: {} ({}): found {}; expected {}; {}", waits ? "wait" : "refused", is_plain ? name : "a blob",
+        refusal.field, why.found, why.expected, why.remedy);
+  }
+
   static void tell_refusal(const BlobError& refusal, TrialRecord& record) {
     record.refusal = refusal.fault;
     record.refusal_field = {};
@@ -225,7 +238,7 @@ class WeightsTrial {
     const bool way_is_gone = !read && record.had_weights != 0;
     if (way_is_gone) {
       say("the weights before cannot be read: {} ({})", hal::text_of(read.error().fault), read.error().step);
-      tell_refusal({Fault::state_invalid, "copy of the weights before"}, record);
+      tell_refusal({Fault::no_way_back, "copy of the weights before"}, record);
       if (record.state == TrialState::confirmed) return false;
     }
     if (read) {

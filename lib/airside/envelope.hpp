@@ -57,7 +57,7 @@ class SafetyEnvelope {
     const double rounded = std::clamp(on_grid(a, low, high, round_, 0, 0), low, high);
     if (!(step_ > 0)) return Command(rounded);
     double held = on_grid(rounded, low, high, step_, offset_, slack_k);
-    if (!within(held, low, high)) held = on_grid(rounded, min_, max_, step_, offset_, slack_k);
+    if (held > high + slack_k) held = on_grid(rounded, min_, max_, step_, offset_, slack_k);
     return Command(std::clamp(held, min_, max_));
   }
 
@@ -68,7 +68,6 @@ class SafetyEnvelope {
  private:
   static constexpr double slack_k = 1e-9;  ///< a limit on the grid is a decimal, the grid's value a product
 
-  static bool within(double a, double low, double high) { return a >= low - slack_k && a <= high + slack_k; }
   /// Rounding must not undo a limit: towards the inside where the nearest step lies outside.
   static double on_grid(double a, double low, double high, double step, double offset, double slack) {
     const double n = (a - offset) / step;

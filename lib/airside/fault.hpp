@@ -38,6 +38,7 @@ enum class Fault : std::uint8_t {
   blob_counter = 27,       ///< as old as or older than one that was installed
   other_device = 28,       ///< the device is not the one that the point map describes
   blob_taken_back = 29,    ///< whoever sent it asked for a way back before it was tried
+  no_way_back = 30,        ///< the weights before the pushed ones cannot be read
 };
 
 constexpr const char* text_of(Fault fault) {
@@ -72,6 +73,7 @@ constexpr const char* text_of(Fault fault) {
     case Fault::blob_counter: return "blob counter";
     case Fault::other_device: return "other device";
     case Fault::blob_taken_back: return "blob taken back";
+    case Fault::no_way_back: return "no way back";
   }
   return "unknown";
 }

@@ -294,6 +294,7 @@ class Ladder {
   constexpr void hand_back() {
     for (int i = 1; i < reason_count; ++i) {
       const auto r = static_cast<Reason>(i);
+      if (r == Reason::map_differs) continue;  // nobody's word makes it the right device
       if (rung_of(r).for_person || rung_of(r).mode == Mode::release) until(r) = 0;
     }
   }

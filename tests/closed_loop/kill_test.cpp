@@ -131,6 +131,26 @@ TEST(SecondDaemon, Row60IsTurnedAwayAndTheFirstGoesOn) {
   expect_same_rows(bench.log(), expected);
 }
 
+TEST(SecondDaemon, Row60WhoeverLocksTheFolderThatWasTakenAwayHasTheAhu) {
+  Bench bench({.name = "taken", .plant = rc_room(), .expert_days = 1, .days = 1});
+  bench.start_server();
+  const auto first = bench.start_daemon();
+  ASSERT_TRUE(reach(bench, *first, 5));
+  first->signal(SIGSTOP);
+  std::filesystem::remove_all(bench.file("state"));
+  Child second({bench.program("airsided"), "--site", bench.file("site.toml"), "--no-sync"}, bench.file("second.txt"));
+  const double deadline_s = now_s() + 20;
+  while (!std::filesystem::exists(bench.file("state") / "status.json") && now_s() < deadline_s) sleep_s(0.01);
+  second.signal(SIGSTOP);
+  first->signal(SIGCONT);
+  EXPECT_EQ(first->wait(100), 0);
+  EXPECT_NE(first->said().find("files removed while in use"), std::string::npos) << first->said();
+  EXPECT_NE(first->said().find("another process uses it"), std::string::npos) << first->said();
+  EXPECT_NE(first->said().find("release: "), std::string::npos) << first->said();
+  second.signal(SIGCONT);
+  second.signal(SIGKILL);
+}
+
 TEST(SecondDaemon, Row60WithoutItTwoRoomsHaveADaemonEach) {
   Bench one({.name = "one", .plant = rc_room(), .expert_days = 1, .days = 1});
   Bench other({.name = "other", .plant = rc_room("401"), .expert_days = 1, .days = 1});

@@ -111,6 +111,9 @@ TEST(SafetyEnvelope, WritesOnlyWhatTheRegisterHoldsAndThatWithinTheLimits) {
   EXPECT_EQ(whole_degrees.limit(22.6, 22, 22).setpoint_degc(), 23);
   s.limit_change_k = 0.7;
   EXPECT_EQ(SafetyEnvelope(s).limit(20.4, 9, 22).setpoint_degc(), 21) << "the register's first within the limits";
+  s.limit_change_k = 0.3;
+  EXPECT_EQ(SafetyEnvelope(s).limit(22, 9, 22).setpoint_degc(), 21) << "in a step of the register's where it must be";
+  s.limit_change_k = 0.7;
   s.register_step_k = 1 / 1.8;  // degF
   s.register_offset_degc = -32 / 1.8;
   s.limit_max_degc = 26;

@@ -92,6 +92,35 @@ TEST_F(Inbox, TellsWhetherABlobIsOlderThanTheRollbackBesideIt) {
   EXPECT_FALSE(box.collect(blob).blob_is_older);
 }
 
+TEST_F(Inbox, ABlobMayBeReplacedByANewerOneOfItsKeyAlone) {
+  BlobHeader mine;
+  mine.key_id[0] = 1;
+  mine.security_counter = 5;
+  const std::string path = folder.file("weights.blob").string();
+  const auto lay = [&](const BlobHeader& header, std::size_t bytes = sizeof(BlobHeader)) {
+    put("weights.blob", std::string(reinterpret_cast<const char*>(&header), bytes));
+  };
+  EXPECT_FALSE(hal::Mailbox::waits(path, mine)) << "nothing is there";
+  lay(mine, 100);
+  EXPECT_FALSE(hal::Mailbox::waits(path, mine)) << "no whole header";
+  BlobHeader other = mine;
+  other.magic[0] = 'x';
+  lay(other);
+  EXPECT_FALSE(hal::Mailbox::waits(path, mine)) << "no blob";
+  lay(mine);
+  EXPECT_TRUE(hal::Mailbox::waits(path, mine)) << "as old";
+  other = mine;
+  other.security_counter = 4;
+  lay(other);
+  EXPECT_FALSE(hal::Mailbox::waits(path, mine));
+  other.key_id[0] = 2;
+  lay(other);
+  EXPECT_TRUE(hal::Mailbox::waits(path, mine)) << "somebody else's";
+  fs::remove(path);
+  fs::create_directory(path);
+  EXPECT_FALSE(hal::Mailbox::waits(path, mine)) << "nothing that could be read";
+}
+
 TEST_F(Inbox, ReadsABlobOnceHoweverOftenItIsLookedInto) {
   put("a.blob", "abc");
   EXPECT_TRUE(box.collect(blob).has_blob);

@@ -124,6 +124,22 @@ TEST_F(Signed, ItsSignatureIsOverItsDomainToo) {
   EXPECT_STREQ(found.error().field, "signature");
 }
 
+TEST_F(Signed, AHeaderIsSoundWhereTheBytesAreThoseItWasMadeWith) {
+  const auto complaint = [this](std::size_t bytes) {
+    try {
+      hal::sound_header(std::span(blob).first(bytes), "a.blob");
+    } catch (const hal::InputError& e) {
+      return e.place();
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(hal::sound_header(blob, "a.blob").security_counter, 7u);
+  EXPECT_EQ(complaint(blob.size() - 1), "a.blob: payload_bytes");
+  EXPECT_EQ(complaint(100), "a.blob: header");
+  blob[5000] ^= std::byte{1};
+  EXPECT_EQ(complaint(blob.size()), "a.blob: digest");
+}
+
 TEST_F(Signed, OnlyAWholeBlobCanBeSigned) {
   Bytes other = blob;
   other[0] = std::byte{'x'};
@@ -190,6 +206,12 @@ TEST_F(KeyFiles, AFolderOfThemIsARingAndItsRevokedOnesStayKnown) {
   EXPECT_FALSE(hal::KeyRing::load(std::string(folder.c_str())).find(other.open.id)->revoked) << "nobody is yet";
   write("revoked", "# left in May\n" + hal::hex_of(other.open.id) + "\n");
   const hal::KeyRing ring = hal::KeyRing::load(std::string(folder.c_str()));
+  const std::string listed = hal::describe(ring);
+  EXPECT_NE(listed.find(hal::hex_of(other.open.id) + " (" + std::string(other.open.name.view()) + ", revoked)"),
+            std::string::npos)
+      << listed;
+  EXPECT_NE(listed.find(" (" + std::string(key.open.name.view()) + ")"), std::string::npos) << listed;
+  EXPECT_NE(hal::describe({}).find("no keys"), std::string::npos);
   ASSERT_EQ(ring.size(), 2u);
   EXPECT_FALSE(ring.find(key.open.id)->revoked);
   EXPECT_TRUE(ring.find(other.open.id)->revoked);

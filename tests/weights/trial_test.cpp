@@ -397,7 +397,7 @@ TEST_F(Trial, ADamagedCopyIsNoWayBackAndHarmsNothing) {
   EXPECT_FALSE(row());
   EXPECT_TRUE(rig.same_weights(standing));
   EXPECT_EQ(record.state, TrialState::confirmed);
-  EXPECT_EQ(record.refusal, Fault::state_invalid) << "for the status";
+  EXPECT_EQ(record.refusal, Fault::no_way_back) << "for the status";
   record.state = TrialState::on_trial;
   wish("rollback");
   EXPECT_TRUE(row()) << "what is on trial goes";
