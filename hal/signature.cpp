@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "hal/blob_file.hpp"
 #include "hal/input_error.hpp"
 
 namespace airside::hal {
@@ -60,15 +61,11 @@ void sign_blob(std::span<std::byte> blob, const SecretKey& key, std::uint64_t co
 
 BlobHeader sound_header(std::span<const std::byte> blob, const std::string& path) {
   const auto header = whole_header(blob);
-  if (!header) {
-    throw InputError(path + ": " + header.error().field, text_of(header.error().fault), "a whole weight blob",
-                     "copy it again; `airside blob inspect` shows what there is of it");
-  }
+  if (!header) throw_blob_error(header.error(), path);
   std::uint32_t told = 0;
   std::memcpy(&told, header->digest.data(), sizeof told);
   if (told != blob_digest(*header, blob.subspan(sizeof *header, header->payload_bytes))) {
-    throw InputError(path + ": digest", "bytes that are not those it was made with", "an undamaged weight blob",
-                     "copy it again from where it was made; do not sign or send it as it is");
+    throw_blob_error({Fault::blob_digest, "digest"}, path);
   }
   return *header;
 }

@@ -111,7 +111,7 @@ class EdgeMemory {
       resume_late(t);
       committed = store_->commit(state(t));
     }
-    // Only a folder that was taken away under this daemon can be another's.
+    // At a start a locked folder ends the daemon; later it means that another one has taken it.
     taken_over_ = !committed && committed.error().fault == hal::StoreFault::locked;
     has_committed_ = has_committed_ || committed;
     row_committed_ = committed.has_value();
