@@ -35,7 +35,8 @@ TEST(ModbusWrites, Row15RestartedServerIsVerifiedAndReadBeforeTheFirstWrite) {
   EXPECT_GT(lost, 2) << "it was away for 0.3 s";
   EXPECT_LT(lost, 30);
   EXPECT_GT(taken, 10);
-  EXPECT_EQ(desk.link.generation(), 2U);
+  EXPECT_GE(desk.link.generation(), 2U);
+  EXPECT_LE(desk.link.generation(), 3U) << "at most one connection to the server that is going";
   EXPECT_EQ(writes_before_reading(desk), 0U);
 }
 
