@@ -165,7 +165,7 @@ StoreResult<LoadedState> DurableStore::load(const StateBuffers& into) {
   if (!ready_) ready_ = make_ready();
   if (!dir_.is_open()) out_of_reach_ = true;
   scan();
-  Candidate candidates[4];
+  Candidate candidates[6];  // two rows, each with two learning records that may be alike, and these alone
   int count = 0;
   bool whole_row[2] = {false, false};
   const auto newer_first = [](const RecordHeader(&headers)[2], int i) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <fstream>
@@ -358,6 +359,29 @@ TEST(DurableStore, Row37BothRowSlotsBadFallsBackToTheLearningRecordAndAllBadIsNo
   EXPECT_EQ(rows.loaded.damaged_records, 2u);
   EXPECT_EQ(rotten({"row.a", "row.b", "learning.a", "learning.b"}).loaded.outcome, LoadOutcome::none);
   EXPECT_EQ(rotten({"learning.a", "learning.b"}).loaded.outcome, LoadOutcome::none);
+}
+
+TEST(DurableStore, Row38LearningRecordsThatAPersonMadeAlikeAreLoadedAsOne) {
+  const TestFolder folder("store_alike");
+  StateScript script(layout);
+  {
+    DurableStore store = open_store(folder);
+    for (int i = 0; i < 3; ++i) script.advance();
+    StoredState state = script.stored();
+    for (const bool changed : {true, false, false}) {
+      state.learning_changed = changed;
+      ASSERT_TRUE(store.commit(state));
+    }
+  }
+  // Both rows name one learning record; its copy in the other slot fits each of them, too.
+  FolderImage image = folder.image();
+  const bool in_a = std::ranges::any_of(image["learning.a"], [](auto byte) { return byte != decltype(byte){}; });
+  image[in_a ? "learning.b" : "learning.a"] = image[in_a ? "learning.a" : "learning.b"];
+  folder.restore(image);
+  const Recovered r = recover(folder);
+  EXPECT_EQ(r.loaded.outcome, LoadOutcome::newest);
+  EXPECT_EQ(r.loaded.generation, 3U);
+  EXPECT_TRUE(r.script.is_whole(r.loaded.replay_count));
 }
 
 TEST(DurableStore, StateOfAnotherTopologyIsRefusedAndNotTouched) {
