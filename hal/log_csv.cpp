@@ -94,7 +94,11 @@ std::string log_header(const TopologyCounts& counts, bool controller, std::span<
   if (controller) {
     for (const ControllerColumn& column : controller_columns) header += std::string(",") + column.name;
   }
-  for (const std::string& name : extra) header += "," + name;
+  for (const std::string& name : extra) {
+    header += ',';
+    for (const char c : name)
+      header += c == ',' || c == '\n' || c == '\r' || c == '"' ? '_' : c;  // quotes are not written
+  }
   return header + "\n";
 }
 
