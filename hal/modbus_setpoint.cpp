@@ -74,14 +74,14 @@ LinkResult<void> ModbusSetpoint::send(ModbusLink& link, std::span<const std::uin
 void ModbusSetpoint::saw(double standing) {
   seen_ = std::isfinite(standing);
   if (!seen_) return;
-  standing_ = standing;
+  if (!same(standing, sent_)) sent_ = no_value;  // another hand's, or the device's own: not for this one to repeat
   unsettled_ = no_value;
 }
 
 Expected<double> ModbusSetpoint::write(ModbusLink& link, double value, std::uint64_t generation) {
   const Expected<double> taken = try_to_write(link, value, generation);
   told_ = taken.has_value();
-  if (told_) standing_ = *taken;
+  if (told_) sent_ = same(*taken, last_written_) ? *taken : no_value;
   if (told_) unsettled_ = no_value;
   return taken;
 }
@@ -102,11 +102,11 @@ Expected<double> ModbusSetpoint::try_to_write(ModbusLink& link, double value, st
     if (standing && (!known || same(*standing, *wish))) return *standing;
     const bool unread = !standing && standing.error() == Fault::not_applied;
     if (unread && !link.connected()) return refused;
-    if (unread && !known && !std::isfinite(unsettled_) && !std::isfinite(standing_)) return refused;
+    if (unread && !known && !std::isfinite(unsettled_) && !std::isfinite(sent_)) return refused;
   } else if (on_change && known && last_generation_ == link.generation() && last_written_ == *wish) {
     return *wish;
   }
-  const double instead = std::isfinite(unsettled_) ? unsettled_ : standing_;
+  const double instead = std::isfinite(unsettled_) ? unsettled_ : sent_;
   if (!known && std::isfinite(instead)) {
     registers = encode(point_, instead);
     if (!registers) return refused;

@@ -19,6 +19,7 @@ class ModbusSetpoint {
   /// A value is chosen one step from what the caller believes to stand there: what the last write() returned, or what
   /// saw() was told since. After neither, what stands is read and returned and nothing is written; where it cannot be
   /// read, the last value that was sent is sent again in the place of `value`, so that each step begins at a known one.
+  /// What stood there without having been sent is never sent: it may lie outside all limits, or be a person's.
   /// Nothing is written on another connection than `generation`.
   /// Where the device refuses, the other function (6 or 16) is tried once, and kept where it works.
   /// Returns the value read back, or the rounded value where nothing can be read back.
@@ -48,9 +49,9 @@ class ModbusSetpoint {
   int function_;
   bool alternate_tried_ = false;
   double last_written_ = std::numeric_limits<double>::quiet_NaN();
-  double standing_ = std::numeric_limits<double>::quiet_NaN();   ///< what was last known to stand there
+  double sent_ = std::numeric_limits<double>::quiet_NaN();       ///< by write(), and stood there when last seen
   double unsettled_ = std::numeric_limits<double>::quiet_NaN();  ///< sent since, and nobody knows whether it was taken
-  bool told_ = false;                                            ///< the last write() returned standing_
+  bool told_ = false;                                            ///< the last write() returned a value
   bool seen_ = false;                                            ///< the last saw() did
   std::uint64_t last_generation_ = 0;
   std::uint64_t writes_ = 0;

@@ -6,7 +6,7 @@ namespace airside::edge {
 
 // Every build must read what every other has saved: strict or not, 32 or 64 bits. Where one of these changes on
 // purpose, state_version does too.
-static_assert(sizeof(LearningState<FiveZone, float>) == 706112 && sizeof(RowRecord<FiveZone>) == 4608);
+static_assert(sizeof(LearningState<FiveZone, float>) == 706112 && sizeof(RowRecord<FiveZone>) == 4672);
 
 std::unique_ptr<Daemon> make_daemon(const hal::SiteFile& site, const hal::PointMap& points, const EdgeOptions& options,
                                     hal::StopFlag stop) {

@@ -58,7 +58,7 @@ class Edge final : public Daemon {
 
   int run() override {
     service_.tell("READY=1");  // now: a plant that is away for a day must not look like a start that fails
-    if (!wait_for_plant()) return 0;
+    if (!wait_for_plant()) return ended();
     const CivilTime end = options_.until.value_or(CivilTime{std::numeric_limits<std::int64_t>::max()});
     const CivilTime present = next_row(now());
     CivilTime t = std::max(next_, present);
@@ -70,16 +70,15 @@ class Edge final : public Daemon {
     newest_row_ = next_;
     report_start(t);
     while (!stop_.raised() && t < end) {
-      t = plant_clock_ ? run_cycles<T>(plant_, *plant_clock_, *controller_, *this, t, end)
-                       : run_cycles<T>(plant_, beating_clock_, *controller_, *this, t, end);
+      t = plant_clock_ ? run_cycles<T>(asked_plant_, *plant_clock_, *controller_, *this, t, end)
+                       : run_cycles<T>(asked_plant_, beating_clock_, *controller_, *this, t, end);
       if (plant_clock_ && plant_clock_->stalled()) {
         say("the plant's clock stands still at row {}; is its server running?", t.seconds);
       }
     }
     next_ = t;
     memory_.end();
-    if (options_.crash_limit > 0) starts_.clear();
-    return 0;
+    return ended();
   }
 
   /// After each row: remember it, show it.
@@ -111,6 +110,12 @@ class Edge final : public Daemon {
   static constexpr std::int64_t crash_window_s = 600, hour_s = 3600;
   static constexpr CivilTime built_after{1'704'067'200};  ///< 2024-01-01: no clock of a working box is before
 
+  /// An orderly end is no crash, whatever came before it.
+  int ended() {
+    if (options_.crash_limit > 0) starts_.clear();
+    return 0;
+  }
+
   /// A watchdog that a late row would trip restarts a healthy daemon.
   void report_watchdog() const {
     constexpr double least_s = 2.0 * row_s;
@@ -122,6 +127,7 @@ class Edge final : public Daemon {
   /// What is known when control begins.
   void report_start(CivilTime t) {
     began_ns_ = hal::monotonic_ns();
+    controller_->cycle().ladder.tick(t);  // before it is known whether the clock has been set since the last row
     report_clock(t);
     if (options_.crash_limit > 0 && recent_starts_ >= options_.crash_limit) {
       say("{} starts within ten minutes; the schedule runs for an hour", recent_starts_);
@@ -164,6 +170,16 @@ class Edge final : public Daemon {
     said_rung_ = on;
   }
 
+  /// The AHU, unless a person wants it back: the row that finds his wish comes after its own write.
+  struct AskedPlant {
+    Edge* edge;
+    Expected<Reading<T>> sense() const { return edge->plant_.sense(); }
+    Expected<Applied> actuate(const Command& command) const {
+      if (edge->memory_.release_waits()) return tl::unexpected(Fault::released);
+      return edge->plant_.actuate(command);
+    }
+  };
+
   /// The machine's clock, whose waiting goes on with the heartbeat.
   struct BeatingClock {
     Edge* edge;
@@ -179,6 +195,8 @@ class Edge final : public Daemon {
   /// leave the link waiting when the row is due.
   void beat_between_rows() {
     const double left_s = static_cast<double>(system_clock_.due_ns() - hal::monotonic_ns()) * 1e-9;
+    // A wall clock that was set back makes one wait longer than a row, never than two cycles: no sign of a hang.
+    if (left_s > row_s) service_.tell("WATCHDOG=1");
     if (!beats_ || memory_.release_waits() || left_s < link_.failure_costs_s()) return;
     if (plant_.beat() || plant_.in_touch()) return;
     (void)plant_.sense();
@@ -209,6 +227,11 @@ class Edge final : public Daemon {
     StatusSnapshot s{
         .site = site_.name, .topology = T::name, .rung = controller_->rung(t), .decision = controller_->decision()};
     s.fault = sensed ? s.decision.fault : sensed.error();
+    // To the controller whatever cannot be used is no number; people want to know why.
+    const int signal = s.decision.fault_signal;
+    if (s.fault == Fault::not_finite && signal >= 0 && plant_.signal_fault(signal) != Fault::none) {
+      s.fault = plant_.signal_fault(signal);
+    }
     s.setpoint_degc = controller_->cycle().last_setpoint_degc;
     if (sensed) s.room_temp_degc = {sensed->value.data(), static_cast<std::size_t>(Layout<T>::rooms)};
     s.target_degc = controller_->settings().target_degc;
@@ -247,6 +270,7 @@ class Edge final : public Daemon {
   hal::ModbusPlant<T> plant_;
   hal::SystemClock system_clock_;
   BeatingClock beating_clock_{this};
+  AskedPlant asked_plant_{this};
   bool beats_ = false;  ///< as of the last row: the heartbeat goes on
   std::optional<hal::ModbusPlantClock> plant_clock_;
   std::unique_ptr<Controller<T>> controller_;

@@ -238,17 +238,15 @@ class EdgeMemory {
     }
     if (record_.blob_crc != blob_crc) {
       say("the site names other weights than the state grew from; starting from them");
-      const auto counters = record_.trial.counter;  // an old blob must not come in again by this way
-      const CivilTime none = forget();
-      record_.trial.counter = counters;
-      return none;
+      return forget_weights();
     }
     controller_.cycle() = record_.cycle;
     controller_.replay().restore_count(found->replay_count);
     controller_.restore_decision(record_.decision);
     if (controller_.restored() != Fault::none) {
-      say("saved weights are not finite; starting anew");
-      return forget();
+      say("state in {}: saved weights are not finite", site_.state_dir);
+      state_lost_ = true;
+      return forget_weights();
     }
     if (log_ && !late) note(log_->resume(found->log), "log");  // late, rows since the start stand there
     say("resuming after row {} ({}, generation {})", hal::civil_text(record_.row_time), hal::text_of(found->outcome),
@@ -269,7 +267,9 @@ class EdgeMemory {
   void resume_late(CivilTime t) {
     const std::uint32_t blob_crc = record_.blob_crc;
     const bool known = state_lost_;
+    const Ladder since_start = controller_.cycle().ladder;
     if (load_state(blob_crc, true).seconds == 0) record_.blob_crc = blob_crc;
+    controller_.cycle().ladder.keep_releases(since_start, t);
     if (state_lost_ && !known) controller_.hold(Reason::state_lost, t, 0);
   }
 
@@ -280,6 +280,18 @@ class EdgeMemory {
     record_ = fresh_record();
     if (store_) store_->replay_replaced();
     return {};
+  }
+
+  /// The same where the record itself is whole: an old blob must not come in again by this way, and an AHU that was
+  /// released must not be written to.
+  CivilTime forget_weights() {
+    const auto counters = record_.trial.counter;
+    const Ladder before = record_.cycle.ladder;
+    const CivilTime last = record_.row_time;
+    const CivilTime none = forget();
+    record_.trial.counter = counters;
+    controller_.cycle().ladder.keep_releases(before, last);
+    return none;
   }
 
   static RowRecord<T> fresh_record() {

@@ -49,8 +49,11 @@ struct TrialRecord {
   std::uint32_t tried_cycles = 0;  ///< that these weights foretold while the box was in control
   double error_sum_k2 = 0;         ///< of those forecasts
   double before_error_k2 = 0;      ///< mean square error of the weights before
-  std::uint32_t had_weights = 0;   ///< whether there were any
-  Fault refusal = Fault::none;     ///< why the last blob was refused
+  double head_error_sum_k2 = 0;    ///< as error_sum_k2, of their room head; 0 where the room kept its own
+  double before_head_error_k2 = 0;
+  std::uint32_t took_head = 0;    ///< whether the room was too young to keep its own
+  std::uint32_t had_weights = 0;  ///< whether there were any
+  Fault refusal = Fault::none;    ///< why the last blob was refused
   std::array<char, 43> refusal_field{};
   std::uint64_t previous_digest = 0;  ///< of the copy to go back to; 0: none
 };
@@ -130,16 +133,22 @@ class WeightsTrial {
   BlobError install(CivilTime t, std::span<const std::byte> bytes, Controller<T>& controller, TrialRecord& record) {
     const auto key = hal::verify_blob(bytes, keys_);
     if (!key) return key.error();
-    const auto header = WeightBlob<T>::decode(bytes, scope_, *payload_);
+    const auto header = WeightBlob<T>::read(bytes, scope_, *payload_);
     if (!header) return header.error();
     TrialRecord::Counter* counter = counter_of(record, header->key_id);
     if (counter == nullptr || header->security_counter <= counter->highest) {
       return {Fault::blob_counter, "security_counter"};
     }
+    if (const BlobError wrong = WeightBlob<T>::check_values(*payload_); wrong.fault != Fault::none) return wrong;
     std::copy(payload_->weights.begin(), payload_->weights.end(), weights_->flat().begin());
     const auto wild = controller.wildness(payload_->scaler, *weights_);
     if (!(wild.canary_k <= 0)) return {Fault::blob_value, "canary states"};
     if (!(wild.replay_k <= wildest_replay_k)) return {Fault::blob_value, "forecasts of what this room did"};
+    const bool head = wants_head<T>(controller, *payload_);
+    const typename RoomHead<T>::ConstCovariance covariance(payload_->head_covariance.data());
+    if (head && !(canary_excess_k<T>(payload_->head_theta, covariance) <= 0)) {
+      return {Fault::blob_value, "room head on canary states"};
+    }
     // Weights that are on trial themselves are no way back: the copy that was made before them stays the one.
     if (record.state != TrialState::on_trial) {
       const hal::StoreResult<std::uint64_t> kept = copy_.save(learning_bytes(controller), record.previous_digest);
@@ -147,6 +156,8 @@ class WeightsTrial {
       record.previous_digest = staged_copy_ = *kept;
       record.had_weights = controller.cycle().has_weights != 0 ? 1 : 0;
       record.before_error_k2 = controller.cycle().network_error_k2;
+      record.before_head_error_k2 = controller.cycle().head_error_k2;
+      record.took_head = 0;
     }
     exchange_payload<T>(controller, *payload_);
     counter->highest = header->security_counter;
@@ -154,7 +165,8 @@ class WeightsTrial {
     record.begun_s = t.seconds;
     record.until_s = t.seconds + trial_s;
     record.worse_cycles = record.tried_cycles = 0;
-    record.error_sum_k2 = 0;
+    record.error_sum_k2 = record.head_error_sum_k2 = 0;
+    if (head) record.took_head = 1;  // and a second push within the trial does not give the room its own back
     record.blob_crc = crc32c(bytes);
     controller.report(Reason::state_lost, false, t);
     say("weights {:08x} of {} taken; {}", record.blob_crc, (*key)->name.view(), text_of(record.state));
@@ -179,16 +191,21 @@ class WeightsTrial {
       return roll_back(controller, record, "rooms answer the wrong way round");
     }
     const double error_k2 = record.error_sum_k2 / std::max(record.tried_cycles, 1U);
-    if (record.tried_cycles >= few_cycles && error_k2 > bad_error_k * bad_error_k &&
-        error_k2 > record.before_error_k2) {
+    const double head_error_k2 = record.head_error_sum_k2 / std::max(record.tried_cycles, 1U);
+    if (record.tried_cycles >= few_cycles &&
+        (is_bad(error_k2, record.before_error_k2) || is_bad(head_error_k2, record.before_head_error_k2))) {
       return roll_back(controller, record, "they foretell the rooms worse than those before, by more than 1 K");
     }
     if (t.seconds >= record.until_s && record.tried_cycles >= enough_cycles) {
       record.state = TrialState::confirmed;
       say("weights {:08x} confirmed after a day: {} cycles foretold within {:.2f} K", record.blob_crc,
-          record.tried_cycles, std::sqrt(error_k2));
+          record.tried_cycles, std::sqrt(std::max(error_k2, head_error_k2)));
     }
     return false;
+  }
+
+  static bool is_bad(double error_k2, double before_k2) {
+    return error_k2 > bad_error_k * bad_error_k && error_k2 > before_k2;
   }
 
   static void count(const Decision& d, TrialRecord& record) {
@@ -197,6 +214,9 @@ class WeightsTrial {
     if (d.mode > Mode::run || !std::isfinite(d.network_error_k)) return;
     ++record.tried_cycles;
     record.error_sum_k2 += d.network_error_k * d.network_error_k;
+    if (record.took_head != 0 && std::isfinite(d.head_error_k)) {
+      record.head_error_sum_k2 += d.head_error_k * d.head_error_k;
+    }
   }
 
   bool roll_back_as_asked(Controller<T>& controller, TrialRecord& record) {
@@ -247,6 +267,7 @@ class WeightsTrial {
     }
     if (record.had_weights == 0 || way_is_gone) controller.drop_weights();  // which asks for no copy
     controller.cycle().network_error_k2 = record.before_error_k2;
+    controller.cycle().head_error_k2 = record.before_head_error_k2;
     record.state = TrialState::rolled_back;
     say("weights {:08x} rolled back: {}", record.blob_crc, why);
     return true;

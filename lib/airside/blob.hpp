@@ -158,10 +158,20 @@ class BlobCodec {
   }
 
   /// Reads a blob whole, or not at all: `payload` is complete on success and unspecified on error.
-  /// Errors: BlobError naming the field; checked in the order length, magic, version, architecture, size, digest,
-  /// topology, units, scope, values.
+  /// Errors: BlobError naming the field; checked in the order of read(), then the values.
   static tl::expected<BlobHeader, BlobError> decode(std::span<const std::byte> in, std::span<const char> site_scope,
                                                     Payload& payload) {
+    const auto header = read(in, site_scope, payload);
+    if (!header) return header;
+    const BlobError wrong = check_values(payload);
+    return wrong.fault == Fault::none ? header : tl::unexpected(wrong);
+  }
+
+  /// As decode(), for a caller who has other questions before he looks at the values.
+  /// Errors: BlobError naming the field; checked in the order length, magic, version, architecture, size, digest,
+  /// topology, units, scope.
+  static tl::expected<BlobHeader, BlobError> read(std::span<const std::byte> in, std::span<const char> site_scope,
+                                                  Payload& payload) {
     const auto refuse = [](Fault fault, const char* field) { return tl::unexpected(BlobError{fault, field}); };
     if (in.size() < sizeof(BlobHeader)) return refuse(Fault::blob_truncated, "header");
     BlobHeader header;
@@ -194,15 +204,20 @@ class BlobCodec {
     if (header.payload_bytes != Payload::bytes(header.head_states)) return refuse(Fault::blob_size, "payload_bytes");
     if (!scope_matches(header, site_scope)) return refuse(Fault::blob_scope, "site_scope");
     read_payload(header, in.subspan(sizeof header), payload);
-    if (!payload.scaler.finite()) return refuse(Fault::blob_value, "scaler");
-    for (const float w : payload.weights) {
-      if (!(w >= -1e3f && w <= 1e3f)) return refuse(Fault::blob_value, "weights");
-    }
-    if (!payload.head_theta.allFinite()) return refuse(Fault::blob_value, "head_theta");
-    const typename RoomHead<T>::ConstCovariance covariance(payload.head_covariance.data());
-    if (!covariance.allFinite()) return refuse(Fault::blob_value, "head_covariance");
-    if (!(covariance.diagonal().array() >= 0).all()) return refuse(Fault::blob_value, "head_covariance");
     return header;
+  }
+
+  /// Whether all values can be: finite, weights within 1000, no negative variance. Fault::none, or what is wrong.
+  static BlobError check_values(const Payload& payload) {
+    if (!payload.scaler.finite()) return {Fault::blob_value, "scaler"};
+    for (const float w : payload.weights) {
+      if (!(w >= -1e3f && w <= 1e3f)) return {Fault::blob_value, "weights"};
+    }
+    if (!payload.head_theta.allFinite()) return {Fault::blob_value, "head_theta"};
+    const typename RoomHead<T>::ConstCovariance covariance(payload.head_covariance.data());
+    if (!covariance.allFinite()) return {Fault::blob_value, "head_covariance"};
+    if (!(covariance.diagonal().array() >= 0).all()) return {Fault::blob_value, "head_covariance"};
+    return {Fault::none, ""};
   }
 
   /// Payload bytes as they are, for showing blobs that decode() refuses.

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "airside/network_forward.hpp"
+#include "airside/room_head.hpp"
 #include "airside/scaler.hpp"
 #include "airside/settings.hpp"
 
@@ -45,6 +46,21 @@ double canary_excess_k(const ControllerSettings& settings, const Scaler<T>& scal
     excess += std::max(0.0, mean[0] - mean[1] - deepest_reversal_k);
   }
   return excess;
+}
+
+/// How far a room head lies outside what a room can do; 0 for a sane one.
+/// One unit of each regressor, and each slot's disturbance, must move the room by 5 K a cycle at most; the gain must
+/// not be reversed beyond doubt; nothing may be less known than by 10 K: excess = sum of (|theta| - 5)+, of
+/// -(theta_gain + 2 sd)- and of (sd - 10)+.
+/// Units: K. Errors: not 0 for what is no number. Cost: O(states).  Source: RELIABILITY row 49, DESIGN.md 3.
+template <Topology T>
+double canary_excess_k(const typename RoomHead<T>::State& theta, typename RoomHead<T>::ConstCovariance covariance) {
+  constexpr double widest_move_k = 5, least_known_k = 10;
+  constexpr int gain = HeadFeatures::setpoint_change;
+  const auto sd = covariance.diagonal().array().sqrt();
+  if (!theta.allFinite() || !sd.isFinite().all()) return std::numeric_limits<double>::infinity();
+  return (theta.array().abs() - widest_move_k).max(0.0).sum() + (sd - least_known_k).max(0.0).sum() +
+         std::max(0.0, -(theta(gain) + 2 * std::sqrt(covariance(gain, gain))));
 }
 
 }  // namespace airside

@@ -145,10 +145,10 @@ class Controller {
   /// Errors: a refused command is remembered as unknown, and nothing is learned from the cycle it would have begun.
   void absorb(const Expected<Applied>& applied) {
     // Where nothing was written, what was read still stands.
-    const bool stands = !applied && decision_.mode == Mode::release;
+    const bool released = decision_.mode == Mode::release || (!applied && applied.error() == Fault::released);
+    const bool stands = !applied && released;
     const double setpoint = applied ? applied->setpoint_degc : stands ? cycle_.last_setpoint_degc : unknown;
-    if (!applied && decision_.fault == Fault::none && decision_.mode != Mode::release)
-      decision_.fault = applied.error();
+    if (!applied && decision_.fault == Fault::none && !released) decision_.fault = applied.error();
     account(applied);
     cycle_.network_expected_degc = cycle_.head_expected_degc = Decision::none;
     if (usable_ && applied && std::isfinite(setpoint)) expect(decision_.time, setpoint);
@@ -280,7 +280,7 @@ class Controller {
   static constexpr int power_of_head = L::power + T::powers - 1;
   /// Other weights do not answer for what those before them did, and get a day of their own to show it.
   void forget_comparison() {
-    cycle_.network_expected_degc = unknown;
+    cycle_.network_expected_degc = cycle_.head_expected_degc = unknown;
     cycle_.shadow.reset();
     cycle_.worse_cycles = 0;
     cycle_.ladder.set(Reason::worse_than_schedule, false, cycle_.last_time);
@@ -482,7 +482,7 @@ class Controller {
     completed_ = !doubted(t);
     decision_.loss = learning_.learner.loss_of(learning_.weights, newest_, learner_settings_.loss, scratch_);
     const double network_error = decision_.network_error_k = decision_.room_mean_degc - cycle_.network_expected_degc;
-    const double head_error = decision_.room_mean_degc - cycle_.head_expected_degc;
+    const double head_error = decision_.head_error_k = decision_.room_mean_degc - cycle_.head_expected_degc;
     track(cycle_.network_error_k2, network_error);
     track(cycle_.head_error_k2, head_error);
     double loss = settings_.confidence_strb_only != 0 ? decision_.loss.strb : decision_.loss.total;
@@ -493,6 +493,10 @@ class Controller {
     }
     cycle_.confidence = confidence_step(settings_, cycle_.confidence, loss);
     decision_.confidence = cycle_.confidence;
+    constexpr double least = 0.05;
+    constexpr std::int64_t day_s = 86400;
+    const bool is_silent = effective_confidence(settings_, cycle_.confidence) < least;
+    cycle_.ladder.set(Reason::forecasts_doubted, cycle_.no_confidence.lasts(is_silent, t, day_s), t);
   }
 
   /// predict -> score -> blend. Errors: NaN if neither network nor head gives a number.

@@ -31,6 +31,7 @@ struct Decision {
   double confidence = none;          ///< c_t before it is made effective
   double head_share = none;          ///< weight of the head against the network
   double network_error_k = none;     ///< by which the network's forecast of the cycle that ended was wrong
+  double head_error_k = none;        ///< the same of the room head's
   double expected_mean_degc = none;  ///< room mean forecast for the end of the cycle, at the applied setpoint
   LossTerms loss{none, none, none, none, none, none};  ///< of the transition that just ended
 };

@@ -76,14 +76,21 @@ void take_head(Controller<T, float>& controller, const BlobPayload<T, NetworkWei
   head.complete_day_types(controller.settings());
 }
 
-/// A blob's weights and scaler in place of those in use. The room's own head stays once it has learned for a day: it
-/// knows this room, the blob's another one or a twin.
+/// Whether exchange_payload() would take the blob's head. The room's own stays once it has learned for a day: it knows
+/// this room, the blob's another one or a twin.
+template <Topology T>
+bool wants_head(const Controller<T, float>& controller,
+                const BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
+  return payload.head_states > 0 && controller.learning().head.updates() < cycles_per_day;
+}
+
+/// A blob's weights and scaler in place of those in use, and its head where wants_head().
 template <Topology T>
 void exchange_payload(Controller<T, float>& controller,
                       const BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
-  const bool young = controller.learning().head.updates() < cycles_per_day;
+  const bool head = wants_head<T>(controller, payload);
   controller.exchange(payload.scaler, payload.weights);
-  if (young) take_head<T>(controller, payload);
+  if (head) take_head<T>(controller, payload);
 }
 
 /// Puts a blob's scaler, weights and head into the controller.

@@ -59,8 +59,9 @@ enum class Reason : std::uint8_t {
   map_refused = 25,             ///< the device refuses a request that the point map makes
   gateway_failed = 26,          ///< a gateway does not reach the device behind it
   order_doubted = 27,           ///< a value makes sense only in another order of its words
+  forecasts_doubted = 28,       ///< forecasts have been so wrong for a day that the schedule has the say
 };
-constexpr int reason_count = 28;
+constexpr int reason_count = 29;
 
 /// What a reason asks for. Texts are whole phrases for log, status and page.
 struct Rung {
@@ -258,6 +259,13 @@ constexpr Rung rung_of(Reason reason) {
               false,
               "a value makes sense only in another order of its words",
               "ends when it makes sense as the map has it; airside probe shows which order fits"};
+    case Reason::forecasts_doubted:
+      return {"forecasts doubted",
+              Mode::learn,
+              true,
+              false,
+              "the room's forecasts have been so wrong for a day that the schedule has the say",
+              "ends when they come true again; look for what has changed in the room, or push other weights"};
   }
   return {"unknown", Mode::release, false, true, "unknown", "unknown"};
 }
@@ -298,14 +306,28 @@ class Ladder {
       if (rung_of(r).for_person || rung_of(r).mode == Mode::release) until(r) = 0;
     }
   }
-  /// Follows the clock: where it is set back, what began later is moved with it, so that no time limit grows.
+  /// Whatever keeps the AHU released on another ladder keeps it on this one, at least as long.
+  constexpr void keep_releases(const Ladder& other, CivilTime t) {
+    for (int i = 1; i < reason_count; ++i) {
+      const auto r = static_cast<Reason>(i);
+      const auto at = static_cast<std::size_t>(i);
+      if (rung_of(r).mode != Mode::release || !other.active(r, t) || other.until_s_[at] <= until(r)) continue;
+      since(r) = other.since_s_[at];
+      until(r) = other.until_s_[at];
+    }
+  }
+  /// Follows the clock: where it is set back, what began later is moved with it, so that no time limit grows; and
+  /// where one that was never set is set at last, so that none shrinks.
   constexpr void tick(CivilTime t) {
-    if (t.seconds < last_s_ - cycle_s) {
+    const bool set_back = t.seconds < last_s_ - cycle_s;
+    const bool set_at_last = t.seconds > last_s_ + cycle_s && active(Reason::clock_not_set, t);
+    if (last_s_ != never && (set_back || set_at_last)) {
+      const std::int64_t moved_s = t.seconds - last_s_;
       for (int i = 1; i < reason_count; ++i) {
         const auto r = static_cast<Reason>(i);
         if (until(r) == 0) continue;
-        since(r) -= last_s_ - t.seconds;
-        if (until(r) != for_ever) until(r) -= last_s_ - t.seconds;
+        since(r) += moved_s;
+        if (until(r) != for_ever) until(r) += moved_s;
       }
     }
     last_s_ = t.seconds;
@@ -338,13 +360,14 @@ class Ladder {
 
  private:
   static constexpr std::int64_t for_ever = std::numeric_limits<std::int64_t>::max();
+  static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::min() + cycle_s;
 
   constexpr std::int64_t& until(Reason r) { return until_s_[static_cast<std::size_t>(r)]; }
   constexpr std::int64_t& since(Reason r) { return since_s_[static_cast<std::size_t>(r)]; }
 
   std::array<std::int64_t, reason_count> until_s_{};  ///< 0: not active
   std::array<std::int64_t, reason_count> since_s_{};
-  std::int64_t last_s_ = std::numeric_limits<std::int64_t>::min() + cycle_s;
+  std::int64_t last_s_ = never;
 };
 
 }  // namespace airside

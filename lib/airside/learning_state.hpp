@@ -20,7 +20,7 @@ namespace airside {
 
 /// Counts up whenever the meaning of a byte of LearningState or CycleState changes, sizes apart: saved state of another
 /// number is not read.
-constexpr std::uint32_t state_version = 5;
+constexpr std::uint32_t state_version = 6;
 
 /// What learning has produced: saved as one generation. Plain bytes, no pointers.
 template <Topology T, class Scalar>
@@ -47,6 +47,7 @@ struct CycleState {
   HandsWatch hands{};
   Spell supply_ignores{};
   Spell gain_reversed{};
+  Spell no_confidence{};
   Guideline36 guideline36{};
   WriteBudget budget{};
   alignas(state_alignment)

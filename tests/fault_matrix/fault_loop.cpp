@@ -156,14 +156,20 @@ void FaultLoop::lose_state() {
   controller_->hold(Reason::state_lost, box_time(), 0);
 }
 
-void FaultLoop::push(float factor, const std::function<void(std::vector<std::byte>&)>& spoil, bool old_counter) {
-  const std::uint64_t counter = old_counter ? counter_ : ++counter_;
-  auto bytes = weights::signed_by(weights::blob_of<T>(*controller_,
-                                                      [&](auto& payload) {
-                                                        for (float& w : payload.weights) w *= factor;
-                                                      }),
-                                  prepared_.key, counter);
-  if (spoil) spoil(bytes);
+void FaultLoop::push(const Push& how) {
+  const std::uint64_t counter = how.old_counter ? counter_ : ++counter_;
+  Bytes bytes = weights::blob_of<T>(*controller_, [&](Payload& payload) {
+    for (float& w : payload.weights) w *= how.factor;
+    if (how.payload) how.payload(payload);
+  });
+  if (how.header) {
+    BlobHeader header;
+    std::memcpy(&header, bytes.data(), sizeof header);
+    how.header(header);
+    std::memcpy(bytes.data(), &header, sizeof header);
+  }
+  bytes = weights::signed_by(bytes, how.by_a_stranger ? hal::make_key("stranger") : prepared_.key, counter);
+  if (how.bytes) how.bytes(bytes);
   std::ofstream out(folder_ / "inbox" / "weights.blob", std::ios::binary);
   out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
@@ -342,13 +348,47 @@ double hand(FaultLoop& loop, SplitMix64& draw) {
   return 4;
 }
 
-double broken_push(FaultLoop& loop, SplitMix64& draw) {
-  const std::uint64_t bits = draw.next();
-  loop.push(0.9F, [bits](std::vector<std::byte>& bytes) {
-    bytes[(bits >> 3) % bytes.size()] ^= static_cast<std::byte>(1U << (bits & 7U));
-    if ((bits & 0x100U) != 0) bytes.resize((bits >> 16) % bytes.size());
-  });
+double truncated_push(FaultLoop& loop, SplitMix64& draw) {
+  const std::uint64_t at = draw.next();
+  loop.push({.bytes = [at](FaultLoop::Bytes& bytes) { bytes.resize(at % bytes.size()); }});
   return 0.2;
+}
+
+/// Signed by the right key, on a machine of other bytes or numbers.
+double push_of_another_machine(FaultLoop& loop, SplitMix64& draw) {
+  const bool order = draw.below(2) == 0;
+  loop.push({.header = [order](BlobHeader& header) {
+    if (order) header.endian_mark = 0x04030201;
+    if (!order) header.float_mark = -header.float_mark;
+  }});
+  return 0.2;
+}
+
+/// Signed by the right key, and meant for others.
+double push_for_another_room(FaultLoop& loop, SplitMix64& draw) {
+  const std::uint32_t which = draw.below(3);
+  loop.push({.header = [which](BlobHeader& header) {
+    if (which == 0) header.topology_hash ^= 1;
+    if (which == 1) header.units_hash ^= 1;
+    if (which == 2) header.site_scope = {'e', 'l', 's', 'e', 'w', 'h', 'e', 'r', 'e'};
+  }});
+  return 0.2;
+}
+
+double wild_push(FaultLoop& loop, SplitMix64& draw) {
+  if (draw.below(2) == 0) {
+    loop.push({.factor = static_cast<float>(std::pow(10.0, 0.05 + 3 * draw.uniform()) * sign(draw))});
+    return 24.0;
+  }
+  const double k = sign(draw) * std::pow(10.0, 2 * draw.uniform());
+  const std::uint64_t seed = draw.next();
+  // A young room takes the head too.
+  loop.controller().learning().head.set_updates(1);
+  loop.push({.payload = [k, seed](FaultLoop::Payload& payload) {
+    SplitMix64 each(seed);
+    for (double& theta : payload.head_theta) theta += k * each.symmetric();
+  }});
+  return 24.0;
 }
 
 constexpr std::array<MatrixRow, 60> rows = {{
@@ -487,23 +527,23 @@ constexpr std::array<MatrixRow, 60> rows = {{
      }},
     {42, "control starved", for_a_while<LoopFault::asleep>},
     {43, "descriptor leak", nullptr},
-    {44, "blob truncated", broken_push},
-    {45, "blob of another machine", broken_push},
-    {46, "blob of another topology", broken_push},
+    {44, "blob truncated", truncated_push},
+    {45, "blob of another machine", push_of_another_machine},
+    {46, "blob of another topology", push_for_another_room},
     {47, "blob replayed",
      [](FaultLoop& loop, SplitMix64&) {
-       loop.push(0.9F, {}, true);
+       loop.push({.old_counter = true});
        return 0.2;
      }},
-    {48, "unknown key", broken_push},
-    {49, "wild weights",
-     [](FaultLoop& loop, SplitMix64& draw) {
-       loop.push(static_cast<float>(std::pow(10.0, 0.05 + 3 * draw.uniform()) * sign(draw)));
-       return 24.0;
+    {48, "unknown key",
+     [](FaultLoop& loop, SplitMix64&) {
+       loop.push({.by_a_stranger = true});
+       return 0.2;
      }},
+    {49, "wild weights", wild_push},
     {50, "power cut in an install",
      [](FaultLoop& loop, SplitMix64& draw) {
-       loop.push(0.9F + 0.2F * static_cast<float>(draw.uniform()));
+       loop.push({.factor = 0.9F + 0.2F * static_cast<float>(draw.uniform())});
        loop.in_hours(0.1 * draw.below(4), [&loop] { loop.kill(); });
        return 24.0;
      }},

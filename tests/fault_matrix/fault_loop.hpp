@@ -80,8 +80,18 @@ class FaultLoop {
   void kill(bool from_older = false);
   /// The box is killed and nothing that was saved is whole: it begins from its weights and its history.
   void lose_state();
-  /// Signed weights arrive, each one of those in use times `factor`; `spoil` may change their bytes afterwards.
-  void push(float factor, const std::function<void(std::vector<std::byte>&)>& spoil = {}, bool old_counter = false);
+  using Payload = WeightBlob<T>::Payload;
+  using Bytes = std::vector<std::byte>;
+  /// Weights that arrive: those in use, each times `factor`, and what is done to them on their way.
+  struct Push {
+    float factor = 0.9F;
+    std::function<void(Payload&)> payload = {};
+    std::function<void(BlobHeader&)> header = {};  ///< before they are signed
+    std::function<void(Bytes&)> bytes = {};        ///< after it
+    bool old_counter = false;
+    bool by_a_stranger = false;
+  };
+  void push(const Push& how);
   /// The watchman's look at a setpoint that is about to reach the AHU.
   void look_at_write(double setpoint_degc);
   /// Every fault ends now.

@@ -231,6 +231,35 @@ TEST(ModbusWrites, Row26RegisterThatCannotBeReadAnyMoreIsSentTheSameValueAgain) 
   }
 }
 
+TEST(ModbusWrites, Row26WhatStoodThereUnsentIsNeverSent) {
+  // At the first row another's 29 degC stands there; then the register cannot be read any more.
+  Desk desk("n=4.. on=read fc=3 at=0 exception:code=2");
+  desk.served.server().set("setpoint", 29.0);
+  ASSERT_EQ(desk.plant.sense()->setpoint_degc, 29.0);
+  for (int row = 0; row < 3; ++row) {
+    ASSERT_TRUE(desk.plant.sense());
+    EXPECT_EQ(desk.plant.actuate(command_of(24.5)).error(), Fault::not_applied);
+  }
+  EXPECT_EQ(desk.count(writes_setpoint), 0U);
+  EXPECT_TRUE(desk.plant.map_refused()) << "or nobody would know why";
+}
+
+TEST(ModbusWrites, Row26AnotherHandsValueIsNotSentAfterOnesOwn) {
+  Desk desk("n=8.. on=read fc=3 at=0 exception:code=2\nn=10 on=write at=0 mute");
+  ASSERT_TRUE(desk.plant.sense());
+  ASSERT_TRUE(desk.plant.actuate(command_of(22.0)));
+  desk.served.server().set("setpoint", 27.0);
+  ASSERT_EQ(desk.plant.sense()->setpoint_degc, 27.0);
+  for (int row = 0; row < 4; ++row) {
+    (void)desk.plant.sense();
+    (void)desk.plant.actuate(command_of(24.0));
+  }
+  for (const ChaosExchange& e : desk.exchanges()) {
+    if (!writes_setpoint(e)) continue;
+    EXPECT_NE(hal::get16(&e.asked[10]), 2700);
+  }
+}
+
 TEST(ModbusWrites, Row15WithoutARestartEachWriteArrives) {
   Desk desk;
   desk.expect_undisturbed();

@@ -36,6 +36,42 @@ TEST(ControllerLadder, AnotherHandIsLeftAloneForItsTimeAndNothingIsLearned) {
   EXPECT_NE(rig.setpoint, 21.0) << "and is taken back after its time";
 }
 
+TEST(ControllerLadder, AWishForReleaseBetweenDecisionAndWriteLeavesWhatStands) {
+  Rig rig;
+  rig.cycles(6);
+  const std::uint64_t remembered = rig.controller->replay().total_pushed();
+  (void)rig.controller->decide(rig.now, Expected<Reading<T>>(rig.reading()));
+  ASSERT_EQ(rig.decision().mode, Mode::learn);
+  rig.controller->absorb(tl::unexpected(Fault::released));
+  EXPECT_EQ(rig.decision().fault, Fault::none) << "nothing is wrong";
+  EXPECT_EQ(rig.controller->cycle().last_setpoint_degc, rig.setpoint);
+  EXPECT_EQ(rig.controller->replay().total_pushed(), remembered + 1) << "the cycle before was ours";
+  EXPECT_EQ(rig.controller->cycle().ours, 0);
+}
+
+TEST(ControllerLadder, Row49ForecastsThatAreWrongForADayAreTold) {
+  Rig rig;
+  rig.cycles(6);
+  int cycles = 0;
+  for (; rig.decision().reason != Reason::forecasts_doubted && cycles < 3 * cycles_per_day; ++cycles) {
+    rig.controller->cycle().head_expected_degc += 3;
+    rig.cycles(1);
+  }
+  EXPECT_GE(cycles, cycles_per_day);
+  EXPECT_LE(cycles, cycles_per_day + 40) << "a day after the schedule has the say";
+  EXPECT_EQ(rig.decision().mode, Mode::learn) << "an alarm, no rung: the schedule has the say by itself";
+  rig.cycles(60);
+  EXPECT_FALSE(rig.controller->cycle().ladder.active(Reason::forecasts_doubted, rig.now));
+}
+
+TEST(ControllerLadder, Row49WithoutWrongForecastsNoneAreDoubted) {
+  Rig rig;
+  for (int i = 0; i < 3 * cycles_per_day; ++i) {
+    rig.cycles(1);
+    ASSERT_NE(rig.decision().reason, Reason::forecasts_doubted) << i;
+  }
+}
+
 TEST(ControllerLadder, ADeviceThatWasOutOfTouchIsNoOtherHand) {
   Rig rig;
   rig.cycles(6);

@@ -68,6 +68,46 @@ TEST(Ladder, AClockSetBackDoesNotMakeAnOverrideLast) {
   EXPECT_EQ(ladder.mode({back.seconds + 3600}), Mode::learn);
 }
 
+TEST(Ladder, Row28AClockThatIsSetAtLastDoesNotEndAnOverride) {
+  Ladder ladder;
+  ladder.tick(noon);
+  ladder.hold(Reason::overridden, noon, 4 * 3600);
+  const CivilTime nineteen_seventy{600};
+  ladder.tick(nineteen_seventy);
+  ladder.set(Reason::clock_not_set, true, nineteen_seventy);
+  ladder.tick(later(1200));
+  EXPECT_TRUE(ladder.active(Reason::overridden, later(1200)));
+  ladder.set(Reason::clock_not_set, false, later(1200));
+  EXPECT_TRUE(ladder.active(Reason::overridden, later(1200 + 4 * 3600 - 1)));
+  EXPECT_FALSE(ladder.active(Reason::overridden, later(1200 + 4 * 3600)));
+}
+
+TEST(Ladder, Row28WithoutADoubtedClockTimeThatHasPassedHasPassed) {
+  Ladder ladder;
+  ladder.tick(noon);
+  ladder.hold(Reason::overridden, noon, 3600);
+  ladder.tick(later(86400));
+  EXPECT_FALSE(ladder.active(Reason::overridden, later(86400)));
+  Ladder fresh;
+  fresh.set(Reason::clock_not_set, true, {600});
+  fresh.tick({600});
+  EXPECT_EQ(fresh.since_s(Reason::clock_not_set), 600) << "the first tick moves nothing";
+}
+
+TEST(Ladder, ReleasesOfAnotherLadderStay) {
+  Ladder before, after;
+  before.hold(Reason::released_by_hand, noon, 0);
+  before.hold(Reason::overridden, noon, 3600);
+  before.hold(Reason::writes_refused, later(-7200), 3600);
+  before.set(Reason::sensor_drifts, true, noon);
+  after.hold(Reason::overridden, noon, 7200);
+  after.keep_releases(before, noon);
+  EXPECT_EQ(after.gravest(later(1'000'000'000)), Reason::released_by_hand);
+  EXPECT_TRUE(after.active(Reason::overridden, later(7199))) << "its own is the longer one";
+  EXPECT_FALSE(after.active(Reason::writes_refused, noon)) << "that was over";
+  EXPECT_FALSE(after.active(Reason::sensor_drifts, noon)) << "the next reading tells";
+}
+
 TEST(Ladder, ASmallStepOfTheClockChangesNothing) {
   Ladder ladder;
   ladder.tick(noon);

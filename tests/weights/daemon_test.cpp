@@ -78,6 +78,40 @@ TEST(PushedWeights, ADaemonKilledDuringTheTrialEndsAsAnUndisturbedOne) {
   EXPECT_EQ(killed.status()["pushed_weights"], "confirmed");
 }
 
+TEST(Released, AWishThatLiesThereIsKeptBeforeTheFirstWriteAndByWhateverComesAfter) {
+  PushBench b("released");
+  std::ofstream(b.bench.file("inbox") / "release");
+  {
+    const auto daemon = b.bench.start_daemon();
+    while (b.bench.logged_rows() < 30 && daemon->running()) closed_loop::sleep_s(0.001);
+    daemon->signal(SIGTERM);
+    ASSERT_EQ(daemon->wait(30), 0) << daemon->said();
+  }
+  EXPECT_EQ(b.status()["setpoint_writes"], 0) << "the first row is one that decides";
+  EXPECT_EQ(b.status()["reason"], "released by hand");
+  // Other weights in the site file are a person's wish too, but not this one's end.
+  std::ifstream in(b.bench.file("site.toml"));
+  std::string site(std::istreambuf_iterator<char>(in), {});
+  const std::size_t at = site.find("weights.blob");
+  ASSERT_NE(at, std::string::npos) << site;
+  site.replace(at, 12, "signed.blob");
+  std::ofstream(b.bench.file("site.toml"), std::ios::trunc) << site;
+  const auto daemon = b.bench.start_daemon();
+  ASSERT_EQ(daemon->wait(120), 0) << daemon->said();
+  EXPECT_NE(daemon->said().find("other weights than the state grew from"), std::string::npos) << daemon->said();
+  EXPECT_EQ(b.status()["setpoint_writes"], 0);
+  EXPECT_EQ(b.status()["reason"], "released by hand") << b.status();
+}
+
+TEST(Released, WithoutAWishTheFirstRowsWrite) {
+  PushBench b("not_released");
+  const auto daemon = b.bench.start_daemon();
+  while (b.bench.logged_rows() < 30 && daemon->running()) closed_loop::sleep_s(0.001);
+  daemon->signal(SIGTERM);
+  ASSERT_EQ(daemon->wait(30), 0) << daemon->said();
+  EXPECT_GT(b.status()["setpoint_writes"], 0);
+}
+
 TEST(PushedWeights, AnUnsignedBlobIsRefusedBeforeItLeaves) {
   PushBench b("push_unsigned");
   EXPECT_EQ(b.run({"push", b.bench.file("weights.blob"), b.bench.file("site.toml")}), 1);

@@ -68,7 +68,7 @@ TEST_F(Signed, NoFlippedBitIsTaken) {
 
 TEST_F(Signed, Row44NoOtherLengthIsTaken) {
   std::size_t tried = 0;
-  for (std::size_t length = 0; length < blob.size(); length += length < 300 || length + 300 > blob.size() ? 1U : 97U) {
+  for (std::size_t length = 0; length < blob.size(); ++length) {
     const auto found = hal::verify_blob(std::span(blob).first(length), ring);
     ASSERT_FALSE(found) << length;
     EXPECT_EQ(found.error().fault, Fault::blob_truncated) << length;

@@ -169,6 +169,28 @@ const Refused refused[] = {
                                    }),
                         key, 9);
      }},
+    {"HeadWithAWildDay", Fault::blob_value,
+     [](const auto& c, const auto& key) {
+       return signed_by(blob_of<T>(c, [](auto& p) { p.head_theta(RoomHead<T>::regressors + 5) = 50; }), key, 9);
+     }},
+    {"HeadBeyondAllNumbers", Fault::blob_value,
+     [](const auto& c, const auto& key) {
+       return signed_by(blob_of<T>(c, [](auto& p) { p.head_theta(4) = -1e300; }), key, 9);
+     }},
+    {"HeadThatKnowsNothing", Fault::blob_value,
+     [](const auto& c, const auto& key) {
+       return signed_by(blob_of<T>(c, [](auto& p) { p.head_covariance[0] = 1e300; }), key, 9);
+     }},
+    {"HeadThatHeatsByCooling", Fault::blob_value,
+     [](const auto& c, const auto& key) {
+       constexpr auto gain = static_cast<std::size_t>(HeadFeatures::setpoint_change);
+       return signed_by(blob_of<T>(c,
+                                   [](auto& p) {
+                                     p.head_theta(HeadFeatures::setpoint_change) = -0.5;
+                                     p.head_covariance[gain * RoomHead<T>::states + gain] = 1e-4;
+                                   }),
+                        key, 9);
+     }},
 };
 
 TEST_F(Trial, Row49WhatIsNotSoundIsRefusedAndChangesNothing) {
@@ -184,6 +206,47 @@ TEST_F(Trial, Row49WhatIsNotSoundIsRefusedAndChangesNothing) {
     EXPECT_EQ(record.state, TrialState::none) << r.name;
     EXPECT_TRUE(std::filesystem::exists(folder.file("inbox") / "refused")) << r.name;
   }
+}
+
+TEST_F(Trial, Row49AHeadThatForetellsTheRoomsBadlyIsTakenBack) {
+  const typename RoomHead<T>::State before = rig.controller->learning().head.theta();
+  while (starts_cycle(rig.now)) rig.row();
+  // Within what a room could do, and so sure of itself that it does not learn better.
+  push(signed_by(blob_of<T>(*rig.controller,
+                            [](auto& p) {
+                              for (int i = RoomHead<T>::regressors; i < RoomHead<T>::states; ++i) p.head_theta(i) = 3;
+                              for (double& c : p.head_covariance) c *= 1e-6;
+                            }),
+                 key, 1));
+  ASSERT_TRUE(row()) << text_of(record.refusal) << ' ' << record.refusal_field.data();
+  EXPECT_EQ(record.took_head, 1u);
+  int rows_on_trial = 0;
+  for (; record.state == TrialState::on_trial && rows_on_trial < rows_per_day; ++rows_on_trial) row();
+  EXPECT_EQ(record.state, TrialState::rolled_back);
+  EXPECT_LE(rows_on_trial, 12 * rows_per_cycle);
+  const typename RoomHead<T>::State after = rig.controller->learning().head.theta();
+  EXPECT_LT((after - before).cwiseAbs().maxCoeff(), 0.5) << "the head from before the push";
+}
+
+TEST_F(Trial, Row49WithoutAYoungRoomItsOwnHeadStaysWhateverTheBlobHolds) {
+  rig.controller->learning().head.set_updates(cycles_per_day);
+  while (starts_cycle(rig.now)) rig.row();
+  const typename RoomHead<T>::State before = rig.controller->learning().head.theta();
+  push(signed_by(blob_of<T>(*rig.controller, [](auto& p) { p.head_theta(RoomHead<T>::regressors + 5) = 50; }), key, 1));
+  ASSERT_TRUE(row()) << text_of(record.refusal);
+  EXPECT_EQ(rig.controller->learning().head.theta(), before);
+  EXPECT_EQ(record.took_head, 0u);
+}
+
+TEST_F(Trial, Row47AnOldCounterIsToldBeforeWhatTheBlobHolds) {
+  push(other(5));
+  ASSERT_TRUE(row());
+  push(signed_by(blob_of<T>(*rig.controller, [](auto& p) { p.weights[7] = std::nanf(""); }), key, 5));
+  EXPECT_FALSE(row());
+  EXPECT_EQ(record.refusal, Fault::blob_counter);
+  push(signed_by(blob_of<T>(*rig.controller, [](auto& p) { p.weights[7] = std::nanf(""); }), key, 6));
+  EXPECT_FALSE(row());
+  EXPECT_EQ(record.refusal, Fault::blob_value);
 }
 
 TEST_F(Trial, Row46ABlobForAnotherTopologyIsRefusedByThatName) {
