@@ -4,8 +4,11 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
+#include <iomanip>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "closed_loop/bench.hpp"
 #include "firmware/edge/edge.hpp"
@@ -57,7 +60,7 @@ TEST_F(ClockDesk, Row30WithoutAClockThatIsRightIsNeverDoubted) {
   EXPECT_EQ(bench.logged_rows(), 300u);
 }
 
-TEST_F(ClockDesk, Row28WithoutAnHourBackOrForthIsFollowed) {
+TEST_F(ClockDesk, Row28AnHourBackOrForthIsFollowed) {
   EXPECT_TRUE(believed(now));
   EXPECT_TRUE(believed({now.seconds + 3600}));
   EXPECT_TRUE(believed({now.seconds + 360}));
@@ -100,8 +103,65 @@ class FakedClock : public ::testing::Test {
     EXPECT_EQ(daemon.wait(20), 0) << daemon.said();
     return status;
   }
+  /// The wall's clock shows this from now on, to daemons that follow the file.
+  void set_wall(const std::string& time) {
+    std::tm parts{};
+    std::istringstream(time) >> std::get_time(&parts, "%Y-%m-%d %H:%M:%S");
+    const std::string staged = bench.file("wall.new");
+    std::ofstream(staged) << std::showpos << ::timegm(&parts) - std::time(nullptr) << '\n';
+    std::filesystem::rename(staged, bench.file("wall"));
+  }
+  std::unique_ptr<Child> follow_wall() {
+    return std::make_unique<Child>(
+        std::vector<std::string>{"/usr/bin/env", "TZ=UTC", "LD_PRELOAD=/usr/$LIB/faketime/libfaketime.so.1",
+                                 "FAKETIME_TIMESTAMP_FILE=" + bench.file("wall").string(), "FAKETIME_NO_CACHE=1",
+                                 "DONT_FAKE_MONOTONIC=1", "FAKETIME_DONT_FAKE_MONOTONIC=1",
+                                 bench.program("airsided").string(), "--site", bench.file("site.toml").string(),
+                                 "--no-sync", "--crash-limit", "0"},
+        bench.file("daemon.txt"));
+  }
+  /// Seconds until the log holds so many rows; more than `at_most_s` where it does not.
+  double seconds_until(std::size_t rows, double at_most_s) const {
+    const double begun_s = closed_loop::now_s();
+    while (bench.logged_rows() < rows && closed_loop::now_s() - begun_s <= at_most_s) closed_loop::sleep_s(0.01);
+    return closed_loop::now_s() - begun_s;
+  }
   Bench bench{{.name = "faketime", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1}};
 };
+
+TEST_F(FakedClock, Row28AWaitIsNeitherCutNorMadeLongerByAClockThatIsSet) {
+  set_wall("2026-11-23 12:17:53");
+  const auto daemon = follow_wall();
+  closed_loop::sleep_s(3);
+  ASSERT_TRUE(daemon->running()) << daemon->said();
+  set_wall("2026-11-23 12:02:56");  // during the wait for 12:18
+  EXPECT_LT(seconds_until(1, 20), 10) << "not in a quarter of an hour";
+  EXPECT_NE(bench.log().rows.at(0).find("2026-11-23T12:18:00"), std::string::npos) << bench.log().rows.at(0);
+  daemon->signal(SIGTERM);
+  ASSERT_EQ(daemon->wait(20), 0) << daemon->said();
+}
+
+TEST_F(FakedClock, Row28ARowThatAClockSetForwardHasPassedIsLeftOut) {
+  set_wall("2026-11-23 12:17:52");
+  const auto daemon = follow_wall();
+  closed_loop::sleep_s(2);
+  ASSERT_TRUE(daemon->running()) << daemon->said();
+  set_wall("2026-11-23 13:23:50");
+  EXPECT_GT(seconds_until(1, 30), 4) << "the wait for 12:18 comes to its end, and then 13:24 is near";
+  EXPECT_NE(bench.log().rows.at(0).find("2026-11-23T13:24:00"), std::string::npos) << bench.log().rows.at(0);
+  EXPECT_EQ(bench.logged_rows(), 1u) << "eleven rows were not made up for in a burst";
+  daemon->signal(SIGTERM);
+  ASSERT_EQ(daemon->wait(20), 0) << daemon->said();
+}
+
+TEST_F(FakedClock, Row28WithoutAClockThatIsSetTheRowComesAtItsTime) {
+  set_wall("2026-11-23 12:17:53");
+  const auto daemon = follow_wall();
+  EXPECT_LT(seconds_until(1, 20), 12);
+  EXPECT_NE(bench.log().rows.at(0).find("2026-11-23T12:18:00"), std::string::npos) << bench.log().rows.at(0);
+  daemon->signal(SIGTERM);
+  ASSERT_EQ(daemon->wait(20), 0) << daemon->said();
+}
 
 TEST_F(FakedClock, Row30ARealDaemonOf1970RunsTheScheduleAndOneOfTodayGoesOn) {
   const auto without_battery = status_at("1970-01-01 00:17:58");
