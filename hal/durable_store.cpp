@@ -2,13 +2,11 @@
 #include "hal/durable_store.hpp"
 
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <utility>
 
 namespace airside::hal {
 namespace {
@@ -108,27 +106,15 @@ StoreResult<void> DurableStore::open_everything() {
   return {};
 }
 
-bool DurableStore::folder_is_another() const {
-  struct stat held {
-  }, named{};
-  (void)::fstat(dir_.descriptor(), &held);
-  if (::stat(path_.c_str(), &named) != 0) return errno == ENOENT;
-  return std::pair(held.st_dev, held.st_ino) != std::pair(named.st_dev, named.st_ino);
-}
-
 bool DurableStore::lacks_files() const {
   const StorageFile* files[] = {&lock_, &row_[0], &row_[1], &learning_[0], &learning_[1], &replay_[0], &replay_[1]};
-  return std::ranges::any_of(files, [](const StorageFile* file) {
-    struct stat held {};
-    (void)::fstat(file->descriptor(), &held);
-    return held.st_nlink == 0;
-  });
+  return std::ranges::any_of(files, [](const StorageFile* file) { return file->is_nameless(); });
 }
 
 /// What is written to files without a name is lost at the next start. Where only files are gone, memory knows best
 /// what belongs into new ones; another folder may hold state that is worth more.
 void DurableStore::let_go() {
-  if (folder_is_another()) {
+  if (dir_.is_away_from(path_.c_str())) {
     dir_.close();
     out_of_reach_ = true;
     highest_generation_ = 0;
@@ -218,7 +204,7 @@ StoreResult<void> DurableStore::commit(const StoredState& state) {
       state.replay.size() != layout_.transition_bytes * layout_.ring_capacity) {
     return fail(StoreFault::wrong_size, "commit state");
   }
-  if (ready_ && (folder_is_another() || lacks_files())) {
+  if (ready_ && (dir_.is_away_from(path_.c_str()) || lacks_files())) {
     let_go();
     return ready_ = fail(StoreFault::removed, "commit state");
   }

@@ -133,7 +133,6 @@ class DurableStore {
   StoreResult<void> open_files(StorageFile (&files)[2], const char* const (&names)[2], std::uint64_t bytes,
                                const char* step);
   StoreResult<void> open_everything();
-  bool folder_is_another() const;
   bool lacks_files() const;
   void let_go();
   std::size_t stride() const { return sizeof(JournalEntry) + (layout_.transition_bytes + 7) / 8 * 8; }

@@ -18,26 +18,34 @@ bool is_blob_name(std::string_view name) { return name.size() > 5 && name.ends_w
 
 }  // namespace
 
-Mailbox::Mailbox(const std::string& dir) : path_(dir) {
-  if (dir.empty()) return;
-  auto opened = StorageFile::open_dir(dir.c_str());
-  if (opened) dir_ = std::move(*opened);
+Mailbox::Mailbox(const std::string& dir) : path_(dir) { open(); }
+
+/// What was told of another folder's files says nothing of those here.
+void Mailbox::open() {
+  auto opened = StorageFile::open_dir(path_.c_str());
+  dir_ = opened ? std::move(*opened) : StorageFile();
+  std::ranges::fill(told_, Seen{});
+  blob_[0] = '\0';
 }
 
-Mailbox::Seen Mailbox::look(const char* name) const {
+Mailbox::Seen Mailbox::look(const StorageFile& dir, const char* name) {
   struct stat status {};
-  const bool is_there = ::fstatat(dir_.descriptor(), name, &status, AT_SYMLINK_NOFOLLOW) == 0;
+  const bool is_there = ::fstatat(dir.descriptor(), name, &status, AT_SYMLINK_NOFOLLOW) == 0;
   return is_there && !S_ISDIR(status.st_mode) ? Seen{status.st_ino, status.st_ctim} : Seen{};
 }
 
 bool Mailbox::tell(int wish) {
-  const Seen seen = look(wish_names[wish]);
+  const Seen seen = look(dir_, wish_names[wish]);
   const bool differs = is_new(wish, seen);
   told_[wish] = seen;
   return differs;
 }
 
-bool Mailbox::release_waits() const { return dir_.is_open() && is_new(wish_release, look(release_name)); }
+bool Mailbox::release_waits() const {
+  if (stands()) return is_new(wish_release, look(dir_, release_name));
+  const StorageFile other(::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return other.is_open() && look(other, release_name).inode != 0;
+}
 
 bool Mailbox::take(const char* name) { return ::unlinkat(dir_.descriptor(), name, 0) == 0; }
 
@@ -61,7 +69,7 @@ bool Mailbox::find_blob() {
     const std::string_view name(entry);
     // A folder cannot be taken away, and must not stand before the blobs behind it for ever.
     if (name.size() >= sizeof blob_) return true;  // uncovered: foreign file systems alone have names so long
-    if (!is_blob_name(name) || look(entry).inode == 0 || is_arriving(entry)) return true;
+    if (!is_blob_name(name) || look(dir_, entry).inode == 0 || is_arriving(entry)) return true;
     std::memcpy(blob_, name.data(), name.size());
     blob_[name.size()] = '\0';
     return false;
@@ -85,10 +93,7 @@ void Mailbox::read_blob(std::span<std::byte> blob, Mail& mail) {
 
 Mail Mailbox::collect(std::span<std::byte> blob) {
   Mail mail;
-  if (!dir_.is_open() && !path_.empty()) {
-    auto opened = StorageFile::open_dir(path_.c_str());
-    if (opened) dir_ = std::move(*opened);
-  }
+  if (!stands()) open();
   if (!dir_.is_open()) return mail;
   mail.hand_back = tell(wish_hand_back);
   mail.release = tell(wish_release);
@@ -98,7 +103,7 @@ Mail Mailbox::collect(std::span<std::byte> blob) {
     mail.release = !mail.hand_back;
   }
   if (blob_[0] == '\0' && find_blob()) read_blob(blob, mail);
-  mail.blob_is_older = mail.has_blob && mail.rollback && !look(blob_).is_after(told_[wish_rollback]);
+  mail.blob_is_older = mail.has_blob && mail.rollback && !look(dir_, blob_).is_after(told_[wish_rollback]);
   return mail;
 }
 
@@ -114,7 +119,7 @@ bool Mailbox::waits(const std::string& path, const BlobHeader& header) {
 void Mailbox::finish(bool accepted) {
   bool changed = false;
   for (int wish = 0; wish < 3; ++wish) {
-    if (told_[wish].inode == 0 || !(look(wish_names[wish]) == told_[wish])) continue;
+    if (told_[wish].inode == 0 || !(look(dir_, wish_names[wish]) == told_[wish])) continue;
     changed = take(wish_names[wish]) || changed;
   }
   if (blob_[0] != '\0') {

@@ -1,7 +1,8 @@
 #pragma once
 // The box's inbox: a folder into which people and other programs put weights and wishes. It is looked into every row,
-// without heap. What lies there is reported once, and taken away after the commit that holds its effect: a crash in
-// between neither loses a wish nor does it twice to the same state.
+// without heap; a folder that stands at its path instead of the one that was opened is the inbox from then on. What
+// lies there is reported once, and taken away after the commit that holds its effect: a crash in between neither loses
+// a wish nor does it twice to the same state.
 
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +31,8 @@ class Mailbox {
   static constexpr const char* release_name = "release";
   static constexpr const char* hand_back_name = "hand-back";
 
-  /// Opens or makes the folder. Errors: none; one that cannot be had is empty, and tried again at each collect().
+  /// Opens or makes the folder. Errors: none; one that cannot be had is empty, and tried again at each collect(), as is
+  /// one whose path names another folder by now.
   explicit Mailbox(const std::string& dir);
   static constexpr const char* refused_name = "refused";
   static constexpr std::int64_t arriving_s = 600;
@@ -68,7 +70,10 @@ class Mailbox {
   };
   enum Wish { wish_hand_back, wish_release, wish_rollback };
   static constexpr const char* wish_names[3] = {hand_back_name, release_name, rollback_name};
-  Seen look(const char* name) const;
+  void open();
+  /// Whether the open folder is the one at the path.
+  bool stands() const { return dir_.is_open() && !dir_.is_away_from(path_.c_str()); }
+  static Seen look(const StorageFile& dir, const char* name);
   bool is_new(int wish, const Seen& seen) const { return seen.inode != 0 && !(seen == told_[wish]); }
   bool tell(int wish);
   bool take(const char* name);

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <utility>
 
 namespace airside::hal {
 namespace {
@@ -51,6 +52,20 @@ StoreResult<StorageFile> StorageFile::open_dir(const char* path) {
     if (parent.is_open()) (void)::fsync(parent.descriptor());
   }
   return folder;
+}
+
+bool StorageFile::is_nameless() const {
+  struct stat held {};
+  (void)::fstat(descriptor_, &held);
+  return held.st_nlink == 0;
+}
+
+bool StorageFile::is_away_from(const char* path) const {
+  struct stat held {
+  }, named{};
+  (void)::fstat(descriptor_, &held);
+  if (::stat(path, &named) != 0) return errno == ENOENT || held.st_nlink == 0;
+  return std::pair(held.st_dev, held.st_ino) != std::pair(named.st_dev, named.st_ino);
 }
 
 StoreResult<void> StorageFile::write_at(std::span<const std::byte> bytes, std::uint64_t offset,

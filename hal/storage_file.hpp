@@ -29,6 +29,12 @@ class StorageFile {
   int descriptor() const { return descriptor_; }
   void close();
 
+  /// Whether its last name was taken away: what is written to it is gone when it closes.
+  bool is_nameless() const;
+  /// Of a folder that was opened at `path`: whether that names another one by now, or none. What cannot be looked at
+  /// is no other.
+  bool is_away_from(const char* path) const;
+
   /// Writes all bytes at an offset.  Errors: no_space, read_only, io; an unknown part may have been written.
   StoreResult<void> write_at(std::span<const std::byte> bytes, std::uint64_t offset, const char* step) const;
   /// Reads as many bytes as there are, up to the size of the span.

@@ -683,6 +683,27 @@ TEST(StorageFile, MovedToItselfStaysOpen) {
   EXPECT_TRUE(opened->is_open());
 }
 
+TEST(StorageFile, AFolderIsAwayWhereItsPathNamesAnotherOneOrNone) {
+  const TestFolder folder("file_away");
+  const std::string path = folder.file("a/b").string();
+  const auto put = [&] { std::filesystem::create_directories(path); };
+  put();
+  auto opened = StorageFile::open_dir(path.c_str());
+  ASSERT_TRUE(opened);
+  EXPECT_FALSE(opened->is_away_from(path.c_str()) || opened->is_nameless());
+  std::filesystem::rename(path, folder.file("c"));
+  EXPECT_TRUE(opened->is_away_from(path.c_str()));
+  EXPECT_FALSE(opened->is_nameless()) << "it only has another name";
+  put();
+  EXPECT_TRUE(opened->is_away_from(path.c_str()));
+  std::filesystem::remove_all(folder.file("a"));
+  std::ofstream(folder.file("a")).put('x');
+  EXPECT_FALSE(opened->is_away_from(path.c_str())) << "where nobody can look it may still be";
+  std::filesystem::remove(folder.file("c"));
+  EXPECT_TRUE(opened->is_nameless());
+  EXPECT_TRUE(opened->is_away_from(path.c_str()));
+}
+
 TEST(AtomicFile, CutAtEveryByteLeavesTheOldFile) {
   const TestFolder folder("atomic");
   const std::string path = folder.file("blob").string();

@@ -223,6 +223,92 @@ TEST_F(Inbox, SaysWhyNothingOfABlobCouldBeRead) {
   EXPECT_NE(std::string(box.collect(blob).unread).find("may read"), std::string::npos);
 }
 
+/// An inbox that was moved away under the daemon, and what stands in its place.
+class ReplacedInbox : public Inbox {
+ protected:
+  ~ReplacedInbox() override { fs::remove_all(away); }
+  void move_away() const { fs::rename(folder.c_str(), away); }
+  void replace() const {
+    move_away();
+    fs::create_directory(folder.c_str());
+  }
+
+  const std::string away = std::string(folder.c_str()) + ".old";
+};
+
+TEST_F(ReplacedInbox, ItsWishesAreSeenBetweenRowsAndInThem) {
+  replace();
+  EXPECT_FALSE(box.release_waits());
+  put("release");
+  EXPECT_TRUE(box.release_waits());
+  EXPECT_TRUE(box.collect(blob).release);
+  EXPECT_FALSE(box.release_waits());
+  box.finish(true);
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(ReplacedInbox, AWishWaitsThereThoughOneWasToldFromTheOldOne) {
+  put("release");
+  put("a.blob", "old");
+  EXPECT_TRUE(box.collect(blob).release);
+  replace();
+  put("release");
+  put("b.blob", "later");
+  EXPECT_TRUE(box.release_waits());
+  const hal::Mail mail = box.collect(blob);
+  EXPECT_TRUE(mail.release);
+  EXPECT_EQ(mail.blob_bytes, 5u) << "the old one's blob, that was not finished, stands before none";
+  box.finish(true);
+  EXPECT_EQ(files(), 0u);
+  EXPECT_TRUE(fs::exists(away + "/release") && fs::exists(away + "/a.blob"));
+}
+
+TEST_F(ReplacedInbox, WhatWasToldBeforeIsFinishedWhereItLies) {
+  put("release");
+  put("a.blob", "abc");
+  EXPECT_TRUE(box.collect(blob).has_blob);
+  replace();
+  put("release");
+  put("a.blob", "abc");
+  box.finish(true);
+  EXPECT_EQ(files(), 2u) << "nobody has told these";
+  EXPECT_TRUE(fs::is_empty(away));
+}
+
+TEST_F(ReplacedInbox, IsMadeAnewWhereNothingStands) {
+  move_away();
+  EXPECT_FALSE(box.release_waits());
+  EXPECT_FALSE(fs::exists(folder.c_str())) << "a look makes nothing";
+  EXPECT_FALSE(box.collect(blob).release);
+  EXPECT_TRUE(box.is_open());
+  put("release");
+  EXPECT_TRUE(box.collect(blob).release);
+}
+
+TEST_F(ReplacedInbox, IsEmptyWhileNoFolderCanBeHadThere) {
+  move_away();
+  std::ofstream(folder.c_str()).put('x');
+  EXPECT_FALSE(box.collect(blob).release);
+  EXPECT_FALSE(box.is_open());
+  fs::remove(folder.c_str());
+  fs::rename(away, folder.c_str());
+  put("release");
+  EXPECT_TRUE(box.release_waits()) << "though the next row has yet to open it";
+  EXPECT_TRUE(box.collect(blob).release);
+}
+
+TEST_F(Inbox, ThatStaysIsNotTakenForAnother) {
+  put("release");
+  put("a.blob", "abc");
+  EXPECT_TRUE(box.collect(blob).release);
+  fs::permissions(folder.c_str(), fs::perms::group_write, fs::perm_options::add);
+  put("note");
+  const hal::Mail mail = box.collect(blob);
+  EXPECT_FALSE(mail.release || mail.has_blob || box.release_waits()) << "told once";
+  box.finish(true);
+  EXPECT_EQ(files(), 1u);
+}
+
 TEST(InboxWithoutAFolder, StaysEmpty) {
   std::array<std::byte, 10> blob{};
   hal::Mailbox none(""), impossible("/proc/no/such/folder");
