@@ -34,6 +34,10 @@ Mailbox::Seen Mailbox::look(const StorageFile& dir, const char* name) {
   return is_there && !S_ISDIR(status.st_mode) ? Seen{status.st_ino, status.st_ctim} : Seen{};
 }
 
+bool Mailbox::is_as_seen(const char* name, const Seen& seen) const {
+  return seen.inode != 0 && look(dir_, name) == seen;
+}
+
 bool Mailbox::tell(int wish) {
   const Seen seen = look(dir_, wish_names[wish]);
   const bool differs = is_new(wish, seen);
@@ -80,10 +84,13 @@ bool Mailbox::find_blob() {
 void Mailbox::read_blob(std::span<std::byte> blob, Mail& mail) {
   mail.has_blob = true;
   mail.unread = "no file that this user may read";
+  blob_seen_ = look(dir_, blob_);
   // Neither a link out of the folder nor a pipe that would block.
   const StorageFile file(::openat(dir_.descriptor(), blob_, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
-  if (!file.is_open() || ::fstat(file.descriptor(), &status) != 0 || !S_ISREG(status.st_mode)) return;
+  if (!file.is_open() || ::fstat(file.descriptor(), &status) != 0) return;
+  blob_seen_ = {status.st_ino, status.st_ctim};
+  if (!S_ISREG(status.st_mode)) return;
   mail.unread = "longer than any blob of this topology";
   if (static_cast<std::uint64_t>(status.st_size) > blob.size()) return;
   const auto got = file.read_at(blob.first(static_cast<std::size_t>(status.st_size)), 0, "read pushed blob");
@@ -103,7 +110,7 @@ Mail Mailbox::collect(std::span<std::byte> blob) {
     mail.release = !mail.hand_back;
   }
   if (blob_[0] == '\0' && find_blob()) read_blob(blob, mail);
-  mail.blob_is_older = mail.has_blob && mail.rollback && !look(dir_, blob_).is_after(told_[wish_rollback]);
+  mail.blob_is_older = mail.has_blob && mail.rollback && !blob_seen_.is_after(told_[wish_rollback]);
   return mail;
 }
 
@@ -119,14 +126,13 @@ bool Mailbox::waits(const std::string& path, const BlobHeader& header) {
 void Mailbox::finish(bool accepted) {
   bool changed = false;
   for (int wish = 0; wish < 3; ++wish) {
-    if (told_[wish].inode == 0 || !(look(dir_, wish_names[wish]) == told_[wish])) continue;
-    changed = take(wish_names[wish]) || changed;
+    if (is_as_seen(wish_names[wish], told_[wish])) changed = take(wish_names[wish]) || changed;
   }
-  if (blob_[0] != '\0') {
+  if (blob_[0] != '\0' && is_as_seen(blob_, blob_seen_)) {
     const bool kept = !accepted && ::renameat(dir_.descriptor(), blob_, dir_.descriptor(), refused_name) == 0;
     changed = kept || take(blob_) || changed;
-    blob_[0] = '\0';
   }
+  blob_[0] = '\0';
   // What was done must not come back with a power cut, long after another wish was done.
   if (changed) (void)::fsync(dir_.descriptor());
 }

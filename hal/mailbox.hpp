@@ -46,6 +46,7 @@ class Mailbox {
   /// The blob of the last collect() stays, and is found again by the next one.
   void leave_blob() { blob_[0] = '\0'; }
   /// Takes the wishes and the blob of the last collect() away; a refused blob stands as `refused` for whoever looks.
+  /// What was replaced or written to since is something else, and stays for the next collect().
   void finish(bool accepted);
   /// Whether a wish to release lies there that no collect() has told yet; it stays.
   bool release_waits() const;
@@ -56,7 +57,7 @@ class Mailbox {
   static bool waits(const std::string& path, const BlobHeader& header);
 
  private:
-  /// A file as it was when its wish was told.
+  /// A file as it was when its wish was told or its blob read.
   struct Seen {
     std::uint64_t inode = 0;
     timespec changed{};
@@ -75,6 +76,7 @@ class Mailbox {
   bool stands() const { return dir_.is_open() && !dir_.is_away_from(path_.c_str()); }
   static Seen look(const StorageFile& dir, const char* name);
   bool is_new(int wish, const Seen& seen) const { return seen.inode != 0 && !(seen == told_[wish]); }
+  bool is_as_seen(const char* name, const Seen& seen) const;
   bool tell(int wish);
   bool take(const char* name);
   bool is_arriving(const char* name) const;
@@ -85,6 +87,7 @@ class Mailbox {
   StorageFile dir_;
   Seen told_[3];         ///< by wish; inode 0: none
   char blob_[256] = {};  ///< name of the blob that waits for finish()
+  Seen blob_seen_;       ///< of that blob
 };
 
 }  // namespace airside::hal

@@ -153,6 +153,41 @@ TEST_F(Inbox, KeepsTheLastRefusedBlobAsideAndNoMore) {
   EXPECT_EQ(left, "two");
 }
 
+TEST_F(Inbox, LeavesABlobThatCameInPlaceOfTheOneThatWasReadForTheNextRow) {
+  for (const bool accepted : {true, false}) {
+    put("weights.blob", "one");
+    EXPECT_EQ(box.collect(blob).blob_bytes, 3u);
+    put("pushed", "second");
+    fs::rename(folder.file("pushed"), folder.file("weights.blob"));
+    box.finish(accepted);
+    EXPECT_EQ(files(), 1u) << "neither taken away nor put aside";
+    EXPECT_EQ(box.collect(blob).blob_bytes, 6u);
+    box.finish(true);
+    EXPECT_EQ(files(), 0u);
+  }
+}
+
+TEST_F(Inbox, LeavesABlobThatWasWrittenToSinceItWasRead) {
+  put("weights.blob", "one");
+  EXPECT_TRUE(box.collect(blob).has_blob);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  put("weights.blob", "second");
+  box.finish(true);
+  EXPECT_EQ(box.collect(blob).blob_bytes, 6u);
+}
+
+TEST_F(Inbox, LeavesWhatCameInPlaceOfABlobThatCouldNotBeRead) {
+  fs::create_symlink("/proc/version", folder.file("a.blob"));
+  EXPECT_NE(box.collect(blob).unread, nullptr);
+  fs::remove(folder.file("a.blob"));
+  put("a.blob", "abc");
+  box.finish(false);
+  EXPECT_EQ(box.collect(blob).blob_bytes, 3u);
+  fs::remove(folder.file("a.blob"));
+  box.finish(false);
+  EXPECT_EQ(files(), 0u) << "nothing lies there to be put aside";
+}
+
 TEST_F(Inbox, FollowsNoLinkAndWaitsForNoPipe) {
   put("../airside_secret", "secret");
   fs::create_symlink(folder.file("../airside_secret"), folder.file("a.blob"));
