@@ -12,13 +12,16 @@
 namespace airside::hal {
 
 StoreResult<void> write_file_atomically(const std::string& path, std::span<const std::byte> bytes, Sync sync) {
-  const std::string staged = path + ".new";
+  const std::string staged = path + '.' + std::to_string(::getpid()) + ".new";
   const auto failed = [&](StoreError error) {
     ::unlink(staged.c_str());
     return tl::make_unexpected(error);
   };
   {
-    const int fd = ::open(staged.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
+    ::unlink(staged.c_str());
+    // A file of our own: whoever may write to the folder may have put a link or a pipe there.
+    constexpr int flags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+    const int fd = ::open(staged.c_str(), flags, 0640);
     if (fd < 0) return tl::make_unexpected(store_error(errno, "create staged file"));
     const StorageFile file(fd);
     if (const auto done = file.write_at(bytes, 0, "write staged file"); !done) return failed(done.error());

@@ -1,8 +1,11 @@
 #include "hal/durable_store.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <fstream>
@@ -722,6 +725,51 @@ TEST(AtomicFile, CutAtEveryByteLeavesTheOldFile) {
   ASSERT_TRUE(write_file_atomically(path, new_bytes).has_value());
   EXPECT_EQ(folder.image().at("blob"), new_bytes);
   EXPECT_EQ(write_file_atomically(folder.file("no/blob").string(), new_bytes).error().fault, StoreFault::not_found);
+}
+
+/// The names under which a file may be staged: this process's, and one for all.
+std::array<std::string, 2> staged_names() { return {"blob." + std::to_string(::getpid()) + ".new", "blob.new"}; }
+
+TEST(AtomicFile, FollowsNoLinkAndWaitsForNoPipeUnderTheStagedName) {
+  const TestFolder folder("atomic_link"), other("atomic_victim");
+  const std::string path = folder.file("blob").string();
+  const std::vector<std::byte> bytes(50, std::byte{1});
+  std::ofstream(other.file("victim")) << "mine";
+  const FolderImage before = other.image();
+  for (const std::string& staged : staged_names()) {
+    std::filesystem::create_symlink(other.file("victim"), folder.file(staged));
+    ASSERT_TRUE(write_file_atomically(path, bytes)) << staged;
+    EXPECT_TRUE(std::filesystem::is_regular_file(std::filesystem::symlink_status(path))) << staged;
+    EXPECT_EQ(other.image(), before) << staged;
+    std::filesystem::remove(folder.file(staged));
+    ASSERT_EQ(::mkfifo(folder.file(staged).c_str(), 0600), 0);
+    const StorageFile reader(::open(folder.file(staged).c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));  // else it hangs
+    EXPECT_TRUE(write_file_atomically(path, bytes)) << staged;
+    EXPECT_TRUE(std::filesystem::is_regular_file(path)) << staged;
+    std::filesystem::remove(path);
+    std::filesystem::remove(folder.file(staged));
+  }
+}
+
+TEST(AtomicFile, LeavesWhatAnotherProcessStages) {
+  const TestFolder folder("atomic_two");
+  const std::vector<std::byte> bytes(50, std::byte{1});
+  for (const char* staged : {"blob.1.new", "blob.new"}) std::ofstream(folder.file(staged)) << "half";
+  const FolderImage before = folder.image();
+  ASSERT_TRUE(write_file_atomically(folder.file("blob").string(), bytes));
+  FolderImage after = folder.image();
+  EXPECT_EQ(after.at("blob"), bytes);
+  after.erase("blob");
+  EXPECT_EQ(after, before);
+}
+
+TEST(AtomicFile, SaysThatTheStagedNameIsTakenByWhatCannotBeRemoved) {
+  const TestFolder folder("atomic_taken");
+  const std::string path = folder.file("blob").string();
+  std::ofstream(path) << "old";
+  std::filesystem::create_directory(folder.file(staged_names()[0]));
+  EXPECT_FALSE(write_file_atomically(path, std::vector<std::byte>(50, std::byte{1})));
+  EXPECT_EQ(std::filesystem::file_size(path), 3u);
 }
 
 }  // namespace
