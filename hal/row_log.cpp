@@ -74,6 +74,7 @@ StoreResult<RowLog> RowLog::open(const char* dir, const TopologyCounts& counts, 
 }
 
 StoreResult<void> RowLog::make_ready() {
+  if (dir_.is_open() && dir_.is_away_from(path_.c_str())) dir_.close();
   if (!dir_.is_open()) {
     auto folder = StorageFile::open_dir(path_.c_str());
     if (!folder) return tl::make_unexpected(folder.error());
@@ -103,7 +104,7 @@ void RowLog::keep(FileId id, std::size_t most) {
 /// start, and sync() tells of it: the rows of today matter more.
 void RowLog::trim(std::size_t most) {
   if (file_count_ <= most) return;
-  if (const auto done = remove(files_[0]); !done) removed_ = done;
+  if (const auto done = remove(files_[0]); !done) untold_ = done;
   std::move(files_.get() + 1, files_.get() + file_count_, files_.get());
   --file_count_;
 }
@@ -234,7 +235,7 @@ StoreResult<void> RowLog::follow(const LogPosition& committed) {
 }
 
 StoreResult<void> RowLog::start_file(FileId id) {
-  (void)sync();  // its failure is in what sync() says row by row; a new day's rows must not be lost for it
+  (void)sync_rows();  // its failure is in what sync() says row by row; a new day's rows must not be lost for it
   char name[name_size];
   write_name(name, id);
   auto file = StorageFile::open(dir_.descriptor(), name, true, "create log");
@@ -250,7 +251,19 @@ StoreResult<void> RowLog::start_file(FileId id) {
   return {};
 }
 
+/// What is written to a folder or a file that was taken away is not where people look for it, or gone when it closes.
+/// No row is removed for that: what lies at the path by now may be a copy that holds all of them.
+void RowLog::let_go() {
+  (void)sync_rows();  // what was only renamed keeps its rows
+  file_.close();
+  left_ = std::max(left_, FileId{position_.day, position_.part});
+  resume_at_ = {};
+  ready_ = tl::make_unexpected(StoreError{StoreFault::removed, 0, "append row to log"});
+  untold_ = ready_;
+}
+
 StoreResult<void> RowLog::append(const LogRow& row) {
+  if (ready_ && (dir_.is_away_from(path_.c_str()) || (file_.is_open() && file_.is_nameless()))) let_go();
   if (!ready_) {
     ready_ = make_ready();
     if (!ready_) return ready_;
@@ -264,10 +277,13 @@ StoreResult<void> RowLog::append(const LogRow& row) {
   const std::size_t size = format_log_row({text_.get() + header, max_log_row_text}, row, true);
   if (size == 0) return tl::make_unexpected(StoreError{StoreFault::row_too_long, 0, "append row to log"});
   FileId id{row.time.day(), 0};
+  // Behind what was taken away: that may come back beside it, and what was committed there cuts nothing here.
+  if (left_.day == id.day) id.part = std::min(left_.part + 1, max_parts);
   if (file_.is_open() && position_.day == id.day) {
-    id.part = position_.part;
+    std::uint32_t part = position_.part;
     const bool full = position_.bytes + size > limits_.max_file_bytes && position_.bytes > 0;
-    if ((full || other_header_) && id.part < max_parts) ++id.part;
+    if ((full || other_header_) && part < max_parts) ++part;
+    id.part = std::max(id.part, part);
   }
   if (!file_.is_open() || FileId{position_.day, position_.part} != id) {
     if (const auto done = start_file(id); !done) return done;
@@ -302,7 +318,12 @@ StoreResult<void> RowLog::rewrite_in_doubt() {
 }
 
 StoreResult<void> RowLog::sync() {
-  if (!file_.is_open() || sync_ == Sync::none) return std::exchange(removed_, {});
+  if (const auto done = sync_rows(); !done) return done;
+  return std::exchange(untold_, {});
+}
+
+StoreResult<void> RowLog::sync_rows() {
+  if (!file_.is_open() || sync_ == Sync::none) return {};
   if (sync_failed_) {
     if (const auto done = rewrite_in_doubt(); !done) return done;
   }
@@ -314,7 +335,7 @@ StoreResult<void> RowLog::sync() {
   sync_failed_ = false;
   new_file_unsynced_ = false;
   synced_bytes_ = position_.bytes;
-  return std::exchange(removed_, {});
+  return {};
 }
 
 }  // namespace airside::hal

@@ -40,15 +40,16 @@ class RowLog {
   /// read_only, io; those of a log that is not ready, which then resumes when it is.
   StoreResult<void> resume(const LogPosition& committed);
 
-  /// Appends one row, starting a new file on a new day.
+  /// Appends one row, starting a new file on a new day, and where the newest file or the folder was taken away: in
+  /// whatever folder stands at the path by then, behind the rows that lie there.
   /// Errors: out_of_order for a row that is not after the last one, row_too_long, no_space, read_only, io; nothing
   /// of the row then stands in the file.
-  /// Cost: one write(2); a few more calls on a new day.
+  /// Cost: one write(2) and three looks; a few more calls on a new day.
   StoreResult<void> append(const LogRow& row);
 
   /// Forces the rows to the medium.
   /// Errors: io, no_space; the next call writes the rows in doubt again before it syncs. Once, that of an old file that
-  /// could not be removed.
+  /// could not be removed; once removed, where the rows before this one were taken away.
   StoreResult<void> sync();
 
   /// End of the last row. bytes 0: nothing logged.
@@ -67,6 +68,7 @@ class RowLog {
   static constexpr CivilTime before_all{std::numeric_limits<std::int64_t>::min()};
 
   StoreResult<void> make_ready();
+  void let_go();
   StoreResult<void> follow(const LogPosition& committed);
   std::size_t max_files() const { return static_cast<std::size_t>(limits_.max_files); }
   void keep(FileId id, std::size_t most);
@@ -79,6 +81,7 @@ class RowLog {
   StoreResult<void> start_file(FileId id);
   StoreResult<void> find_last_row();
   StoreResult<void> rewrite_in_doubt();
+  StoreResult<void> sync_rows();
 
   std::string path_, header_;
   RowLogLimits limits_;
@@ -92,8 +95,9 @@ class RowLog {
   CivilTime last_time_ = before_all;
   std::uint64_t synced_bytes_ = 0;  ///< of the open file
   StoreResult<void> ready_;
-  StoreResult<void> removed_;  ///< the last removal of an old file, as far as sync() has not told of it
-  LogPosition resume_at_;      ///< of the last resume(); done again by a log that was not ready. bytes 0: none
+  StoreResult<void> untold_;            ///< what went wrong beside the rows, until sync() tells it
+  FileId left_{before_all.seconds, 0};  ///< newest file that was taken away
+  LogPosition resume_at_;               ///< of the last resume(); done again by a log that was not ready. bytes 0: none
   bool sync_failed_ = false;
   bool new_file_unsynced_ = false;
   bool other_header_ = false;  ///< the newest file has other columns: the next row starts a new file

@@ -368,6 +368,144 @@ TEST(RowLog, RowsInDoubtThatSomebodyCutOffAreNotWaitedFor) {
   EXPECT_TRUE(log.sync()) << "what is gone cannot be written again";
 }
 
+/// A log of five rows whose files somebody takes away while it is in use.
+class TakenLog : public ::testing::Test {
+ protected:
+  TakenLog() {
+    append(log, 0, 5);
+    EXPECT_TRUE(log.sync());
+    before = log.position();
+  }
+  ~TakenLog() override { std::filesystem::remove_all(away); }
+  void move_away() const { std::filesystem::rename(folder.c_str(), away); }
+  void replace() const {
+    move_away();
+    std::filesystem::create_directory(folder.c_str());
+  }
+  void put_back() const { std::filesystem::copy(away, folder.c_str()); }
+  /// Appends rows of which the first is told to be in other files than those before.
+  void append_elsewhere(int from, int to) {
+    append(log, from, from + 1);
+    const auto done = log.sync();
+    ASSERT_FALSE(done) << "not in silence";
+    EXPECT_EQ(done.error().fault, StoreFault::removed);
+    append(log, from + 1, to);
+    EXPECT_TRUE(log.sync()) << "told once";
+  }
+
+  TestFolder folder{"rows_taken"};
+  const std::string away = std::string(folder.c_str()) + ".old";
+  RowLog log = open_log(folder);
+  LogPosition before;
+};
+
+TEST_F(TakenLog, GoesOnInTheFolderThatStandsThere) {
+  replace();
+  append_elsewhere(5, 8);
+  expect_rows(std::filesystem::path(away), 0, 5);
+  expect_rows(folder, 5, 8);
+  const LogPosition end = log.position();
+  EXPECT_EQ(end.bytes, std::filesystem::file_size(folder.file("airside-2021-07-01_01.csv")));
+  append(log, 8, 10);
+  log = open_log(folder);
+  ASSERT_TRUE(log.resume(end)) << "a start cuts here what was not committed, no more";
+  append(log, 8, 250);
+  expect_rows(folder, 5, 250);
+}
+
+TEST_F(TakenLog, GoesOnInAFolderThatIsMadeWhereNoneStands) {
+  std::filesystem::remove_all(folder.c_str());
+  append_elsewhere(5, 8);
+  expect_rows(folder, 5, 8);
+}
+
+TEST_F(TakenLog, StandsBesideItsOldFilesWhereTheyArePutBack) {
+  replace();
+  append_elsewhere(5, 40);
+  put_back();
+  log = open_log(folder);
+  expect_rows(folder, 0, 40);
+  // The commit that named the new file did not come to be: the old one's end is where the log goes on.
+  ASSERT_TRUE(log.resume(before));
+  append(log, 5, 7);
+  expect_rows(folder, 0, 7);
+}
+
+TEST_F(TakenLog, AStartThatKnowsTheOldFileAloneTellsThatItsRowsAreMissing) {
+  replace();
+  append_elsewhere(5, 6);
+  log = open_log(folder);
+  EXPECT_EQ(log.resume(before).error().fault, StoreFault::log_shorter);
+  append(log, 5, 8);
+  expect_rows(folder, 5, 8);
+}
+
+TEST_F(TakenLog, KeepsTheRowsOfACopyThatWasPutInItsPlace) {
+  log = open_log(folder);
+  ASSERT_TRUE(log.resume(before));
+  append(log, 5, 250);
+  move_away();
+  put_back();
+  append_elsewhere(250, 260);
+  expect_rows(folder, 0, 260);
+}
+
+TEST_F(TakenLog, RefusesRowsThatAreNotBehindThoseOfTheOtherFolder) {
+  replace();
+  {
+    const TestFolder other("rows_ahead");
+    RowLog ahead = open_log(other);
+    append(ahead, 300, 303);
+    std::filesystem::copy(other.c_str(), folder.c_str());
+  }
+  EXPECT_EQ(log.append(row_at(5)).error().fault, StoreFault::out_of_order);
+  append(log, 303, 305);
+  expect_rows(folder, 300, 305);
+}
+
+TEST_F(TakenLog, AFileThatWasRemovedIsFollowedByAFurtherOne) {
+  std::filesystem::remove(folder.file("airside-2021-07-01.csv"));
+  append_elsewhere(5, 8);
+  expect_rows(folder, 5, 8);
+  std::filesystem::remove(folder.file("airside-2021-07-01_01.csv"));
+  append_elsewhere(8, 300);
+  expect_rows(folder, 8, 300);
+  EXPECT_TRUE(std::filesystem::exists(folder.file("airside-2021-07-01_02.csv")));
+  EXPECT_TRUE(std::filesystem::exists(folder.file("airside-2021-07-02.csv"))) << "a new day's first file as ever";
+}
+
+TEST_F(TakenLog, TellsWhyItHasNoFolderUntilThereIsOne) {
+  move_away();
+  std::ofstream(folder.c_str()).put('x');
+  for (int i = 5; i < 7; ++i) EXPECT_EQ(log.append(row_at(i)).error().fault, StoreFault::not_found);
+  EXPECT_EQ(log.position(), before) << "what a commit may name: it stands in the old folder";
+  std::filesystem::remove(folder.c_str());
+  std::filesystem::rename(away, folder.c_str());
+  append_elsewhere(7, 10);
+  EXPECT_EQ(read_log(folder.c_str(), counts).summary.missing_rows, 2u);
+}
+
+TEST_F(TakenLog, WithoutARowYetBeginsInTheFolderThatStandsThere) {
+  const TestFolder empty("rows_taken_empty");
+  RowLog none = open_log(empty);
+  std::filesystem::remove_all(empty.c_str());
+  append(none, 0, 2);
+  EXPECT_EQ(none.sync().error().fault, StoreFault::removed);
+  EXPECT_EQ(none.position().part, 0u);
+  expect_rows(empty, 0, 2);
+}
+
+TEST_F(TakenLog, AFolderThatStaysIsNotTakenForAnother) {
+  append(log, 5, 250);
+  std::filesystem::permissions(folder.c_str(), std::filesystem::perms::group_write, std::filesystem::perm_options::add);
+  std::ofstream(folder.file("note")).put('x');
+  std::filesystem::remove(folder.file("airside-2021-07-01.csv"));
+  append(log, 250, 260);
+  EXPECT_TRUE(log.sync()) << "an old file may go";
+  EXPECT_EQ(log.position().part, 0u);
+  EXPECT_EQ(folder.image().size(), 2u);
+}
+
 /// A log whose folder was taken by a file while it was opened.
 class LateLog : public ::testing::Test {
  protected:
@@ -404,6 +542,18 @@ TEST_F(LateLog, GoesOnBehindTheLastWholeRowWhereCommittedOnesAreMissing) {
   beyond.bytes += 10'000;
   EXPECT_FALSE(late->resume(beyond));
   bring();
+  append(*late, 240, 243);
+  expect_rows(folder.file("log"), 0, 243);
+}
+
+TEST_F(LateLog, ResumesInTheFolderThatCameInPlaceOfOneThatIsOfNoUse) {
+  std::filesystem::remove(folder.file("log"));
+  std::filesystem::create_directories(folder.file("log") / "airside-2021-07-01.csv");
+  late.emplace(folder.file("log").c_str(), counts);
+  EXPECT_FALSE(late->resume(first_day));
+  EXPECT_FALSE(late->append(row_at(240)));
+  std::filesystem::rename(folder.file("log"), folder.file("useless"));
+  std::filesystem::copy(there.c_str(), folder.file("log"));
   append(*late, 240, 243);
   expect_rows(folder.file("log"), 0, 243);
 }
