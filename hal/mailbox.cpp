@@ -109,6 +109,7 @@ Mail Mailbox::collect(std::span<std::byte> blob) {
     mail.hand_back = told_[wish_hand_back].is_after(told_[wish_release]);
     mail.release = !mail.hand_back;
   }
+  handed_back_ = mail.hand_back || (handed_back_ && !mail.release);
   if (blob_[0] == '\0' && find_blob()) read_blob(blob, mail);
   mail.blob_is_older = mail.has_blob && mail.rollback && !blob_seen_.is_after(told_[wish_rollback]);
   return mail;
@@ -125,9 +126,14 @@ bool Mailbox::waits(const std::string& path, const BlobHeader& header) {
 
 void Mailbox::finish(bool accepted) {
   bool changed = false;
-  for (int wish = 0; wish < 3; ++wish) {
+  // The release first, and for good: alone in the inbox it would be told again by the next start.
+  const bool released = is_as_seen(release_name, told_[wish_release]);
+  const bool ended = handed_back_ && released && take(release_name) && ::fsync(dir_.descriptor()) == 0;
+  for (const Wish wish : {wish_hand_back, wish_rollback}) {
+    if (wish == wish_hand_back && handed_back_ && released && !ended) continue;
     if (is_as_seen(wish_names[wish], told_[wish])) changed = take(wish_names[wish]) || changed;
   }
+  handed_back_ = handed_back_ && released && !ended;
   if (blob_[0] != '\0' && is_as_seen(blob_, blob_seen_)) {
     const bool kept = !accepted && ::renameat(dir_.descriptor(), blob_, dir_.descriptor(), refused_name) == 0;
     changed = kept || take(blob_) || changed;

@@ -46,6 +46,7 @@ class Mailbox {
   /// The blob of the last collect() stays, and is found again by the next one.
   void leave_blob() { blob_[0] = '\0'; }
   /// Takes the wishes and the blob of the last collect() away; a refused blob stands as `refused` for whoever looks.
+  /// A release stays until a hand-back takes it along: a start that finds no state is told it anew.
   /// What was replaced or written to since is something else, and stays for the next collect().
   void finish(bool accepted);
   /// Whether a wish to release lies there that no collect() has told yet; it stays.
@@ -85,7 +86,8 @@ class Mailbox {
 
   std::string path_;
   StorageFile dir_;
-  Seen told_[3];         ///< by wish; inode 0: none
+  Seen told_[3];  ///< by wish; inode 0: none
+  bool handed_back_ = false;
   char blob_[256] = {};  ///< name of the blob that waits for finish()
   Seen blob_seen_;       ///< of that blob
 };

@@ -49,8 +49,55 @@ TEST_F(Inbox, GivesEachWishOnce) {
   put("release");
   EXPECT_TRUE(box.collect(blob).release) << "said again while the first one still waits";
   box.finish(true);
-  EXPECT_EQ(files(), 0u);
+  EXPECT_EQ(files(), 1u) << "the release";
   EXPECT_FALSE(box.collect(blob).release);
+}
+
+TEST_F(Inbox, KeepsAReleaseForStartsThatKnowNothingUntilItIsHandedBack) {
+  const auto later = [] { std::this_thread::sleep_for(std::chrono::milliseconds(20)); };
+  put("release");
+  EXPECT_TRUE(box.collect(blob).release);
+  box.finish(true);
+  for (int start = 0; start < 2; ++start) {
+    hal::Mailbox next{std::string(folder.c_str())};
+    EXPECT_TRUE(next.release_waits()) << "before anything is written";
+    EXPECT_TRUE(next.collect(blob).release);
+    next.finish(true);
+  }
+  later();
+  put("hand-back");
+  hal::Mailbox both{std::string(folder.c_str())};
+  const hal::Mail mail = both.collect(blob);
+  EXPECT_TRUE(mail.hand_back && !mail.release) << "the later one, also where one start is told both";
+  EXPECT_TRUE(box.collect(blob).hand_back);
+  EXPECT_FALSE(box.collect(blob).hand_back) << "told once, though no commit has ended it yet";
+  box.finish(true);
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(Inbox, AReleaseAfterAHandBackThatWasNotEndedYetStays) {
+  const auto later = [] { std::this_thread::sleep_for(std::chrono::milliseconds(20)); };
+  put("hand-back");
+  EXPECT_TRUE(box.collect(blob).hand_back);
+  later();
+  put("release");
+  EXPECT_TRUE(box.collect(blob).release);
+  box.finish(true);
+  EXPECT_EQ(files(), 1u);
+  EXPECT_TRUE(fs::exists(folder.file("release")));
+}
+
+TEST_F(Inbox, AHandBackStaysWhereItsReleaseCannotBeTaken) {
+  put("release");
+  EXPECT_TRUE(box.collect(blob).release);
+  box.finish(true);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  put("hand-back");
+  EXPECT_TRUE(box.collect(blob).hand_back);
+  fs::remove(folder.file("release"));
+  put("release");  // said again meanwhile, which this look does not know
+  box.finish(true);
+  EXPECT_TRUE(box.collect(blob).release);
 }
 
 TEST_F(Inbox, TellsThatAReleaseWaitsUntilItWasCollected) {
@@ -72,7 +119,7 @@ TEST_F(Inbox, TellsTheLaterOneOfAReleaseAndAHandBack) {
   hal::Mail mail = box.collect(blob);
   EXPECT_TRUE(mail.release && !mail.hand_back);
   box.finish(true);
-  EXPECT_EQ(files(), 0u);
+  EXPECT_EQ(files(), 1u) << "the release";
   put("release");
   later();
   put("hand-back");
