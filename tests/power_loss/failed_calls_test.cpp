@@ -129,8 +129,9 @@ void fail_each_call(const std::function<void()>& life, const std::function<void(
     bool sticky, writes_only;
   };
   // An interrupted call is never for ever, and a write of nothing is none of reads and opens.
-  for (const Way way : {Way{EIO, false, false}, Way{EIO, true, false}, Way{ENOSPC, true, true}, Way{EROFS, true, true},
-                        Way{EINTR, false, false}, Way{0, false, true}}) {
+  for (const Way way :
+       {Way{EIO, false, false}, Way{EIO, true, false}, Way{ENOSPC, false, true}, Way{ENOSPC, true, true},
+        Way{EROFS, false, true}, Way{EROFS, true, true}, Way{EINTR, false, false}, Way{0, false, true}}) {
     for (int at = 1;; ++at) {
       failing = {at, way.sticky, way.error, 0, way.writes_only};
       life();
