@@ -131,7 +131,7 @@ void Mailbox::finish(bool accepted) {
   const bool ended = handed_back_ && released && take(release_name) && ::fsync(dir_.descriptor()) == 0;
   for (const Wish wish : {wish_hand_back, wish_rollback}) {
     if (wish == wish_hand_back && handed_back_ && released && !ended) continue;
-    if (is_as_seen(wish_names[wish], told_[wish])) changed = take(wish_names[wish]) || changed;
+    if (is_as_seen(wish_names[wish], told_[wish]) && take(wish_names[wish])) changed = true;
   }
   handed_back_ = handed_back_ && released && !ended;
   if (blob_[0] != '\0' && is_as_seen(blob_, blob_seen_)) {

@@ -136,9 +136,9 @@ class WeightsTrial {
     const auto header = WeightBlob<T>::read(bytes, scope_, *payload_);
     if (!header) return header.error();
     TrialRecord::Counter* counter = counter_of(record, header->key_id);
-    if (counter == nullptr || header->security_counter <= counter->highest) {
-      return {Fault::blob_counter, "security_counter"};
-    }
+    const BlobError old{Fault::blob_counter, "security_counter"};
+    if (counter == nullptr) return old;  // uncovered: a ring holds no more keys than there are counters
+    if (header->security_counter <= counter->highest) return old;
     if (const BlobError wrong = WeightBlob<T>::check_values(*payload_); wrong.fault != Fault::none) return wrong;
     std::copy(payload_->weights.begin(), payload_->weights.end(), weights_->flat().begin());
     const auto wild = controller.wildness(payload_->scaler, *weights_);
@@ -285,7 +285,7 @@ class WeightsTrial {
     for (auto& counter : record.counter) {
       if (counter.key == hal::KeyId{}) return &(counter = {.key = key, .highest = 0});
     }
-    for (auto& counter : record.counter) {
+    for (auto& counter : record.counter) {  // uncovered: as above, one of theirs is gone
       if (keys_.find(counter.key) == nullptr) return &(counter = {.key = key, .highest = 0});
     }
     return nullptr;

@@ -772,5 +772,22 @@ TEST(AtomicFile, SaysThatTheStagedNameIsTakenByWhatCannotBeRemoved) {
   EXPECT_EQ(std::filesystem::file_size(path), 3u);
 }
 
+TEST(AtomicFile, SaysThatAFolderStandsInItsPlace) {
+  const TestFolder folder("atomic_folder");
+  std::filesystem::create_directories(folder.file("blob") / "full");
+  EXPECT_FALSE(write_file_atomically(folder.file("blob").string(), std::vector<std::byte>(5, std::byte{1})));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.c_str()), {}), 1) << "the staged file is gone";
+}
+
+TEST(AtomicFile, NeedsNoFolderInItsNameAndNoSync) {
+  const TestFolder folder("atomic_here");
+  const std::filesystem::path here = std::filesystem::current_path();
+  std::filesystem::current_path(folder.c_str());
+  EXPECT_TRUE(write_file_atomically("a", std::vector<std::byte>(5, std::byte{1})));
+  EXPECT_TRUE(write_file_atomically("b", std::vector<std::byte>(5, std::byte{1}), Sync::none));
+  std::filesystem::current_path(here);
+  EXPECT_EQ(folder.image().size(), 2u);
+}
+
 }  // namespace
 }  // namespace airside::hal

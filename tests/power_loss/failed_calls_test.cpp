@@ -17,6 +17,7 @@
 #include <functional>
 #include <map>
 
+#include "hal/atomic_file.hpp"
 #include "hal/civil_text.hpp"
 #include "hal/durable_store.hpp"
 #include "hal/mailbox.hpp"
@@ -436,6 +437,26 @@ TEST(FailedCalls, LeaveStartsCountedAndWishesToldOnceOrAgain) {
         for (const TestFolder* f : {&folder, &inbox}) {
           for (const auto& entry : std::filesystem::directory_iterator(f->c_str())) std::filesystem::remove(entry);
         }
+      });
+}
+
+TEST(FailedCalls, LeaveAFileThatIsWrittenWholeOldOrNew) {
+  const TestFolder folder("failed_atomic");
+  const std::string path = folder.file("wish").string();
+  const std::vector<std::byte> before(10, std::byte{1}), after(20, std::byte{2});
+  StoreResult<void> written;
+  fail_each_call(
+      [&] {
+        {
+          const InPeace peace;
+          ASSERT_TRUE(write_file_atomically(path, before));
+        }
+        written = write_file_atomically(path, after);
+      },
+      [&](const std::string& what) {
+        const auto size = std::filesystem::file_size(path);
+        EXPECT_EQ(size, written || written.error().step == std::string("sync folder") ? 20u : 10u) << what;
+        EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.c_str()), {}), 1) << what;
       });
 }
 

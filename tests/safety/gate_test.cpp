@@ -137,5 +137,30 @@ TEST(Gate, WithoutItThePoisonWouldHaveControlled) {
   EXPECT_FALSE(rig.same_weights(before));
 }
 
+TEST(Canary, WhatIsNoNumberIsNoSaneForecast) {
+  ControllerRig rig;
+  auto& controller = *rig.controller;
+  controller.learning().weights.values.fill(std::nanf(""));
+  controller.prepare();
+  EXPECT_FALSE(
+      std::isfinite(controller.wildness(controller.learning().scaler, controller.learning().weights).canary_k));
+  RoomHead<FiveZone> head;
+  head.reset(controller.settings(), 0.3, 0.1);
+  const auto excess = [&head] {
+    const RoomHead<FiveZone>& seen = head;
+    return canary_excess_k<FiveZone>(seen.theta(), seen.covariance());
+  };
+  EXPECT_EQ(excess(), 0.0);
+  head.covariance()(3, 3) = -1;
+  EXPECT_FALSE(std::isfinite(excess()));
+  head.covariance()(3, 3) = 400;
+  EXPECT_DOUBLE_EQ(excess(), 10.0);
+  head.covariance()(3, 3) = 0.25;
+  head.theta()(20) = -7;
+  EXPECT_DOUBLE_EQ(excess(), 2.0);
+  head.theta()(20) = std::nan("");
+  EXPECT_FALSE(std::isfinite(excess()));
+}
+
 }  // namespace
 }  // namespace airside

@@ -524,6 +524,184 @@ TEST_F(Trial, MemoriesKeepTheirMeaningUnderAnotherScaler) {
               static_cast<double>(newest[0]) * old.scale(0) + old.mean(0), 1e-4);
 }
 
+TEST_F(Trial, Row49WeightsThatForetellNothingAreTakenBackAtOnce) {
+  while (starts_cycle(rig.now)) rig.row();
+  const NetworkWeights<T, float> before = rig.controller->learning().weights;
+  push(other(1));
+  ASSERT_TRUE(row());
+  auto& learning = rig.controller->learning();
+  learning.weights.values.fill(std::nanf(""));
+  learning.head.theta().setConstant(std::nan(""));
+  rig.controller->prepare();
+  for (int i = 0; i < rows_per_cycle && record.state == TrialState::on_trial; ++i) row();
+  EXPECT_EQ(record.state, TrialState::rolled_back);
+  EXPECT_TRUE(rig.same_weights(before));
+}
+
+TEST_F(Trial, Row49WeightsUnderWhichTheGainTurnsRoundAreTakenBackAtOnce) {
+  const auto turn_round = [this] {
+    RoomHead<T>& head = rig.controller->learning().head;
+    constexpr int gain = HeadFeatures::setpoint_change;
+    head.theta()(gain) = -3;
+    head.covariance().row(gain).setZero();
+    head.covariance().col(gain).setZero();
+    head.covariance()(gain, gain) = 1e-6;
+  };
+  push(other(1));
+  ASSERT_TRUE(row());
+  turn_round();
+  for (int i = 0; i < 2 * rows_per_cycle && record.state == TrialState::on_trial; ++i) row();
+  EXPECT_EQ(record.state, TrialState::rolled_back);
+  // One that had turned round before is not held against weights that come.
+  record = {};
+  turn_round();
+  rig.cycles(2);
+  ASSERT_EQ(rig.decision().reason, Reason::gain_reversed);
+  rig.controller->learning().head.set_updates(cycles_per_day);
+  push(other(2));
+  ASSERT_TRUE(row()) << record.refusal_field.data();
+  turn_round();
+  rows(3 * rows_per_cycle);
+  ASSERT_EQ(rig.decision().reason, Reason::gain_reversed);
+  EXPECT_EQ(record.state, TrialState::on_trial);
+}
+
+TEST_F(Trial, Row49WeightsThatForetellThePastWildlyAreRefused) {
+  push(signed_by(blob_of<T>(*rig.controller,
+                            [](auto& p) {
+                              for (int i = 0; i < Layout<T>::rooms; ++i) p.scaler.mean(i) += 9;
+                            }),
+                 key, 1));
+  EXPECT_FALSE(row());
+  EXPECT_STREQ(record.refusal_field.data(), "forecasts of what this room did");
+}
+
+TEST_F(Trial, NoWorseThanThoseBeforeIsGoodEnough) {
+  rig.controller->cycle().network_error_k2 = 9;
+  push(other(1));
+  ASSERT_TRUE(row());
+  for (int i = 0; i < 15 * rows_per_cycle; ++i) {
+    rig.controller->cycle().network_expected_degc += 0.6;  // three times a cycle
+    row();
+  }
+  EXPECT_GT(record.error_sum_k2 / record.tried_cycles, 1.0);
+  EXPECT_EQ(record.state, TrialState::on_trial);
+}
+
+TEST_F(Trial, AScheduleThatHasTakenOverSpeaksAgainstTheWeights) {
+  push(other(1));
+  ASSERT_TRUE(row());
+  rig.controller->hold(Reason::worse_for_long, rig.now, 86400);
+  rows(5 * rows_per_cycle);
+  EXPECT_EQ(record.state, TrialState::rolled_back);
+}
+
+TEST_F(Trial, AHeadIsOnTrialOnlyWhereItCameAndForetold) {
+  push(other(1));
+  ASSERT_TRUE(row());
+  for (int i = 0; i < 6 * rows_per_cycle; ++i) {
+    rig.controller->cycle().head_expected_degc = std::nan("");
+    row();
+  }
+  EXPECT_EQ(record.took_head, 1u);
+  EXPECT_GT(record.tried_cycles, 3u);
+  EXPECT_EQ(record.head_error_sum_k2, 0.0) << "no forecast is no error";
+  wish("rollback");
+  ASSERT_TRUE(row());
+  rig.controller->learning().head.set_updates(cycles_per_day);
+  push(other(2));
+  ASSERT_TRUE(row());
+  for (int i = 0; i < 15 * rows_per_cycle; ++i) {
+    rig.controller->cycle().head_expected_degc += 1.5;
+    row();
+  }
+  EXPECT_EQ(record.took_head, 0u);
+  EXPECT_EQ(record.state, TrialState::on_trial) << "that was the room's own";
+}
+
+TEST_F(Trial, AskedTwiceItGoesBackOnce) {
+  push(other(1));
+  ASSERT_TRUE(row());
+  wish("rollback");
+  EXPECT_TRUE(row());
+  wish("rollback");
+  EXPECT_FALSE(row());
+  EXPECT_EQ(record.state, TrialState::rolled_back);
+}
+
+TEST_F(Trial, AWayBackThatHoldsNoNumbersIsTheSchedule) {
+  while (starts_cycle(rig.now)) rig.row();
+  rig.controller->learning().weights.values[5] = std::nanf("");
+  push(signed_by(blob_of<T>(*rig.controller, [](auto& p) { p.weights[5] = 0; }), key, 1));
+  ASSERT_TRUE(row()) << text_of(record.refusal) << ' ' << record.refusal_field.data();
+  wish("rollback");
+  EXPECT_TRUE(row());
+  rig.cycles(1);
+  EXPECT_EQ(rig.decision().reason, Reason::no_weights);
+}
+
+TEST_F(Trial, MailOfRowsWithoutACommitIsFinishedByTheNextOne) {
+  wish("rollback");
+  push(other(1));
+  for (int i = 0; i < 2; ++i) {
+    rig.row();
+    (void)trial->row({rig.now.seconds - row_s}, *rig.controller, record);
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder.file("inbox") / "rollback"));
+  trial->committed();
+  EXPECT_FALSE(std::filesystem::exists(folder.file("inbox") / "rollback"));
+}
+
+TEST_F(Trial, NamesThatAreNoPlainTextDoNotReachTheLog) {
+  std::ofstream(folder.file("inbox") / "a\nb\x7f.blob").put('x');
+  std::filesystem::last_write_time(folder.file("inbox") / "a\nb\x7f.blob",
+                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
+  ::testing::internal::CaptureStderr();
+  EXPECT_FALSE(row());
+  std::filesystem::create_symlink("/proc/version", folder.file("inbox") / "\xc3\xa4.blob");
+  EXPECT_FALSE(row());
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("a blob"), std::string::npos) << said;
+  EXPECT_EQ(said.find("\nb"), std::string::npos) << said;
+  EXPECT_EQ(said.find('\xc3'), std::string::npos) << said;
+}
+
+TEST_F(Trial, WhatCannotBeReadAndWasTakenBackIsTheLatter) {
+  std::filesystem::create_symlink("/proc/version", folder.file("inbox") / "a.blob");
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  wish("rollback");
+  EXPECT_FALSE(row());
+  EXPECT_EQ(record.refusal, Fault::blob_taken_back);
+}
+
+TEST_F(Trial, ACounterIsGivenUpOnlyWhereItsKeyIsGone) {
+  std::vector<hal::SecretKey> sixteen;
+  for (int i = 0; i < 16; ++i) sixteen.push_back(hal::make_key("key " + std::to_string(i)));
+  std::filesystem::remove(folder.file("keys") / "ann.pub");
+  const auto lay = [&](int i) {
+    std::ofstream(folder.file("keys") / (std::to_string(i) + ".pub"))
+        << hal::public_key_text(sixteen[static_cast<std::size_t>(i)].open);
+  };
+  for (int i = 0; i < 16; ++i) {
+    lay(i);
+    record.counter[static_cast<std::size_t>(i)] = {.key = sixteen[static_cast<std::size_t>(i)].open.id, .highest = 7};
+  }
+  std::filesystem::remove(folder.file("keys") / "9.pub");
+  const hal::SecretKey next = hal::make_key("next");
+  std::ofstream(folder.file("keys") / "next.pub") << hal::public_key_text(next.open);
+  push(signed_by(other(1), next, 1));
+  EXPECT_TRUE(row()) << text_of(record.refusal);
+  EXPECT_EQ(record.counter[9].key, next.open.id);
+  EXPECT_EQ(record.counter[8].highest, 7u);
+}
+
+TEST(TrialStates, HaveWords) {
+  EXPECT_STREQ(edge::text_of(TrialState::none), "none");
+  EXPECT_STREQ(edge::text_of(TrialState::confirmed), "confirmed");
+  EXPECT_STREQ(edge::text_of(TrialState::rolled_back), "rolled back");
+  EXPECT_STREQ(edge::text_of(static_cast<TrialState>(9)), "unknown");
+}
+
 TEST_F(Trial, WishesReachTheLadder) {
   wish("release");
   row();
