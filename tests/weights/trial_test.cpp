@@ -653,16 +653,19 @@ TEST_F(Trial, MailOfRowsWithoutACommitIsFinishedByTheNextOne) {
 }
 
 TEST_F(Trial, NamesThatAreNoPlainTextDoNotReachTheLog) {
-  std::ofstream(folder.file("inbox") / "a\nb\x7f.blob").put('x');
-  std::filesystem::last_write_time(folder.file("inbox") / "a\nb\x7f.blob",
-                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
   ::testing::internal::CaptureStderr();
-  EXPECT_FALSE(row());
+  for (const char* name : {"a\nb.blob", "c\x7f.blob"}) {
+    const auto path = folder.file("inbox") / name;
+    std::ofstream(path).put('x');
+    std::filesystem::last_write_time(path, std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
+    EXPECT_FALSE(row());
+  }
   std::filesystem::create_symlink("/proc/version", folder.file("inbox") / "\xc3\xa4.blob");
   EXPECT_FALSE(row());
   const std::string said = ::testing::internal::GetCapturedStderr();
   EXPECT_NE(said.find("a blob"), std::string::npos) << said;
   EXPECT_EQ(said.find("\nb"), std::string::npos) << said;
+  EXPECT_EQ(said.find('\x7f'), std::string::npos) << said;
   EXPECT_EQ(said.find('\xc3'), std::string::npos) << said;
 }
 
