@@ -56,14 +56,13 @@ StoreResult<StorageFile> StorageFile::open_dir(const char* path) {
 
 bool StorageFile::is_nameless() const {
   struct stat held {};
-  (void)::fstat(descriptor_, &held);
-  return held.st_nlink == 0;
+  return ::fstat(descriptor_, &held) == 0 && held.st_nlink == 0;
 }
 
 bool StorageFile::is_away_from(const char* path) const {
   struct stat held {
   }, named{};
-  (void)::fstat(descriptor_, &held);
+  if (::fstat(descriptor_, &held) != 0) return false;
   if (::stat(path, &named) != 0) return errno == ENOENT || held.st_nlink == 0;
   return std::pair(held.st_dev, held.st_ino) != std::pair(named.st_dev, named.st_ino);
 }

@@ -32,7 +32,7 @@ class StorageFile {
   /// Whether its last name was taken away: what is written to it is gone when it closes.
   bool is_nameless() const;
   /// Of a folder that was opened at `path`: whether that names another one by now, or none. What cannot be looked at
-  /// is no other.
+  /// is no other, here and above: a call that failed once must not give up what is open.
   bool is_away_from(const char* path) const;
 
   /// Writes all bytes at an offset.  Errors: no_space, read_only, io; an unknown part may have been written.

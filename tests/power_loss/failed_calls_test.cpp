@@ -340,6 +340,18 @@ TEST(FailedCalls, LeaveALogOfAFewFilesWithItsCommittedRowsAndNoneThatWereCutOff)
       });
 }
 
+TEST(FailedCalls, TakeNoFolderForAwayThatCouldNotBeLookedAt) {
+  const TestFolder folder("failed_look");
+  const auto opened = StorageFile::open_dir(folder.c_str());
+  ASSERT_TRUE(opened);
+  failing = {.at = 1, .sticky = true};
+  const bool away = opened->is_away_from(folder.c_str()), nameless = opened->is_nameless();
+  failing = {};
+  EXPECT_FALSE(away || nameless);
+  std::filesystem::remove(folder.c_str());
+  EXPECT_TRUE(opened->is_away_from(folder.c_str()) && opened->is_nameless());
+}
+
 TEST(FailedCalls, LeaveAFolderThatWasMadeOrSayWhy) {
   const TestFolder parent("failed_folder");
   const std::string path = parent.file("new").string();
