@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <string_view>
 
@@ -88,14 +89,23 @@ void Mailbox::read_blob(std::span<std::byte> blob, Mail& mail) {
   // Neither a link out of the folder nor a pipe that would block.
   const StorageFile file(::openat(dir_.descriptor(), blob_, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
-  if (!file.is_open() || ::fstat(file.descriptor(), &status) != 0) return;
+  if (!file.is_open() || ::fstat(file.descriptor(), &status) != 0) {
+    mail.later = errno != ELOOP && may_be_later();
+    return;
+  }
   blob_seen_ = {status.st_ino, status.st_ctim};
   if (!S_ISREG(status.st_mode)) return;
   mail.unread = "longer than any blob of this topology";
   if (static_cast<std::uint64_t>(status.st_size) > blob.size()) return;
   const auto got = file.read_at(blob.first(static_cast<std::size_t>(status.st_size)), 0, "read pushed blob");
-  mail.unread = got ? nullptr : "a medium that cannot be read";
-  if (got) mail.blob_bytes = *got;
+  if (!got) {
+    mail.unread = "a medium that cannot be read";
+    mail.later = may_be_later();
+    return;
+  }
+  mail.unread = nullptr;
+  mail.blob_bytes = *got;
+  unread_times_ = 0;
 }
 
 Mail Mailbox::collect(std::span<std::byte> blob) {

@@ -21,6 +21,7 @@ struct Mail {
   bool has_blob = false;
   bool blob_is_older = false;    ///< than the rollback that lies beside it
   const char* unread = nullptr;  ///< why nothing of it could be read; nullptr where it was
+  bool later = false;            ///< it may be read the next time
   std::size_t blob_bytes = 0;    ///< what `blob` holds; 0: nothing
 };
 
@@ -36,9 +37,11 @@ class Mailbox {
   explicit Mailbox(const std::string& dir);
   static constexpr const char* refused_name = "refused";
   static constexpr std::int64_t arriving_s = 600;
+  static constexpr int patience = 3;
 
   /// Tells the wishes that are new (of a release and a hand-back the later one, the release where they are equally
   /// old), and reads one blob into `blob`: any file `*.blob`, as it comes from a stick too.
+  /// One that cannot be read may be tried `patience` times more: a medium may fail once.
   /// One that is shorter than its own header says and was written to within arriving_s is still on its way, by scp or
   /// from a slow stick: it is left for later.
   /// Everything stays where it is until finish(). Cost: a few system calls, no heap.
@@ -83,6 +86,7 @@ class Mailbox {
   bool is_arriving(const char* name) const;
   bool find_blob();
   void read_blob(std::span<std::byte> blob, Mail& mail);
+  bool may_be_later() { return ++unread_times_ <= patience; }
 
   std::string path_;
   StorageFile dir_;
@@ -90,6 +94,7 @@ class Mailbox {
   bool handed_back_ = false;
   char blob_[256] = {};  ///< name of the blob that waits for finish()
   Seen blob_seen_;       ///< of that blob
+  int unread_times_ = 0;
 };
 
 }  // namespace airside::hal

@@ -94,7 +94,8 @@ StoreResult<void> StateCopy::load(std::span<std::byte> into, std::uint64_t diges
   if (digest == 0) return failed(StoreFault::not_found, "look for copy of state");
   const auto staged = load_from(staged_name, into, digest);
   if (staged) return staged;
-  return load_from(settled_name, into, digest);
+  const auto settled = load_from(settled_name, into, digest);
+  return settled || !may_pass(staged.error()) ? settled : staged;
 }
 
 }  // namespace airside::hal

@@ -33,6 +33,11 @@ struct StoreError {
 template <class V>
 using StoreResult = tl::expected<V, StoreError>;
 
+/// Whether the same call may succeed the next time: the system failed it, and not since there is nothing to find.
+constexpr bool may_pass(const StoreError& error) {
+  return error.error_number != 0 && error.fault != StoreFault::not_found;
+}
+
 /// "disk full", "another process uses it" ...
 const char* text_of(StoreFault fault);
 

@@ -51,6 +51,7 @@ struct TrialRecord {
   double before_error_k2 = 0;      ///< mean square error of the weights before
   double head_error_sum_k2 = 0;    ///< as error_sum_k2, of their room head; 0 where the room kept its own
   double before_head_error_k2 = 0;
+  std::uint32_t tries_back = 0;   ///< rows in which the copy to go back to could not be read
   std::uint32_t took_head = 0;    ///< whether the room was too young to keep its own
   std::uint32_t had_weights = 0;  ///< whether there were any
   Fault refusal = Fault::none;    ///< why the last blob was refused
@@ -104,7 +105,8 @@ class WeightsTrial {
                                     : install(t, {bytes_->data(), mail.blob_bytes}, controller, record);
       accepted_ = refusal.fault == Fault::none;
       exchanged = exchanged || accepted_;
-      const bool waits = refusal.fault == Fault::state_invalid;  // without a way back there is no trial
+      // Without a way back there is no trial; and what could not be read now may be the next time.
+      const bool waits = refusal.fault == Fault::state_invalid || (mail.later && !taken_back);
       const bool said = waits && record.refusal == refusal.fault;
       if (!accepted_ && !said) say_why(mail, refusal, waits);
       tell_refusal(refusal, record);
@@ -164,7 +166,7 @@ class WeightsTrial {
     record.state = TrialState::on_trial;
     record.begun_s = t.seconds;
     record.until_s = t.seconds + trial_s;
-    record.worse_cycles = record.tried_cycles = 0;
+    record.worse_cycles = record.tried_cycles = record.tries_back = 0;
     record.error_sum_k2 = record.head_error_sum_k2 = 0;
     if (head) record.took_head = 1;  // and a second push within the trial does not give the room its own back
     record.blob_crc = crc32c(bytes);
@@ -177,6 +179,7 @@ class WeightsTrial {
   /// neither a day on the schedule nor a clock that was set forward shows anything of them. It ends at once when they
   /// act wildly. What the weights before decided is not held against them.
   bool supervise(CivilTime t, Controller<T>& controller, TrialRecord& record) {
+    if (record.tries_back > 0) return roll_back(controller, record, "as was begun");
     if (record.state != TrialState::on_trial) return false;
     record.begun_s = std::min(record.begun_s, t.seconds);
     record.until_s = std::min(record.until_s, t.seconds + trial_s);  // no clock makes it longer
@@ -236,8 +239,8 @@ class WeightsTrial {
     const std::string_view name = mailbox_.blob_file();
     const bool is_plain = std::ranges::all_of(name, [](char c) { return c > ' ' && c <= '~'; });  // log lines are lines
     if (mail.unread != nullptr && refusal.fault == Fault::blob_truncated) {
-      return say("pushed weights refused: {}: {}; put a whole file there that this user may read",
-                 is_plain ? name : "a blob", mail.unread);
+      return say("pushed weights {}: {}: {}; put a whole file there that this user may read",
+                 waits ? "wait" : "refused", is_plain ? name : "a blob", mail.unread);
     }
     say("pushed weights {}: {} ({}): found {}; expected {}; {}", waits ? "wait" : "refused", is_plain ? name : "a blob",
         refusal.field, why.found, why.expected, why.remedy);
@@ -255,6 +258,15 @@ class WeightsTrial {
     // Read to a place of its own first: a copy that is damaged must not harm what stands.
     const hal::StoreResult<void> read =
         copy_.load(std::as_writable_bytes(std::span(before_.get(), 1)), record.previous_digest);
+    if (!read && record.had_weights != 0 && hal::may_pass(read.error()) && record.tries_back < hal::Mailbox::patience) {
+      if (record.tries_back++ == 0) {
+        say("the weights before cannot be read: {} ({}); the next row tries again", hal::text_of(read.error().fault),
+            read.error().step);
+      }
+      if (record.state == TrialState::on_trial) controller.drop_weights();  // those that go are not asked any more
+      return true;
+    }
+    record.tries_back = 0;
     const bool way_is_gone = !read && record.had_weights != 0;
     if (way_is_gone) {
       say("the weights before cannot be read: {} ({})", hal::text_of(read.error().fault), read.error().step);
@@ -263,6 +275,7 @@ class WeightsTrial {
     }
     if (read) {
       controller.learning() = *before_;
+      controller.cycle().has_weights = 1;
       if (controller.go_back(present) != Fault::none) say("the weights before are not finite");
     }
     if (record.had_weights == 0 || way_is_gone) controller.drop_weights();  // which asks for no copy

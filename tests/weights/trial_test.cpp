@@ -445,6 +445,46 @@ TEST_F(Trial, AnOperatorMayTakeThemBackAndARestartInBetweenChangesNothing) {
   EXPECT_TRUE(rig.same_weights(before));
 }
 
+TEST_F(Trial, AWayBackThatCannotBeReadOnceIsReadByTheNextRow) {
+  const auto previous = folder.file("state") / "previous", away = folder.file("state") / "away";
+  for (const bool comes_back : {true, false}) {
+    while (starts_cycle(rig.now)) row();
+    const NetworkWeights<T, float> before = rig.controller->learning().weights;
+    push(other(comes_back ? 1 : 2));
+    ASSERT_TRUE(row());
+    std::filesystem::rename(previous, away);
+    std::filesystem::create_directory(previous);  // which cannot be read
+    wish("rollback");
+    EXPECT_TRUE(row());
+    EXPECT_EQ(record.state, TrialState::on_trial);
+    EXPECT_EQ(rig.controller->cycle().has_weights, 0) << "meanwhile nobody asks those that go";
+    if (comes_back) {
+      std::filesystem::remove(previous);
+      std::filesystem::rename(away, previous);
+    }
+    rows(comes_back ? 1 : 3);
+    EXPECT_EQ(record.state, TrialState::rolled_back);
+    EXPECT_EQ(record.tries_back, 0u);
+    EXPECT_EQ(rig.controller->cycle().has_weights, comes_back ? 1 : 0);
+    EXPECT_EQ(rig.same_weights(before), comes_back);
+  }
+}
+
+TEST_F(Trial, ConfirmedWeightsStayWhileTheWayBackCannotBeRead) {
+  push(other(1));
+  ASSERT_TRUE(row());
+  record.state = TrialState::confirmed;
+  std::filesystem::remove(folder.file("state") / "previous");
+  std::filesystem::create_directory(folder.file("state") / "previous");
+  wish("rollback");
+  EXPECT_TRUE(row());
+  EXPECT_EQ(rig.controller->cycle().has_weights, 1);
+  rows(3);
+  EXPECT_EQ(record.state, TrialState::confirmed);
+  EXPECT_EQ(record.refusal, Fault::no_way_back);
+  EXPECT_EQ(rig.controller->cycle().has_weights, 1);
+}
+
 TEST_F(Trial, ADamagedCopyIsNoWayBackAndHarmsNothing) {
   push(other(1));
   ASSERT_TRUE(row());
