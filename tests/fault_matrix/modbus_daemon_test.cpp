@@ -42,6 +42,16 @@ TEST(ModbusDaemon, Row09MissingRegisterIsExpertThatNamesThePoint) {
   loop.expect_safe();
 }
 
+TEST(ModbusDaemon, Row02AnImpossibleValueIsToldAsSuch) {
+  ChaosLoop loop({.name = "row02", .script = "n=1000.. fc=4 set:addr=1,value=9000"});
+  ASSERT_TRUE(loop.run()) << loop.said();
+  EXPECT_EQ(loop.status()["state"], "expert");
+  EXPECT_EQ(loop.status()["reason"], "signal lost");
+  EXPECT_EQ(loop.status()["fault"], "out of range") << "to the controller it is no number; people want to know why";
+  EXPECT_EQ(loop.status()["fault_signal"], "room_temp_2");
+  loop.expect_safe();
+}
+
 TEST(ModbusDaemon, Row13GatewayThatLosesTheDeviceIsExpertWithAnAlarm) {
   ChaosLoop loop({.name = "row13", .script = "n=1000.. fc=4 at=0 exception:code=11"});
   ASSERT_TRUE(loop.run()) << loop.said();
