@@ -82,6 +82,12 @@ bool Mailbox::find_blob() {
   return blob_[0] != '\0';
 }
 
+bool Mailbox::may_be_later() {
+  if (++unread_times_ <= patience) return true;
+  unread_times_ = 0;
+  return false;
+}
+
 void Mailbox::read_blob(std::span<std::byte> blob, Mail& mail) {
   mail.has_blob = true;
   mail.unread = "no file that this user may read";

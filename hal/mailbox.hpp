@@ -86,7 +86,7 @@ class Mailbox {
   bool is_arriving(const char* name) const;
   bool find_blob();
   void read_blob(std::span<std::byte> blob, Mail& mail);
-  bool may_be_later() { return ++unread_times_ <= patience; }
+  bool may_be_later();
 
   std::string path_;
   StorageFile dir_;

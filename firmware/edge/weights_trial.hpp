@@ -90,13 +90,13 @@ class WeightsTrial {
     if (mail.release) controller.hold(Reason::released_by_hand, t, 0);
     if (mail.hand_back) controller.hand_back();
     if (mail.release || mail.hand_back) say("an operator asked: {}", mail.release ? "release" : "hand-back");
-    bool exchanged = false;
+    bool exchanged = record.tries_back > 0 && roll_back(controller, record, "as was begun");
     // Whoever asks for a way back before a blob was tried means that blob. One that was taken already lies here still
     // where the daemon ended between the commit and this.
     const bool is_in_use =
         record.state != TrialState::none && crc32c({bytes_->data(), mail.blob_bytes}) == record.blob_crc;
     const bool taken_back = mail.blob_is_older && !is_in_use;
-    if (mail.rollback && !taken_back) exchanged = roll_back_as_asked(controller, record);
+    if (mail.rollback && !taken_back) exchanged = roll_back_as_asked(controller, record) || exchanged;
     if (mail.has_blob) {
       read_keys();  // each time, so that a key that was revoked is refused at once, and a new one known
       const BlobError refusal = taken_back ? BlobError{Fault::blob_taken_back, "rollback"}
@@ -179,8 +179,7 @@ class WeightsTrial {
   /// neither a day on the schedule nor a clock that was set forward shows anything of them. It ends at once when they
   /// act wildly. What the weights before decided is not held against them.
   bool supervise(CivilTime t, Controller<T>& controller, TrialRecord& record) {
-    if (record.tries_back > 0) return roll_back(controller, record, "as was begun");
-    if (record.state != TrialState::on_trial) return false;
+    if (record.state != TrialState::on_trial || record.tries_back > 0) return false;
     record.begun_s = std::min(record.begun_s, t.seconds);
     record.until_s = std::min(record.until_s, t.seconds + trial_s);  // no clock makes it longer
     const Decision& d = controller.decision();

@@ -283,8 +283,10 @@ class Controller {
     cycle_.network_expected_degc = cycle_.head_expected_degc = unknown;
     cycle_.shadow.reset();
     cycle_.worse_cycles = 0;
-    cycle_.ladder.set(Reason::worse_than_schedule, false, cycle_.last_time);
-    cycle_.ladder.set(Reason::worse_for_long, false, cycle_.last_time);
+    cycle_.no_confidence = Spell();
+    for (const Reason r : {Reason::worse_than_schedule, Reason::worse_for_long, Reason::forecasts_doubted}) {
+      cycle_.ladder.set(r, false, cycle_.last_time);
+    }
   }
 
   static constexpr double foreign_k = 0.05;  ///< a setpoint differs by more than a register's rounding
