@@ -4,6 +4,9 @@
 #include "firmware/edge/weights_trial.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <fstream>
@@ -445,6 +448,48 @@ TEST_F(Trial, AnOperatorMayTakeThemBackAndARestartInBetweenChangesNothing) {
   EXPECT_TRUE(rig.same_weights(before));
 }
 
+/// What a medium that fails is to an inbox: a name that opens to nothing, though it is no link.
+void put_unreadable(const std::filesystem::path& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.string().copy(address.sun_path, sizeof address.sun_path - 1);
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0) << path;
+  ::close(fd);
+}
+
+TEST_F(Trial, ABlobThatCannotBeReadIsTriedByThreeRowsMore) {
+  const auto path = folder.file("inbox") / "a.blob";
+  put_unreadable(path);
+  ::testing::internal::CaptureStderr();
+  for (int i = 0; i < hal::Mailbox::patience; ++i) {
+    EXPECT_FALSE(row());
+    EXPECT_TRUE(std::filesystem::exists(path)) << i;
+  }
+  EXPECT_FALSE(row());
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_TRUE(std::filesystem::exists(folder.file("inbox") / "refused"));
+  EXPECT_NE(said.find("pushed weights wait: a.blob"), std::string::npos) << said;
+  EXPECT_NE(said.find("pushed weights refused: a.blob"), std::string::npos) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 2) << "once each: " << said;
+  put_unreadable(path);
+  EXPECT_FALSE(row());
+  EXPECT_TRUE(std::filesystem::exists(path)) << "the next one has a patience of its own";
+  std::filesystem::remove(path);
+  push(other(1));
+  EXPECT_TRUE(row()) << "and what can be read then is taken";
+}
+
+TEST_F(Trial, ABlobThatCannotBeReadAndWasTakenBackDoesNotWait) {
+  put_unreadable(folder.file("inbox") / "a.blob");
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  wish("rollback");
+  EXPECT_FALSE(row());
+  EXPECT_EQ(record.refusal, Fault::blob_taken_back);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("inbox") / "a.blob"));
+}
+
 TEST_F(Trial, AWayBackThatCannotBeReadOnceIsReadByTheNextRow) {
   const auto previous = folder.file("state") / "previous", away = folder.file("state") / "away";
   for (const bool comes_back : {true, false}) {
@@ -461,8 +506,10 @@ TEST_F(Trial, AWayBackThatCannotBeReadOnceIsReadByTheNextRow) {
     if (comes_back) {
       std::filesystem::remove(previous);
       std::filesystem::rename(away, previous);
+      wish("rollback");  // asked again in the row that succeeds
+      EXPECT_TRUE(row());
     }
-    rows(comes_back ? 1 : 3);
+    if (!comes_back) rows(3);
     EXPECT_EQ(record.state, TrialState::rolled_back);
     EXPECT_EQ(record.tries_back, 0u);
     EXPECT_EQ(rig.controller->cycle().has_weights, comes_back ? 1 : 0);
