@@ -89,6 +89,8 @@ TEST(Released, AWishThatLiesThereIsKeptBeforeTheFirstWriteAndByWhateverComesAfte
   }
   EXPECT_EQ(b.status()["setpoint_writes"], 0) << "the first row is one that decides";
   EXPECT_EQ(b.status()["reason"], "released by hand");
+  // What the state itself knows must do: the wish would be told again.
+  EXPECT_TRUE(fs::remove(b.bench.file("inbox") / "release"));
   // Other weights in the site file are a person's wish too, but not this one's end.
   std::ifstream in(b.bench.file("site.toml"));
   std::string site(std::istreambuf_iterator<char>(in), {});
