@@ -6,11 +6,13 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <functional>
 #include <iomanip>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "closed_loop/bench.hpp"
+#include "fault_matrix/notify_socket.hpp"
 #include "firmware/edge/edge.hpp"
 #include "sanitized.hpp"
 
@@ -84,6 +86,7 @@ class FakedClock : public ::testing::Test {
     std::string site(std::istreambuf_iterator<char>(in), {});
     const std::string plant = "source = \"plant\"";
     site.replace(site.find(plant), plant.size(), "source = \"system\"");
+    site.insert(site.find("[modbus]\n") + 9, "heartbeat_s = 5\n");
     std::ofstream(bench.file("site.toml")) << site;
   }
   /// status.json after the row that comes 2 s after the daemon's start at this time of the wall.
@@ -161,6 +164,37 @@ TEST_F(FakedClock, Row28WithoutAClockThatIsSetTheRowComesAtItsTime) {
   EXPECT_NE(bench.log().rows.at(0).find("2026-11-23T12:18:00"), std::string::npos) << bench.log().rows.at(0);
   daemon->signal(SIGTERM);
   ASSERT_EQ(daemon->wait(20), 0) << daemon->said();
+}
+
+/// Words of a daemon between the row at 12:18 and its kick, and so many seconds after it.
+class FakedClockWatched : public FakedClock {
+ protected:
+  /// Kicks that come within 8 s after those of a first row, before which `strike` was called.
+  int kicks_after_a_row(const std::function<void()>& strike) {
+    const NotifySocket manager(bench.file("notify"), 900);
+    set_wall("2026-11-23 12:17:53");
+    const auto daemon = follow_wall();
+    EXPECT_EQ(manager.next(20), "READY=1");
+    closed_loop::sleep_s(2);
+    strike();
+    EXPECT_EQ(manager.next(20), "WATCHDOG=1") << "of the row";
+    int kicks = 0;
+    for (const double end_s = closed_loop::now_s() + 8; closed_loop::now_s() < end_s;) {
+      kicks += manager.next(0.5) == "WATCHDOG=1" ? 1 : 0;
+    }
+    EXPECT_EQ(bench.logged_rows(), 1u);
+    daemon->signal(SIGTERM);
+    EXPECT_EQ(daemon->wait(20), 0) << daemon->said();
+    return kicks;
+  }
+};
+
+TEST_F(FakedClockWatched, Row28AWaitThatAClockSetBackMakesLongIsNoHang) {
+  EXPECT_GE(kicks_after_a_row([this] { set_wall("2026-11-23 12:02:56"); }), 1) << "the next row is 21 min away";
+}
+
+TEST_F(FakedClockWatched, Row28WithoutAClockThatIsSetOnlyRowsKick) {
+  EXPECT_EQ(kicks_after_a_row([] {}), 0);
 }
 
 TEST_F(FakedClock, Row30ARealDaemonOf1970RunsTheScheduleAndOneOfTodayGoesOn) {

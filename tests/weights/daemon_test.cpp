@@ -19,8 +19,8 @@ using closed_loop::Child;
 /// A bench with keys, its own blob signed, and an inbox.
 class PushBench {
  public:
-  explicit PushBench(const std::string& name)
-      : bench({.name = name, .plant = closed_loop::rc_room(), .expert_days = 1, .days = 2}) {
+  explicit PushBench(const std::string& name, int days = 2)
+      : bench({.name = name, .plant = closed_loop::rc_room(), .expert_days = 1, .days = days}) {
     for (const char* part : {"keys", "inbox"}) fs::create_directories(bench.file(part));
     EXPECT_EQ(run({"keygen", "-o", bench.file("ann")}), 0);
     fs::copy(bench.file("ann.pub"), bench.file("keys") / "ann.pub");
@@ -36,6 +36,11 @@ class PushBench {
   std::string said() const {
     std::ifstream in(bench.file("said.txt"));
     return {std::istreambuf_iterator<char>(in), {}};
+  }
+  /// Until so many rows more are logged, or the daemon is gone.
+  void rows(Child& daemon, std::size_t more) const {
+    const std::size_t until = bench.logged_rows() + more;
+    while (bench.logged_rows() < until && daemon.running()) closed_loop::sleep_s(0.001);
   }
   nlohmann::json status() const {
     std::ifstream in(bench.file("state") / "status.json");
@@ -83,7 +88,7 @@ TEST(Released, AWishThatLiesThereIsKeptBeforeTheFirstWriteAndByWhateverComesAfte
   std::ofstream(b.bench.file("inbox") / "release");
   {
     const auto daemon = b.bench.start_daemon();
-    while (b.bench.logged_rows() < 30 && daemon->running()) closed_loop::sleep_s(0.001);
+    b.rows(*daemon, 30);
     daemon->signal(SIGTERM);
     ASSERT_EQ(daemon->wait(30), 0) << daemon->said();
   }
@@ -105,10 +110,44 @@ TEST(Released, AWishThatLiesThereIsKeptBeforeTheFirstWriteAndByWhateverComesAfte
   EXPECT_EQ(b.status()["reason"], "released by hand") << b.status();
 }
 
+TEST(Released, AnAhuStaysSoThoughTheStateThatComesBackLateKnowsNothingOfIt) {
+  PushBench b("released_late", 20);
+  const auto end = [](Child& daemon) {
+    daemon.signal(SIGTERM);
+    ASSERT_EQ(daemon.wait(30), 0) << daemon.said();
+  };
+  {
+    const auto daemon = b.bench.start_daemon();
+    b.rows(*daemon, 30);
+    end(*daemon);
+  }
+  const fs::path state = b.bench.file("state"), away = b.bench.file("away"), wish = b.bench.file("inbox") / "release";
+  fs::rename(state, away);
+  fs::create_symlink("state", state);  // to itself: neither there nor not there
+  const auto daemon = b.bench.start_daemon();
+  b.rows(*daemon, 30);
+  std::ofstream(wish).put('x');
+  b.rows(*daemon, 30);
+  EXPECT_TRUE(fs::remove(wish)) << "else it would be told again";
+  fs::remove(state);
+  fs::rename(away, state);
+  b.rows(*daemon, 30);
+  const int writes = b.status()["setpoint_writes"];
+  EXPECT_EQ(b.status()["reason"], "released by hand") << b.status();
+  b.rows(*daemon, 60);
+  EXPECT_EQ(b.status()["setpoint_writes"], writes);
+  EXPECT_EQ(b.status()["reason"], "released by hand") << b.status();
+  EXPECT_NE(daemon->said().find("resuming after row"), std::string::npos) << daemon->said();
+  std::ofstream(b.bench.file("inbox") / "hand-back");
+  b.rows(*daemon, 60);
+  EXPECT_GT(b.status()["setpoint_writes"], writes) << "until it is handed back";
+  end(*daemon);
+}
+
 TEST(Released, WithoutAWishTheFirstRowsWrite) {
   PushBench b("not_released");
   const auto daemon = b.bench.start_daemon();
-  while (b.bench.logged_rows() < 30 && daemon->running()) closed_loop::sleep_s(0.001);
+  b.rows(*daemon, 30);
   daemon->signal(SIGTERM);
   ASSERT_EQ(daemon->wait(30), 0) << daemon->said();
   EXPECT_GT(b.status()["setpoint_writes"], 0);
