@@ -25,14 +25,21 @@ Mailbox::Mailbox(const std::string& dir) : path_(dir) { open(); }
 void Mailbox::open() {
   auto opened = StorageFile::open_dir(path_.c_str());
   dir_ = opened ? std::move(*opened) : StorageFile();
+  tell_anew();
+}
+
+void Mailbox::tell_anew() {
   std::ranges::fill(told_, Seen{});
+  handed_back_ = false;
   blob_[0] = '\0';
 }
 
-Mailbox::Seen Mailbox::look(const StorageFile& dir, const char* name) {
+std::optional<Mailbox::Seen> Mailbox::look(const StorageFile& dir, const char* name) {
   struct stat status {};
-  const bool is_there = ::fstatat(dir.descriptor(), name, &status, AT_SYMLINK_NOFOLLOW) == 0;
-  return is_there && !S_ISDIR(status.st_mode) ? Seen{status.st_ino, status.st_ctim} : Seen{};
+  if (::fstatat(dir.descriptor(), name, &status, AT_SYMLINK_NOFOLLOW) != 0) {
+    return errno == ENOENT ? std::optional(Seen{}) : std::nullopt;
+  }
+  return S_ISDIR(status.st_mode) ? Seen{} : Seen{status.st_ino, status.st_ctim};
 }
 
 bool Mailbox::is_as_seen(const char* name, const Seen& seen) const {
@@ -40,16 +47,16 @@ bool Mailbox::is_as_seen(const char* name, const Seen& seen) const {
 }
 
 bool Mailbox::tell(int wish) {
-  const Seen seen = look(dir_, wish_names[wish]);
+  const std::optional<Seen> seen = look(dir_, wish_names[wish]);
   const bool differs = is_new(wish, seen);
-  told_[wish] = seen;
+  if (seen) told_[wish] = *seen;
   return differs;
 }
 
 bool Mailbox::release_waits() const {
   if (stands()) return is_new(wish_release, look(dir_, release_name));
   const StorageFile other(::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  return other.is_open() && look(other, release_name).inode != 0;
+  return other.is_open() && look(other, release_name).value_or(Seen{}).inode != 0;
 }
 
 bool Mailbox::take(const char* name) { return ::unlinkat(dir_.descriptor(), name, 0) == 0; }
@@ -74,7 +81,7 @@ bool Mailbox::find_blob() {
     const std::string_view name(entry);
     // A folder cannot be taken away, and must not stand before the blobs behind it for ever.
     if (name.size() >= sizeof blob_) return true;  // uncovered: foreign file systems alone have names so long
-    if (!is_blob_name(name) || look(dir_, entry).inode == 0 || is_arriving(entry)) return true;
+    if (!is_blob_name(name) || look(dir_, entry).value_or(Seen{}).inode == 0 || is_arriving(entry)) return true;
     std::memcpy(blob_, name.data(), name.size());
     blob_[name.size()] = '\0';
     return false;
@@ -91,7 +98,9 @@ bool Mailbox::may_be_later() {
 void Mailbox::read_blob(std::span<std::byte> blob, Mail& mail) {
   mail.has_blob = true;
   mail.unread = "no file that this user may read";
-  blob_seen_ = look(dir_, blob_);
+  const Seen last = blob_seen_;
+  blob_seen_ = look(dir_, blob_).value_or(Seen{});
+  if (!(blob_seen_ == last)) unread_times_ = 0;
   // Neither a link out of the folder nor a pipe that would block.
   const StorageFile file(::openat(dir_.descriptor(), blob_, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
@@ -140,11 +149,12 @@ bool Mailbox::waits(const std::string& path, const BlobHeader& header) {
   return waiting.key_id != header.key_id || waiting.security_counter >= header.security_counter;
 }
 
-void Mailbox::finish(bool accepted) {
+bool Mailbox::finish(bool accepted) {
   bool changed = false;
   // The release first, and for good: alone in the inbox it would be told again by the next start.
-  const bool released = is_as_seen(release_name, told_[wish_release]);
-  const bool ended = handed_back_ && released && take(release_name) && ::fsync(dir_.descriptor()) == 0;
+  const std::optional<Seen> release = look(dir_, release_name);
+  const bool released = told_[wish_release].inode != 0 && (!release || *release == told_[wish_release]);
+  const bool ended = handed_back_ && released && release && take(release_name) && ::fsync(dir_.descriptor()) == 0;
   for (const Wish wish : {wish_hand_back, wish_rollback}) {
     if (wish == wish_hand_back && handed_back_ && released && !ended) continue;
     if (is_as_seen(wish_names[wish], told_[wish]) && take(wish_names[wish])) changed = true;
@@ -157,6 +167,7 @@ void Mailbox::finish(bool accepted) {
   blob_[0] = '\0';
   // What was done must not come back with a power cut, long after another wish was done.
   if (changed) (void)::fsync(dir_.descriptor());
+  return !handed_back_;
 }
 
 }  // namespace airside::hal

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <ctime>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -46,12 +47,15 @@ class Mailbox {
   /// from a slow stick: it is left for later.
   /// Everything stays where it is until finish(). Cost: a few system calls, no heap.
   Mail collect(std::span<std::byte> blob);
+  /// The next collect() finds everything new.
+  void tell_anew();
   /// The blob of the last collect() stays, and is found again by the next one.
   void leave_blob() { blob_[0] = '\0'; }
   /// Takes the wishes and the blob of the last collect() away; a refused blob stands as `refused` for whoever looks.
   /// A release stays until a hand-back takes it along: a start that finds no state is told it anew.
-  /// What was replaced or written to since is something else, and stays for the next collect().
-  void finish(bool accepted);
+  /// What was replaced or written to since is something else, and stays for the next collect(). Returns false where a
+  /// hand-back waits beside a release that could not be taken away; the next finish() tries again.
+  bool finish(bool accepted);
   /// Whether a wish to release lies there that no collect() has told yet; it stays.
   bool release_waits() const;
   bool is_open() const { return dir_.is_open(); }
@@ -78,8 +82,11 @@ class Mailbox {
   void open();
   /// Whether the open folder is the one at the path.
   bool stands() const { return dir_.is_open() && !dir_.is_away_from(path_.c_str()); }
-  static Seen look(const StorageFile& dir, const char* name);
-  bool is_new(int wish, const Seen& seen) const { return seen.inode != 0 && !(seen == told_[wish]); }
+  /// Inode 0: it is not there, or a folder. Nothing: that cannot be told now.
+  static std::optional<Seen> look(const StorageFile& dir, const char* name);
+  bool is_new(int wish, const std::optional<Seen>& seen) const {
+    return seen && seen->inode != 0 && !(*seen == told_[wish]);
+  }
   bool is_as_seen(const char* name, const Seen& seen) const;
   bool tell(int wish);
   bool take(const char* name);
@@ -93,7 +100,7 @@ class Mailbox {
   Seen told_[3];  ///< by wish; inode 0: none
   bool handed_back_ = false;
   char blob_[256] = {};  ///< name of the blob that waits for finish()
-  Seen blob_seen_;       ///< of that blob
+  Seen blob_seen_;       ///< of that blob, or of the last one
   int unread_times_ = 0;
 };
 

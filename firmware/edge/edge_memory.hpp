@@ -78,15 +78,14 @@ class EdgeMemory {
   /// Loads the newest good state, else begins from the blob, else leaves the controller as it is. Returns the time of
   /// the last row, 0 where there was no state.
   CivilTime resume() {
-    const CivilTime last = load_state(blob_crc_);
-    if (last.seconds == 0) {
-      record_.blob_crc = blob_crc_;
-      if (blob_bytes_ > 0) begin_from_blob();
+    const Found found = load_state();
+    if (found == Found::nothing) {
+      begin_from_blob();
+      if (blob_bytes_ > 0) remember_history();
       if (log_) note(log_->resume({}), "log");
     }
-    payload_.reset();
     history_.reset();
-    return last;
+    return found == Found::state ? record_.row_time : CivilTime{};
   }
   /// Reads what open() would read and leaves everything as it is. Returns the keys, for people. Errors: as of open(),
   /// but for the state folder; and for a bad history without weights or bad key files, which a start leaves out.
@@ -203,9 +202,15 @@ class EdgeMemory {
     }
   }
 
+  /// Cost: no heap.
   void begin_from_blob() {
+    record_.blob_crc = blob_crc_;
+    if (blob_bytes_ == 0) return;
     take_payload<T>(controller_, *payload_);
     say("starting from {}", site_.weights_blob);
+  }
+
+  void remember_history() {
     if (!history_) load_history();
     if (!history_) return;
     HistoryReader<T> reader(controller_, HistoryReader<T>::Head::leave);
@@ -215,9 +220,16 @@ class EdgeMemory {
     say("remembered {} transitions of {}", reader.transitions(), site_.history_log);
   }
 
-  /// Loads the newest generation. Returns the time of its row, 0 if there is none that fits.
-  CivilTime load_state(std::uint32_t blob_crc, bool late = false) {
-    if (!store_) return {};
+  enum class Found {
+    nothing,  ///< that fits; the controller is as it was made
+    state,
+    nothing_read,  ///< the controller is as it was
+  };
+
+  /// Loads the newest generation; the inbox is told to it anew. `late`: after rows that were not committed. Cost: no
+  /// heap.
+  Found load_state(bool late = false) {
+    if (!store_) return Found::nothing;
     auto& learning = controller_.learning();
     auto found =
         store_->load({.learning = bytes_of(static_cast<void*>(&learning), sizeof(Learning)),
@@ -228,7 +240,7 @@ class EdgeMemory {
       say("state in {}: {} ({})", site_.state_dir, hal::text_of(found.error().fault), found.error().step);
       if (found.error().fault != hal::StoreFault::other_layout) return forget();
       set_other_aside();
-      return late ? CivilTime{} : forget();  // late, nothing was read over what was learned since the start
+      return late ? Found::nothing_read : forget();  // late, what was learned since the start stands
     }
     if (found->outcome == hal::LoadOutcome::none) {
       // Kept files of another version beside none of this one: a start that did not come to its first row.
@@ -236,10 +248,11 @@ class EdgeMemory {
       if (state_lost_) say("state in {}: no saved generation is whole and of this version", site_.state_dir);
       return forget();
     }
-    if (record_.blob_crc != blob_crc) {
+    if (record_.blob_crc != blob_crc_) {
       say("the site names other weights than the state grew from; starting from them");
       return forget_weights();
     }
+    trial_.tell_anew();
     controller_.cycle() = record_.cycle;
     controller_.replay().restore_count(found->replay_count);
     controller_.restore_decision(record_.decision);
@@ -249,9 +262,10 @@ class EdgeMemory {
       return forget_weights();
     }
     if (log_ && !late) note(log_->resume(found->log), "log");  // late, rows since the start stand there
-    say("resuming after row {} ({}, generation {})", hal::civil_text(record_.row_time), hal::text_of(found->outcome),
-        found->generation);
-    return record_.row_time;
+    char row[hal::civil_text_size];
+    const std::string_view text(row, static_cast<std::size_t>(hal::write_civil_text(row, record_.row_time) - row));
+    say("resuming after row {} ({}, generation {})", text, hal::text_of(found->outcome), found->generation);
+    return Found::state;
   }
 
   /// What another topology or version has learned is lost to this one, but not gone: the schedule runs until a person
@@ -265,33 +279,33 @@ class EdgeMemory {
 
   /// The state's medium came after the start. What it holds is worth more than what was learned since.
   void resume_late(CivilTime t) {
-    const std::uint32_t blob_crc = record_.blob_crc;
     const bool known = state_lost_;
     const Ladder since_start = controller_.cycle().ladder;
-    if (load_state(blob_crc, true).seconds == 0) record_.blob_crc = blob_crc;
-    controller_.cycle().ladder.keep_releases(since_start, t);
+    if (load_state(true) == Found::nothing) begin_from_blob();
+    controller_.cycle().ladder.join_releases(since_start, t);
     if (state_lost_ && !known) controller_.hold(Reason::state_lost, t, 0);
   }
 
   /// Undoes what load_state() may have overwritten.
-  CivilTime forget() {
+  Found forget() {
     const LimitsTable<T> limits = controller_.limits();
     controller_.configure(controller_.settings(), limits, hal::box_kernels(), site_.seed);
     record_ = fresh_record();
     if (store_) store_->replay_replaced();
-    return {};
+    trial_.tell_anew();
+    return Found::nothing;
   }
 
   /// The same where the record itself is whole: an old blob must not come in again by this way, and an AHU that was
   /// released must not be written to.
-  CivilTime forget_weights() {
+  Found forget_weights() {
     const auto counters = record_.trial.counter;
-    const Ladder before = record_.cycle.ladder;
-    const CivilTime last = record_.row_time;
-    const CivilTime none = forget();
+    Ladder ladder = record_.cycle.ladder;
+    ladder.keep_only_releases();
+    const Found nothing = forget();
     record_.trial.counter = counters;
-    controller_.cycle().ladder.keep_releases(before, last);
-    return none;
+    controller_.cycle().ladder = ladder;
+    return nothing;
   }
 
   static RowRecord<T> fresh_record() {
@@ -307,8 +321,8 @@ class EdgeMemory {
   const hal::SiteFile& site_;
   hal::Sync sync_;
   Controller<T>& controller_;
-  std::unique_ptr<Payload> payload_;  ///< until resume() has ended, as the history
-  std::optional<hal::Log> history_;
+  std::unique_ptr<Payload> payload_;  ///< of the site's blob: a state that comes late may be one of other weights
+  std::optional<hal::Log> history_;   ///< until resume() has ended
   std::uint32_t blob_crc_ = 0;
   std::size_t blob_bytes_ = 0;
   std::optional<hal::DurableStore> store_;

@@ -84,19 +84,26 @@ class WeightsTrial {
   void open_inbox() { mailbox_ = hal::Mailbox(inbox_dir_); }
   /// Whether a person wants the AHU back and no row has told so yet.
   bool release_waits() const { return mailbox_.release_waits(); }
+  /// The state is another one, to which nothing of what lies in the inbox was told yet.
+  void tell_anew() {
+    mailbox_.tell_anew();
+    staged_copy_ = 0;
+    finish_mail_ = false;
+  }
   /// Once a row, before its commit. Returns whether the learning state was exchanged.
   bool row(CivilTime t, Controller<T>& controller, TrialRecord& record) {
     const hal::Mail mail = mailbox_.collect(*bytes_);
     if (mail.release) controller.hold(Reason::released_by_hand, t, 0);
     if (mail.hand_back) controller.hand_back();
     if (mail.release || mail.hand_back) say("an operator asked: {}", mail.release ? "release" : "hand-back");
-    bool exchanged = record.tries_back > 0 && roll_back(controller, record, "as was begun");
+    const bool has_begun = record.tries_back > 0;
+    bool exchanged = has_begun && roll_back(controller, record, "as was begun");
     // Whoever asks for a way back before a blob was tried means that blob. One that was taken already lies here still
     // where the daemon ended between the commit and this.
     const bool is_in_use =
         record.state != TrialState::none && crc32c({bytes_->data(), mail.blob_bytes}) == record.blob_crc;
     const bool taken_back = mail.blob_is_older && !is_in_use;
-    if (mail.rollback && !taken_back) exchanged = roll_back_as_asked(controller, record) || exchanged;
+    if (mail.rollback && !taken_back && !has_begun) exchanged = roll_back_as_asked(controller, record) || exchanged;
     if (mail.has_blob) {
       read_keys();  // each time, so that a key that was revoked is refused at once, and a new one known
       const BlobError refusal = taken_back ? BlobError{Fault::blob_taken_back, "rollback"}
@@ -117,10 +124,9 @@ class WeightsTrial {
   }
   /// After the commit: what it holds may go from the inbox, and the copy that it names stands alone.
   void committed() {
-    if (finish_mail_) mailbox_.finish(accepted_);
+    if (finish_mail_) finish_mail_ = !mailbox_.finish(accepted_);
     if (staged_copy_ != 0) (void)copy_.settle(staged_copy_);  // where it fails, load() finds it as it is
     staged_copy_ = 0;
-    finish_mail_ = false;
   }
 
  private:

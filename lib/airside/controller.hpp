@@ -202,16 +202,10 @@ class Controller {
   /// Rebuilds what is derived from the saved state; call after learning() or cycle() were overwritten.
   /// Errors: state_invalid if the saved numbers are not finite; the controller then has no weights.
   Fault restored() {
-    cycle_.validator.use_limits(limits_, settings_);
-    if (!all_finite(learning_.weights) || !learning_.head.finite() || !learning_.scaler.finite() ||
-        !std::isfinite(cycle_.confidence)) {
-      cycle_.has_weights = 0;
-      return Fault::state_invalid;
-    }
-    learning_.head.complete_day_types(settings_);  // the site file may ask for a second day type since
-    prepare();
-    resumed_ = true;
-    return Fault::none;
+    const Fault fault = rebuild();
+    resumed_ = fault == Fault::none;
+    cycle_.contact = 0;  // a process counts its own from 1, and the device may have restarted before it did
+    return fault;
   }
 
   /// A decision before there was any: the schedule's night setpoint, faultless.
@@ -257,9 +251,8 @@ class Controller {
   Fault go_back(const Scaler<T>& present) {
     rescale_memories(present, learning_.scaler);
     forget_comparison();
-    const Fault fault = restored();
     resumed_ = false;
-    return fault;
+    return rebuild();
   }
 
   /// The schedule again, until other weights come.
@@ -277,6 +270,18 @@ class Controller {
 
  private:
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  Fault rebuild() {
+    cycle_.validator.use_limits(limits_, settings_);
+    if (!all_finite(learning_.weights) || !learning_.head.finite() || !learning_.scaler.finite() ||
+        !std::isfinite(cycle_.confidence)) {
+      cycle_.has_weights = 0;
+      return Fault::state_invalid;
+    }
+    learning_.head.complete_day_types(settings_);  // the site file may ask for a second day type since
+    prepare();
+    return Fault::none;
+  }
+
   static constexpr int power_of_head = L::power + T::powers - 1;
   /// Other weights do not answer for what those before them did, and get a day of their own to show it.
   void forget_comparison() {

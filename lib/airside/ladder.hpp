@@ -306,8 +306,18 @@ class Ladder {
       if (rung_of(r).for_person || rung_of(r).mode == Mode::release) until(r) = 0;
     }
   }
-  /// Whatever keeps the AHU released on another ladder keeps it on this one, at least as long.
-  constexpr void keep_releases(const Ladder& other, CivilTime t) {
+  /// Ends everything that does not keep the AHU released. What is known of the clock stays: limits are moved by it.
+  constexpr void keep_only_releases() {
+    for (int i = 1; i < reason_count; ++i) {
+      const auto r = static_cast<Reason>(i);
+      if (rung_of(r).mode != Mode::release && r != Reason::clock_not_set) until(r) = 0;
+    }
+  }
+  /// Follows the clock to t. What keeps the AHU released on another ladder, which has followed it there, keeps it on
+  /// this one at least as long; and what the other knows of the clock holds here.
+  constexpr void join_releases(const Ladder& other, CivilTime t) {
+    tick(t);
+    set(Reason::clock_not_set, other.active(Reason::clock_not_set, t), t);
     for (int i = 1; i < reason_count; ++i) {
       const auto r = static_cast<Reason>(i);
       const auto at = static_cast<std::size_t>(i);

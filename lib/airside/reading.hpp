@@ -22,7 +22,8 @@ struct Reading {
   double setpoint_degc = std::numeric_limits<double>::quiet_NaN();
   /// Measured supply-air temperature, degC; NaN where there is no sensor. Not a network input.
   double supply_temp_degc = std::numeric_limits<double>::quiet_NaN();
-  /// Counts up whenever the device was out of touch in between; it may have restarted, and stand at a default.
+  /// Counts up, from 1 in each process, whenever the device was out of touch in between; it may have restarted, and
+  /// stand at a default.
   std::uint64_t contact = 0;
 };
 

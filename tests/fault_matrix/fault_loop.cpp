@@ -134,8 +134,8 @@ void FaultLoop::restart(const Saved& from) {
   record_ = kept.record;
   (void)controller_->restored();
   pushed_ = controller_->replay().total_pushed();
-  // A new process knows of no connection, and has no mail in hand.
-  ++contact_;
+  // A new process counts its own connections, and has no mail in hand.
+  contact_ = 1;
   trial_ = std::make_unique<edge::WeightsTrial<T>>(prepared_.folder.file("keys").string(), (folder_ / "inbox").string(),
                                                    folder_.string(), 5, hal::Sync::none, "Room 301");
   trial_->open_inbox();

@@ -146,5 +146,30 @@ TEST(DaemonHeap, IsNotTouchedByPushedWeightsGoodOrBadNorByAWayBack) {
   EXPECT_TRUE(std::filesystem::exists(bench.file("inbox") / "refused"));
 }
 
+TEST(DaemonHeap, IsNotTouchedByStateThatComesLate) {
+  Bench bench({.name = "heap_late", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1});
+  DaemonHere here(bench, 240);
+  here.daemon().start();
+  here.settle(4);
+  bench.stop_server();
+  const std::string state = bench.file("state").string(), kept = bench.file("kept").string(),
+                    away = bench.file("away").string();
+  std::filesystem::copy(state, kept, std::filesystem::copy_options::recursive);
+  auto& wired = dynamic_cast<edge::Edge<FiveZone>&>(here.daemon());
+  const Expected<Reading<FiveZone>> nothing = tl::unexpected(Fault::no_reading);
+  ::testing::internal::CaptureStderr();
+  AllocationGuard guard("rows around a state that comes");
+  const bool moved = ::rename(state.c_str(), away.c_str()) == 0 && ::rename(kept.c_str(), state.c_str()) == 0;
+  for (int i = 0; i < 4; ++i) {
+    const CivilTime t{wired.controller().decision().time.seconds + (i + 1) * row_s};
+    EXPECT_TRUE(wired.row(t, nothing, wired.controller()));
+  }
+  const HeapEvents events = guard.disarm();
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(moved);
+  EXPECT_NE(said.find("resuming after row"), std::string::npos) << said;
+  EXPECT_EQ(events.total(), 0U) << "first: " << events.first << " of " << events.first_bytes << " bytes";
+}
+
 }  // namespace
 }  // namespace airside::footprint

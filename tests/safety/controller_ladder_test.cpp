@@ -88,6 +88,27 @@ TEST(ControllerLadder, ADeviceThatWasOutOfTouchIsNoOtherHand) {
   EXPECT_NE(rig.setpoint, 21.0);
 }
 
+TEST(ControllerLadder, Row24WithoutAnotherHandADeviceAtItsDefaultAfterARestartIsTakenOver) {
+  const auto first_contact = [](Reading<T> r) {
+    r.contact = 1;  // as each process counts
+    return Expected<Reading<T>>(r);
+  };
+  for (const bool restarts : {true, false}) {
+    Rig rig;
+    rig.cycles(6, first_contact);
+    rig.row(first_contact);
+    if (restarts) {
+      ASSERT_EQ(rig.controller->restored(), Fault::none);
+    }
+    rig.setpoint = 21.0;
+    rig.row(first_contact);  // no cycle begins with the first row after the restart
+    rig.row(first_contact);
+    rig.cycles(1, first_contact);
+    EXPECT_EQ(rig.decision().reason, restarts ? Reason::none : Reason::overridden);
+    EXPECT_EQ(rig.setpoint == 21.0, !restarts);
+  }
+}
+
 TEST(ControllerLadder, ASetpointThatShowsLateIsOurOwn) {
   Rig rig;
   rig.cycles(6);

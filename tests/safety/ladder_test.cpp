@@ -101,11 +101,57 @@ TEST(Ladder, ReleasesOfAnotherLadderStay) {
   before.hold(Reason::writes_refused, later(-7200), 3600);
   before.set(Reason::sensor_drifts, true, noon);
   after.hold(Reason::overridden, noon, 7200);
-  after.keep_releases(before, noon);
+  before.tick(noon);
+  after.join_releases(before, noon);
   EXPECT_EQ(after.gravest(later(1'000'000'000)), Reason::released_by_hand);
   EXPECT_TRUE(after.active(Reason::overridden, later(7199))) << "its own is the longer one";
   EXPECT_FALSE(after.active(Reason::writes_refused, noon)) << "that was over";
   EXPECT_FALSE(after.active(Reason::sensor_drifts, noon)) << "the next reading tells";
+}
+
+TEST(Ladder, ReleasesOfAnotherLadderLastAsLongWhateverClockEachKnew) {
+  const CivilTime nineteen_seventy{600};
+  for (const CivilTime saved : {CivilTime{30 * 86400}, noon, later(-300 * 86400)}) {
+    Ladder loaded, now;
+    loaded.tick(saved);
+    now.tick(nineteen_seventy);
+    now.set(Reason::clock_not_set, true, nineteen_seventy);
+    now.hold(Reason::overridden, nineteen_seventy, 4 * 3600);
+    loaded.join_releases(now, nineteen_seventy);
+    CivilTime t{nineteen_seventy.seconds + row_s};
+    loaded.tick(t);
+    EXPECT_TRUE(loaded.active(Reason::overridden, t)) << saved.seconds;
+    loaded.tick(noon);  // set at last
+    EXPECT_TRUE(loaded.active(Reason::overridden, later(4 * 3600 - row_s - 1))) << saved.seconds;
+    EXPECT_FALSE(loaded.active(Reason::overridden, later(4 * 3600 - row_s))) << saved.seconds;
+  }
+  Ladder loaded, now;  // saved under a clock that was not set, which is right now
+  loaded.tick(nineteen_seventy);
+  loaded.set(Reason::clock_not_set, true, nineteen_seventy);
+  now.tick(noon);
+  now.hold(Reason::overridden, noon, 4 * 3600);
+  loaded.join_releases(now, noon);
+  EXPECT_FALSE(loaded.active(Reason::clock_not_set, noon));
+  loaded.tick(later(7200));
+  EXPECT_TRUE(loaded.active(Reason::overridden, later(4 * 3600 - 1)));
+  EXPECT_FALSE(loaded.active(Reason::overridden, later(4 * 3600)));
+}
+
+TEST(Ladder, WhereOnlyReleasesAreKeptTheyLastNoLonger) {
+  const CivilTime nineteen_seventy{600};
+  Ladder ladder;
+  ladder.tick(noon);
+  ladder.hold(Reason::overridden, noon, 4 * 3600);
+  ladder.hold(Reason::crash_loop, noon, 8 * 3600);
+  ladder.keep_only_releases();
+  EXPECT_EQ(ladder.gravest(noon), Reason::overridden);
+  ladder.tick(nineteen_seventy);
+  ladder.set(Reason::clock_not_set, true, nineteen_seventy);
+  ladder.keep_only_releases();
+  ladder.tick(later(3600));
+  EXPECT_TRUE(ladder.active(Reason::overridden, later(3600)));
+  EXPECT_FALSE(ladder.active(Reason::overridden, later(3600 + 4 * 3600)));
+  EXPECT_EQ(ladder.gravest(later(3600 + 4 * 3600)), Reason::clock_not_set);
 }
 
 TEST(Ladder, ASmallStepOfTheClockChangesNothing) {

@@ -42,6 +42,15 @@ class PushBench {
     const std::size_t until = bench.logged_rows() + more;
     while (bench.logged_rows() < until && daemon.running()) closed_loop::sleep_s(0.001);
   }
+  /// Other weights than weights.blob.
+  void name_in_site(const std::string& blob) const {
+    std::ifstream in(bench.file("site.toml"));
+    std::string site(std::istreambuf_iterator<char>(in), {});
+    const std::size_t at = site.find("weights.blob");
+    ASSERT_NE(at, std::string::npos) << site;
+    site.replace(at, 12, blob);
+    std::ofstream(bench.file("site.toml"), std::ios::trunc) << site;
+  }
   nlohmann::json status() const {
     std::ifstream in(bench.file("state") / "status.json");
     return nlohmann::json::parse(in, nullptr, false);
@@ -97,12 +106,7 @@ TEST(Released, AWishThatLiesThereIsKeptBeforeTheFirstWriteAndByWhateverComesAfte
   // What the state itself knows must do: the wish would be told again.
   EXPECT_TRUE(fs::remove(b.bench.file("inbox") / "release"));
   // Other weights in the site file are a person's wish too, but not this one's end.
-  std::ifstream in(b.bench.file("site.toml"));
-  std::string site(std::istreambuf_iterator<char>(in), {});
-  const std::size_t at = site.find("weights.blob");
-  ASSERT_NE(at, std::string::npos) << site;
-  site.replace(at, 12, "signed.blob");
-  std::ofstream(b.bench.file("site.toml"), std::ios::trunc) << site;
+  b.name_in_site("signed.blob");
   const auto daemon = b.bench.start_daemon();
   ASSERT_EQ(daemon->wait(120), 0) << daemon->said();
   EXPECT_NE(daemon->said().find("other weights than the state grew from"), std::string::npos) << daemon->said();
@@ -110,27 +114,43 @@ TEST(Released, AWishThatLiesThereIsKeptBeforeTheFirstWriteAndByWhateverComesAfte
   EXPECT_EQ(b.status()["reason"], "released by hand") << b.status();
 }
 
-TEST(Released, AnAhuStaysSoThoughTheStateThatComesBackLateKnowsNothingOfIt) {
-  PushBench b("released_late", 20);
-  const auto end = [](Child& daemon) {
-    daemon.signal(SIGTERM);
-    ASSERT_EQ(daemon.wait(30), 0) << daemon.said();
-  };
-  {
-    const auto daemon = b.bench.start_daemon();
-    b.rows(*daemon, 30);
-    end(*daemon);
+/// State of thirty rows that cannot be had at the next start, and then can.
+class LateState : public ::testing::Test {
+ protected:
+  void run(std::size_t rows) {
+    start();
+    b.rows(*daemon, rows);
+    end();
   }
-  const fs::path state = b.bench.file("state"), away = b.bench.file("away"), wish = b.bench.file("inbox") / "release";
-  fs::rename(state, away);
-  fs::create_symlink("state", state);  // to itself: neither there nor not there
-  const auto daemon = b.bench.start_daemon();
+  void start() { daemon = b.bench.start_daemon(); }
+  void end() {
+    daemon->signal(SIGTERM);
+    ASSERT_EQ(daemon->wait(30), 0) << daemon->said();
+  }
+  void hide() const {
+    fs::rename(state, away);
+    fs::create_symlink("state", state);  // to itself: neither there nor not there
+  }
+  void show() const {
+    fs::remove(state);
+    fs::rename(away, state);
+  }
+  void wish(const char* name) const { std::ofstream(b.bench.file("inbox") / name).put('x'); }
+
+  PushBench b{"late", 20};
+  const fs::path state = b.bench.file("state"), away = b.bench.file("away");
+  std::unique_ptr<Child> daemon;
+};
+
+TEST_F(LateState, IsThatOfAnAhuWhichWasReleasedMeanwhile) {
+  run(30);
+  hide();
+  start();
   b.rows(*daemon, 30);
-  std::ofstream(wish).put('x');
+  wish("release");
   b.rows(*daemon, 30);
-  EXPECT_TRUE(fs::remove(wish)) << "else it would be told again";
-  fs::remove(state);
-  fs::rename(away, state);
+  EXPECT_TRUE(fs::remove(b.bench.file("inbox") / "release")) << "else it would be told again";
+  show();
   b.rows(*daemon, 30);
   const int writes = b.status()["setpoint_writes"];
   EXPECT_EQ(b.status()["reason"], "released by hand") << b.status();
@@ -138,10 +158,73 @@ TEST(Released, AnAhuStaysSoThoughTheStateThatComesBackLateKnowsNothingOfIt) {
   EXPECT_EQ(b.status()["setpoint_writes"], writes);
   EXPECT_EQ(b.status()["reason"], "released by hand") << b.status();
   EXPECT_NE(daemon->said().find("resuming after row"), std::string::npos) << daemon->said();
-  std::ofstream(b.bench.file("inbox") / "hand-back");
+  wish("hand-back");
   b.rows(*daemon, 60);
   EXPECT_GT(b.status()["setpoint_writes"], writes) << "until it is handed back";
-  end(*daemon);
+  end();
+}
+
+TEST_F(LateState, IsToldOfAHandBackThatCameMeanwhile) {
+  wish("release");
+  run(30);
+  EXPECT_EQ(b.status()["reason"], "released by hand");
+  hide();
+  start();
+  b.rows(*daemon, 30);
+  wish("hand-back");
+  b.rows(*daemon, 30);
+  show();
+  b.rows(*daemon, 60);
+  EXPECT_NE(b.status()["reason"], "released by hand") << b.status();
+  EXPECT_GT(b.status()["setpoint_writes"], 0);
+  EXPECT_TRUE(fs::is_empty(b.bench.file("inbox")));
+  end();
+}
+
+TEST_F(LateState, TakesWeightsThatWerePushedMeanwhile) {
+  run(30);
+  const char* records[] = {"row.a", "row.b", "learning.a", "learning.b"};
+  for (const char* name : records) {
+    fs::rename(state / name, b.bench.file(name));
+    fs::create_symlink(name, state / name);
+  }
+  start();
+  b.rows(*daemon, 30);
+  ASSERT_EQ(b.run({"push", b.bench.file("signed.blob"), b.bench.file("site.toml")}), 0) << b.said();
+  b.rows(*daemon, 30);
+  EXPECT_EQ(b.status()["pushed_weights"], "on trial") << b.status();
+  for (const char* name : records) {
+    fs::remove(state / name);
+    fs::rename(b.bench.file(name), state / name);
+  }
+  b.rows(*daemon, 30);
+  EXPECT_NE(daemon->said().find("resuming after row"), std::string::npos) << daemon->said();
+  EXPECT_EQ(b.status()["pushed_weights"], "on trial") << b.status();
+  EXPECT_EQ(b.status()["pushed_refusal"], "none") << b.status();
+  EXPECT_TRUE(fs::is_empty(b.bench.file("inbox")));
+  std::ofstream(b.bench.file("inbox") / "rollback");
+  b.rows(*daemon, 30);
+  EXPECT_EQ(b.status()["pushed_weights"], "rolled back") << "the copy is there";
+  EXPECT_EQ(b.status()["has_weights"], true);
+  end();
+}
+
+TEST_F(LateState, OfOtherWeightsGivesWayToTheSites) {
+  run(30);
+  b.name_in_site("signed.blob");
+  hide();
+  start();
+  b.rows(*daemon, 30);
+  show();
+  b.rows(*daemon, 30);
+  EXPECT_NE(daemon->said().find("other weights than the state grew from"), std::string::npos) << daemon->said();
+  EXPECT_EQ(b.status()["has_weights"], true) << b.status();
+  end();
+  start();
+  b.rows(*daemon, 30);
+  EXPECT_NE(daemon->said().find("resuming after row"), std::string::npos) << daemon->said();
+  EXPECT_EQ(b.status()["has_weights"], true) << b.status();
+  end();
 }
 
 TEST(Released, WithoutAWishTheFirstRowsWrite) {

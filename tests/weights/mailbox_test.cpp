@@ -10,6 +10,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <thread>
 
 #include "airside/blob.hpp"
@@ -98,6 +99,60 @@ TEST_F(Inbox, AHandBackStaysWhereItsReleaseCannotBeTaken) {
   put("release");  // said again meanwhile, which this look does not know
   box.finish(true);
   EXPECT_TRUE(box.collect(blob).release);
+}
+
+/// While it lives nothing in the folder can be looked at, as on a medium that fails.
+class Blind {
+ public:
+  explicit Blind(const fs::path& folder) : folder_(folder), is_root_(::geteuid() == 0) {
+    fs::permissions(folder_, fs::perms::none);
+    if (is_root_ && ::seteuid(65534) != 0) throw std::runtime_error("seteuid");
+  }
+  ~Blind() {
+    if (is_root_) (void)!::seteuid(0);
+    fs::permissions(folder_, fs::perms::owner_all);
+  }
+  Blind(const Blind&) = delete;
+  Blind& operator=(const Blind&) = delete;
+
+ private:
+  fs::path folder_;
+  bool is_root_;
+};
+
+TEST_F(Inbox, WhatCannotBeLookedAtIsNotTakenForGone) {
+  put("release");
+  EXPECT_TRUE(box.collect(blob).release);
+  EXPECT_TRUE(box.finish(true));
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  put("hand-back");
+  EXPECT_TRUE(box.collect(blob).hand_back);
+  {
+    const Blind blind(folder.c_str());
+    EXPECT_FALSE(box.finish(true)) << "alone in the inbox the release would be told again by the next start";
+    const hal::Mail mail = box.collect(blob);
+    EXPECT_FALSE(mail.hand_back || mail.release || mail.has_blob || box.release_waits());
+  }
+  EXPECT_EQ(files(), 2u);
+  const hal::Mail mail = box.collect(blob);
+  EXPECT_FALSE(mail.hand_back || mail.release) << "both were told before";
+  EXPECT_TRUE(box.finish(true));
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(Inbox, IsToldAnewToAnotherState) {
+  put("release");
+  EXPECT_TRUE(box.collect(blob).release);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  put("hand-back");
+  put("a.blob", "abc");
+  for (int state = 0; state < 2; ++state) {
+    const hal::Mail mail = box.collect(blob);
+    EXPECT_TRUE(mail.hand_back && !mail.release && mail.has_blob) << state;
+    if (state == 0) box.tell_anew();
+  }
+  EXPECT_TRUE(box.finish(true));
+  EXPECT_EQ(files(), 0u);
 }
 
 TEST_F(Inbox, TellsThatAReleaseWaitsUntilItWasCollected) {

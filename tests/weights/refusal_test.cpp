@@ -241,6 +241,12 @@ TEST_F(Refusal, ABlobThatCannotBeReadIsTriedByThreeRowsMore) {
   put_unreadable(path);
   EXPECT_FALSE(row());
   EXPECT_TRUE(std::filesystem::exists(path)) << "the next one has a patience of its own";
+  for (int i = 1; i < hal::Mailbox::patience; ++i) EXPECT_FALSE(row());
+  std::filesystem::remove(path);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // files' times have the grain of the kernel's clock
+  put_unreadable(path);
+  EXPECT_FALSE(row());
+  EXPECT_TRUE(std::filesystem::exists(path)) << "and so has one that replaces another";
   std::filesystem::remove(path);
   push(other(1));
   EXPECT_TRUE(row()) << "and what can be read then is taken";
