@@ -46,8 +46,7 @@ bool Mailbox::is_as_seen(const char* name, const Seen& seen) const {
   return seen.inode != 0 && look(dir_, name) == seen;
 }
 
-bool Mailbox::tell(int wish) {
-  const std::optional<Seen> seen = look(dir_, wish_names[wish]);
+bool Mailbox::tell(int wish, const std::optional<Seen>& seen) {
   const bool differs = is_new(wish, seen);
   if (seen) told_[wish] = *seen;
   return differs;
@@ -127,9 +126,11 @@ Mail Mailbox::collect(std::span<std::byte> blob) {
   Mail mail;
   if (!stands()) open();
   if (!dir_.is_open()) return mail;
-  mail.hand_back = tell(wish_hand_back);
-  mail.release = tell(wish_release);
-  mail.rollback = tell(wish_rollback);
+  const std::optional<Seen> release = look(dir_, release_name);
+  mail.release = tell(wish_release, release);
+  // Told without the release that it ends, a hand-back would be gone when that one is told.
+  mail.hand_back = release && tell(wish_hand_back, look(dir_, hand_back_name));
+  mail.rollback = tell(wish_rollback, look(dir_, rollback_name));
   if (mail.hand_back && mail.release) {
     mail.hand_back = told_[wish_hand_back].is_after(told_[wish_release]);
     mail.release = !mail.hand_back;

@@ -88,7 +88,7 @@ class Mailbox {
     return seen && seen->inode != 0 && !(*seen == told_[wish]);
   }
   bool is_as_seen(const char* name, const Seen& seen) const;
-  bool tell(int wish);
+  bool tell(int wish, const std::optional<Seen>& seen);
   bool take(const char* name);
   bool is_arriving(const char* name) const;
   bool find_blob();

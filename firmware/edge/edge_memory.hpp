@@ -281,9 +281,11 @@ class EdgeMemory {
   void resume_late(CivilTime t) {
     const bool known = state_lost_;
     const Ladder since_start = controller_.cycle().ladder;
-    if (load_state(true) == Found::nothing) begin_from_blob();
+    const Found found = load_state(true);
+    if (found == Found::nothing) begin_from_blob();
     controller_.cycle().ladder.join_releases(since_start, t);
-    if (state_lost_ && !known) controller_.hold(Reason::state_lost, t, 0);
+    const bool waits_for_person = found == Found::nothing && since_start.active(Reason::state_lost, t);
+    if (state_lost_ && (!known || waits_for_person)) controller_.hold(Reason::state_lost, t, 0);
   }
 
   /// Undoes what load_state() may have overwritten.
@@ -292,6 +294,7 @@ class EdgeMemory {
     controller_.configure(controller_.settings(), limits, hal::box_kernels(), site_.seed);
     record_ = fresh_record();
     if (store_) store_->replay_replaced();
+    learning_exchanged_ = true;
     trial_.tell_anew();
     return Found::nothing;
   }

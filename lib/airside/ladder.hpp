@@ -314,14 +314,15 @@ class Ladder {
     }
   }
   /// Follows the clock to t. What keeps the AHU released on another ladder, which has followed it there, keeps it on
-  /// this one at least as long; and what the other knows of the clock holds here.
+  /// this one at least as long, and so does a crash loop; and what the other knows of the clock holds here.
   constexpr void join_releases(const Ladder& other, CivilTime t) {
     tick(t);
     set(Reason::clock_not_set, other.active(Reason::clock_not_set, t), t);
     for (int i = 1; i < reason_count; ++i) {
       const auto r = static_cast<Reason>(i);
       const auto at = static_cast<std::size_t>(i);
-      if (rung_of(r).mode != Mode::release || !other.active(r, t) || other.until_s_[at] <= until(r)) continue;
+      if (rung_of(r).mode != Mode::release && r != Reason::crash_loop) continue;
+      if (!other.active(r, t) || other.until_s_[at] <= until(r)) continue;
       since(r) = other.since_s_[at];
       until(r) = other.until_s_[at];
     }

@@ -101,8 +101,10 @@ TEST(Ladder, ReleasesOfAnotherLadderStay) {
   before.hold(Reason::writes_refused, later(-7200), 3600);
   before.set(Reason::sensor_drifts, true, noon);
   after.hold(Reason::overridden, noon, 7200);
+  before.hold(Reason::crash_loop, noon, 3600);
   before.tick(noon);
   after.join_releases(before, noon);
+  EXPECT_TRUE(after.active(Reason::crash_loop, later(3599))) << "no row holds it again";
   EXPECT_EQ(after.gravest(later(1'000'000'000)), Reason::released_by_hand);
   EXPECT_TRUE(after.active(Reason::overridden, later(7199))) << "its own is the longer one";
   EXPECT_FALSE(after.active(Reason::writes_refused, noon)) << "that was over";
