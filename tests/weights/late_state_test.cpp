@@ -100,7 +100,7 @@ TEST_F(LateMemory, OfOtherWeightsLeavesNoneOfThemOnTheMedium) {
   float in_memory = 0, begun = 0;
   CivilTime last;
   {
-    Box box(site(0.5F), {start.seconds + 36000});
+    Box box(site(0.5F), {start.seconds + 34 * cycle_s});
     begun = box.first_weight();
     box.rows_to_the_middle();
     fs::rename(state, away);
