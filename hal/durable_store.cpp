@@ -210,6 +210,7 @@ StoreResult<void> DurableStore::commit(const StoredState& state) {
     return ready_ = fail(StoreFault::removed, "commit state");
   }
   if (!ready_) {
+    if (dir_.is_open() && dir_.is_away_from(path_.c_str())) let_go();  // or a medium mounted there is never seen
     ready_ = make_ready();
     if (!ready_) return ready_;
   }

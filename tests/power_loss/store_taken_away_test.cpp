@@ -76,6 +76,25 @@ TEST_F(TakenAway, StateThatWasPutInItsPlaceIsNotWrittenOver) {
   std::filesystem::remove_all(away);
 }
 
+TEST_F(TakenAway, AFolderThatCouldNeverBeWrittenGivesWayToWhatIsPutInItsPlace) {
+  store = open_store(TestFolder("store_taken_other"));  // releases the lock
+  const std::string medium = std::string(folder.c_str()) + ".medium";
+  std::filesystem::rename(folder.c_str(), medium);
+  std::filesystem::create_directory(folder.c_str());
+  std::filesystem::create_directory(folder.file("row.a"));
+  DurableStore late = open_store(folder);
+  EXPECT_FALSE(late.commit(script.stored()));
+  std::filesystem::remove_all(folder.c_str());
+  std::filesystem::rename(medium, folder.c_str());  // as one is mounted over a folder that was read-only
+  const auto done = late.commit(script.stored());
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().fault, StoreFault::unread);
+  StateScript loaded(layout);
+  ASSERT_TRUE(late.load(loaded.buffers()));
+  EXPECT_EQ(loaded.step_in_row(), 3u);
+  EXPECT_TRUE(late.commit(script.stored()));
+}
+
 TEST_F(TakenAway, AFolderThatCannotBeLookedAtIsNotCalledAnother) {
   const std::string away = std::string(folder.c_str()) + ".away";
   std::filesystem::rename(folder.c_str(), away);
