@@ -103,7 +103,7 @@ class WeightsTrial {
     const bool is_in_use =
         record.state != TrialState::none && crc32c({bytes_->data(), mail.blob_bytes}) == record.blob_crc;
     const bool taken_back = mail.blob_is_older && !is_in_use;
-    if (mail.rollback && !taken_back && !has_begun) exchanged = roll_back_as_asked(controller, record) || exchanged;
+    if (mail.rollback && !taken_back && !has_begun) exchanged = roll_back_as_asked(controller, record);
     if (mail.has_blob) {
       read_keys();  // each time, so that a key that was revoked is refused at once, and a new one known
       const BlobError refusal = taken_back ? BlobError{Fault::blob_taken_back, "rollback"}

@@ -185,6 +185,11 @@ TEST(Ladder, EveryReasonSaysWhyAndHowItEnds) {
   }
 }
 
+TEST(Ladder, EveryRungHasAWord) {
+  const char* words[] = {"learn", "run", "expert", "release", "unknown"};
+  for (std::uint32_t rung = 0; rung < 5; ++rung) EXPECT_STREQ(text_of(static_cast<Mode>(rung)), words[rung]);
+}
+
 TEST(Ladder, BeforeTheFirstCycleItSaysSo) {
   const OnRung begun{Mode::expert, Reason::none}, well{Mode::learn, Reason::none},
       map{Mode::expert, Reason::map_differs};
