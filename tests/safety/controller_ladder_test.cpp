@@ -50,7 +50,7 @@ TEST(ControllerLadder, AWishForReleaseBetweenDecisionAndWriteLeavesWhatStands) {
 }
 
 TEST(ControllerLadder, Row49ForecastsThatAreWrongForADayAreTold) {
-  Rig rig;
+  Rig rig(brief_learning());
   rig.cycles(6);
   int cycles = 0;
   for (; rig.decision().reason != Reason::forecasts_doubted && cycles < 3 * cycles_per_day; ++cycles) {
@@ -65,7 +65,7 @@ TEST(ControllerLadder, Row49ForecastsThatAreWrongForADayAreTold) {
 }
 
 TEST(ControllerLadder, Row49WithoutWrongForecastsNoneAreDoubted) {
-  Rig rig;
+  Rig rig(brief_learning());
   for (int i = 0; i < 3 * cycles_per_day; ++i) {
     rig.cycles(1);
     ASSERT_NE(rig.decision().reason, Reason::forecasts_doubted) << i;
@@ -126,7 +126,7 @@ TEST(ControllerLadder, ASetpointThatShowsLateIsOurOwn) {
 }
 
 TEST(ControllerLadder, TheThirdForeignSetpointInADayEndsInReleaseUntilHandedBack) {
-  Rig rig;
+  Rig rig(brief_learning());
   rig.cycles(6);
   for (int i = 0; i < 3; ++i) {
     another_hand(rig, 21.0);
@@ -173,7 +173,7 @@ TEST(ControllerLadder, AStepIsCountedFromWhatWasSeenLastAlsoBetweenTwoDecisionsA
 }
 
 TEST(ControllerLadder, AnOverrideADayIsNoFight) {
-  Rig rig;
+  Rig rig(brief_learning());
   rig.cycles(6);
   for (int i = 0; i < 5; ++i) {
     another_hand(rig, 21.0);
@@ -330,7 +330,7 @@ TEST(ControllerLadder, WorseThanTheScheduleFreezesFirstAndEndsInTheScheduleAfter
 
 TEST(ControllerLadder, AnAhuThatTakesAnotherSetpointIsNotWrittenToBeyondTheBudget) {
   for (const bool clamps : {false, true}) {
-    ControllerSettings s = product_settings();
+    ControllerSettings s = brief_learning();
     s.writes_per_day = 20;
     Rig rig(s);
     rig.cycles(cycles_per_day);
@@ -344,9 +344,9 @@ TEST(ControllerLadder, AnAhuThatTakesAnotherSetpointIsNotWrittenToBeyondTheBudge
 }
 
 TEST(ControllerLadder, AnUpdateBeyondTheTrustRegionIsRefused) {
-  ControllerSettings s = product_settings();
+  ControllerSettings s = brief_learning();
   s.trust_ratio = 1e-3;
-  Rig narrow(s), usual;
+  Rig narrow(s), usual(brief_learning());
   s.trust_ratio = 10;
   Rig without(s);
   for (Rig* rig : {&narrow, &usual, &without}) rig->cycles(cycles_per_day);

@@ -13,6 +13,14 @@
 
 namespace airside {
 
+/// The product's settings with small batches: for days on which learning goes on, but is not what is asked about.
+inline ControllerSettings brief_learning() {
+  ControllerSettings s = product_settings();
+  s.batch = 16;
+  s.recent_in_batch = 4;
+  return s;
+}
+
 class ControllerRig {
  public:
   using T = FiveZone;
