@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
+#include <string_view>
 
 #include "airside/splitmix64.hpp"
 #include "hal/input_error.hpp"
@@ -15,7 +18,7 @@ namespace {
 // Columns of an EPW record.
 constexpr std::size_t hour_column = 3, dry_bulb = 6, dew_point = 7, first_solar = 13, last_solar = 15,
                       precipitation = 33;
-constexpr std::size_t needed_columns = 32, header_lines = 8;
+constexpr std::size_t first_value = 6, weather_codes = 27, last_value = 31, header_lines = 8;
 
 double number(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
 
@@ -41,30 +44,50 @@ std::vector<std::string> fields_of(const std::string& line) {
   return fields;
 }
 
+/// Columns that only the engine reads, such as the dew point: it ends over the first one that is no number.
+void refuse_text(const std::vector<std::string>& record, const std::string& place) {
+  for (std::size_t i = first_value; i <= last_value; ++i) {
+    std::string_view field = record[i];
+    while (field.starts_with(' ')) field.remove_prefix(1);
+    while (field.ends_with(' ')) field.remove_suffix(1);
+    if (i == weather_codes || field.empty()) continue;
+    double value = 0;
+    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+    if (error == std::errc() && end == field.data() + field.size()) continue;
+    throw hal::InputError(fmt::format("{}: column {}", place, i + 1), fmt::format("\"{}\"", field), "a number",
+                          "repair the line or fetch the file again");
+  }
+}
+
 }  // namespace
 
-EpwFile read_epw(const std::filesystem::path& file) {
-  const auto refuse = [&file](const std::string& place, const std::string& found) {
-    throw hal::InputError(file.string() + place, found, "a weather file in EPW format",
-                          "name another with --weather, or leave it out for the default");
-  };
-  std::error_code failed;
-  if (!std::filesystem::is_regular_file(file, failed)) refuse("", "no such file");
+EpwFile read_epw_file(const std::filesystem::path& file, const EpwDemand& demand) {
   std::ifstream in(file, std::ios::binary);
+  if (!in) throw hal::InputError(file.string(), "no readable file", "an EPW weather file", "check the path");
+  std::ostringstream all;
+  all << in.rdbuf();
+  const std::string text = std::move(all).str();
+  (void)read_epw_text(text, file.string(), demand);
+  std::istringstream lines(text);
   EpwFile weather;
-  std::size_t at = 0;
-  for (std::string line; std::getline(in, line);) {
+  int at = 0;
+  bool in_header = true;
+  for (std::string line; std::getline(lines, line);) {
     ++at;
-    if (at == 1 && !line.starts_with("LOCATION,")) refuse(":1", "a first line that does not start with LOCATION");
-    if (at <= header_lines) {
-      weather.header.push_back(line.ends_with('\r') ? line.substr(0, line.size() - 1) : line);
-    } else if (!line.empty() && line != "\r") {
+    if (line.ends_with('\r')) line.pop_back();
+    if (in_header) {
+      weather.header.push_back(line);
+      in_header = !line.starts_with("DATA PERIODS");
+      if (!in_header && weather.header.size() != header_lines) {
+        throw hal::InputError(fmt::format("{}:{}: DATA PERIODS", file.string(), at),
+                              fmt::format("a header of {} lines", at), "eight lines, as EnergyPlus reads them",
+                              "put the missing header lines back, or fetch the file again");
+      }
+    } else if (!line.empty()) {
       weather.records.push_back(fields_of(line));
-      if (weather.records.back().size() < needed_columns)
-        refuse(":" + std::to_string(at), std::to_string(weather.records.back().size()) + " columns");
+      refuse_text(weather.records.back(), fmt::format("{}:{}", file.string(), at));
     }
   }
-  if (weather.records.size() < 24) refuse("", std::to_string(weather.records.size()) + " records");
   return weather;
 }
 

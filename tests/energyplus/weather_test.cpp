@@ -1,9 +1,14 @@
 #include "sim/energyplus_weather.hpp"
 
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 
 #include "energyplus/engine.hpp"
 #include "hal/input_error.hpp"
+#include "sim/energyplus_install.hpp"
+#include "sim/synthetic_weather.hpp"
 
 namespace airside::sim {
 namespace {
@@ -67,14 +72,53 @@ TEST(EpwWeather, RainsInTheEngineWhenAStormPasses) {
   EXPECT_LE(rainy_cycles, 12);
 }
 
-TEST(EpwWeather, NamesTheLineThatIsWrong) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "airside-short.epw";
-  EpwFile weather = three_weeks();
-  weather.records[4].resize(10);
-  write_epw(weather, file);
-  const std::string message = message_of([&file] { read_epw(file); });
-  EXPECT_NE(message.find(".epw:13"), std::string::npos) << message;
-  std::filesystem::remove(file);
+/// A whole year of made-up weather in which one field of a line is another; lines and columns from 0.
+class BrokenYear {
+ public:
+  BrokenYear(int line, int column, const std::string& to) {
+    write_epw(path_.string(), *synthetic_weather(1), 2021);
+    std::ifstream in(path_);
+    std::vector<std::string> lines;
+    for (std::string text; std::getline(in, text);) lines.push_back(text);
+    std::string& text = lines[static_cast<std::size_t>(line)];
+    std::size_t at = 0;
+    for (int i = 0; i < column; ++i) at = text.find(',', at) + 1;
+    text.replace(at, std::min(text.find(',', at), text.size()) - at, to);
+    std::ofstream out(path_);
+    for (const std::string& one : lines) out << one << '\n';
+  }
+  ~BrokenYear() { std::filesystem::remove(path_); }
+  std::string complaint(const EpwDemand& demand = {}) const {
+    return message_of([&] { read_epw_file(path_, demand); });
+  }
+
+ private:
+  std::filesystem::path path_ = std::filesystem::path(testing::TempDir()) / "airside-broken.epw";
+};
+
+TEST(EpwWeather, IsCheckedBeforeTheEngineSeesIt) {
+  const std::string hot = BrokenYear(11, 6, "85").complaint();
+  EXPECT_NE(hot.find(".epw:12: dry bulb temperature: found 85"), std::string::npos) << hot;
+  const std::string dry = BrokenYear(11, 8, "-3").complaint();
+  EXPECT_NE(dry.find(".epw:12: relative humidity: found -3"), std::string::npos) << dry;
+  const std::string dew = BrokenYear(11, 7, "dewy").complaint();
+  EXPECT_NE(dew.find(".epw:12: column 8: found \"dewy\""), std::string::npos) << dew;
+  const std::string header = BrokenYear(0, 9, "6\nCOMMENTS 3,").complaint();
+  EXPECT_NE(header.find(".epw:9: DATA PERIODS: found a header of 9 lines"), std::string::npos) << header;
+}
+
+TEST(EpwWeather, IsTakenWhole) {
+  const auto path = std::filesystem::path(testing::TempDir()) / "airside-whole.epw";
+  write_epw(path.string(), *synthetic_weather(1), 2021);
+  const EpwFile whole = read_epw_file(path, {});
+  EXPECT_EQ(whole.header.size(), 8u);
+  EXPECT_EQ(whole.records.size(), 8760u);
+  std::filesystem::remove(path);
+}
+
+TEST(EpwWeather, OfThePackageIsTaken) {
+  AIRSIDE_NEEDS_ENGINE();
+  EXPECT_EQ(read_epw_file(default_weather(find_energyplus()), {}).records.size(), 8760u);
 }
 
 }  // namespace

@@ -53,6 +53,9 @@ void whole(const Desk&) {}
 constexpr const char* check = "check site.toml";
 constexpr const char* fit = "transfer --log log.csv -o x.blob";
 constexpr const char* train = "pretrain --plant rc --weather w.epw --days 2 -o x.blob --log y.csv";
+constexpr const char* train_twin = "pretrain --plant energyplus --weather w.epw --days 2 -o x.blob --log y.csv";
+constexpr const char* try_twin =
+    "simulate --plant energyplus --weather w.epw --method expert --expert-days 0 --days 1 --log y.csv";
 constexpr const char* from_blob = "transfer --from a.blob --log log.csv -o x.blob";
 constexpr const char* try_blob =
     "simulate --plant rc --expert-days 0 --days 1 --weights a.blob --log y.csv --report rep";
@@ -176,6 +179,37 @@ const std::vector<Case>& cases() {
        {"w.epw", "records", "8760", "whole year"}},
       {"WeatherOfCheck", "check --weather w.epw", weather(11, 8, "-3"), {"w.epw:12: relative humidity", "-3", "", ""}},
 
+      // The same for the engine, which takes a dry bulb of 85 degC and ends over others in words of its own
+      {"EngineWeatherMissing", train_twin, whole, {"w.epw", "no readable file", "EPW", "path"}, true},
+      {"EngineWeatherEmpty", train_twin, file("w.epw", ""), {"w.epw", "empty file", "", ""}, true},
+      {"EngineWeatherNoLocation",
+       train_twin,
+       [](const Desk& d) { d.weather(), d.drop_line("w.epw", 0); },
+       {"w.epw:1: LOCATION", "DESIGN", "", ""},
+       true},
+      {"EngineWeatherLatitude", train_twin, weather(0, 6, "95"), {"w.epw:1: latitude", "95", "", ""}, true},
+      {"EngineWeatherText", try_twin, weather(11, 6, "warm"), {"w.epw:12: dry bulb", "warm", "", ""}, true},
+      {"EngineWeatherTooHot", try_twin, weather(11, 6, "85"), {"w.epw:12: dry bulb", "85", "", ""}, true},
+      {"EngineWeatherHumidity", try_twin, weather(11, 8, "-3"), {"w.epw:12: relative humidity", "-3", "", ""}, true},
+      {"EngineWeatherDewPoint", try_twin, weather(11, 7, "dew"), {"w.epw:12: column 8", "dew", "a number", ""}, true},
+      {"EngineWeatherColumns", train_twin, weather(11, 6, "1,2"), {"w.epw:12: columns", "36 columns", "", ""}, true},
+      {"EngineWeatherHourMissing",
+       try_twin,
+       [](const Desk& d) { d.weather(), d.drop_line("w.epw", 13); },
+       {"w.epw:14: date", "", "", ""},
+       true},
+      {"EngineWeatherPartYear",
+       try_twin,
+       [](const Desk& d) { d.weather(), d.keep_lines("w.epw", 8 + 72); },
+       {"w.epw", "weather of 2021-07-31", "a time from 01-01", "covers the period"},
+       true},
+      {"EngineWeatherOfARoomThatChangesIt",
+       "simulate --plant energyplus --room 301-real --weather w.epw --method expert --expert-days 0 --days 1 --log "
+       "y.csv",
+       weather(11, 6, "85"),
+       {"w.epw:12: dry bulb", "85", "", ""},
+       true},
+
       // Rooms of the RC plant
       {"RoomUnknown",
        "simulate --plant rc --room 999 --method expert --days 1",
@@ -272,9 +306,8 @@ const std::vector<Case>& cases() {
        {"a.blob: digest", "checksum", "", "copy"}},
       {"BlobOfDaemon",
        "airsided --site site.toml --check",
-       [](const Desk& d) {
-         d.blob(), d.cut("a.blob", 60000), d.site(), d.edit("site.toml", "blob = \"\"", "blob = \"a.blob\"");
-       },
+       [](const Desk&
+              d) { d.blob(), d.cut("a.blob", 60000), d.site(), d.edit("site.toml", "blob = \"\"", "blob = \"a.blob\""); },
        {"a.blob: payload_bytes", "ends early", "header says", "copy"}},
 
       // Models and patches
