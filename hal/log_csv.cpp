@@ -1,10 +1,8 @@
 // Names, formatting and writing of log rows; reading is in log_csv_read.cpp.
 #include "hal/log_csv.hpp"
 
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 #include <system_error>
 
@@ -136,12 +134,8 @@ LogWriter::LogWriter(std::string path, const TopologyCounts& counts, bool contro
       controller_(controller),
       values_(static_cast<std::size_t>(counts.signals())),
       extras_(extra_columns.size()),
-      file_(std::fopen(path_.c_str(), "wb")) {
-  if (!file_) throw std::runtime_error(path_ + ": cannot be created: " + std::strerror(errno));
-  const std::string header = log_header(counts, controller, extra_columns);
-  if (std::fwrite(header.data(), 1, header.size(), file_.get()) != header.size()) {
-    throw std::runtime_error(path_ + ": cannot be written: " + std::strerror(errno));
-  }
+      file_(path_) {
+  file_.write(log_header(counts, controller, extra_columns));
 }
 
 void LogWriter::append(const LogRow& row) {
@@ -151,16 +145,8 @@ void LogWriter::append(const LogRow& row) {
   }
   char text[max_log_row_text];
   const std::size_t size = format_log_row(text, row, controller_);
-  if (size == 0 || std::fwrite(text, 1, size, file_.get()) != size) {
-    throw std::runtime_error(path_ + ": cannot be written: " + (size == 0 ? "row too long" : std::strerror(errno)));
-  }
-}
-
-void LogWriter::close() {
-  if (!file_) return;
-  if (std::fclose(file_.release()) != 0) {
-    throw std::runtime_error(path_ + ": cannot be written: " + std::strerror(errno));
-  }
+  if (size == 0) throw std::runtime_error(path_ + ": cannot be written: row too long");
+  file_.write({text, size});
 }
 
 }  // namespace airside::hal

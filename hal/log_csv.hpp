@@ -3,15 +3,14 @@
 // Column names come from signals.hpp, so a log says itself which room shape it belongs to.
 
 #include <array>
-#include <cstdio>
 #include <limits>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "airside/civil_time.hpp"
 #include "airside/signals.hpp"
+#include "hal/staged_file.hpp"
 
 namespace airside::hal {
 
@@ -124,24 +123,22 @@ Log read_log(const std::string& path, const TopologyCounts& counts, const LogRea
 Log read_log_text(std::string_view text, const std::string& name, const TopologyCounts& counts,
                   const LogReadOptions& options = {});
 
-/// Writes a log row by row to a new file.
-/// Errors: std::runtime_error when the file cannot be written.
+/// Writes a log row by row to a new file, which appears when it is closed: a run that stops before leaves none, and no
+/// row is cut.
+/// Errors: InputError when the file cannot be written; std::runtime_error for a row that does not fit the header.
 class LogWriter {
  public:
   LogWriter(std::string path, const TopologyCounts& counts, bool controller,
             std::vector<std::string> extra_columns = {});
   void append(const LogRow& row);
-  /// Flushes and closes; an error that only shows here is thrown here.
-  void close();
+  /// Puts the whole file in its place; an error that only shows here is thrown here.
+  void close() { file_.commit(); }
 
  private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
   std::string path_;
   bool controller_;
   std::size_t values_, extras_;
-  std::unique_ptr<std::FILE, Close> file_;
+  StagedFile file_;
 };
 
 }  // namespace airside::hal

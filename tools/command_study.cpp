@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "hal/input_error.hpp"
+#include "hal/staged_file.hpp"
 #include "tools/child_jobs.hpp"
 #include "tools/command.hpp"
 #include "tools/methods.hpp"
@@ -144,14 +144,7 @@ struct StudyCommand {
         }
       }
     }
-    if (!out.empty()) std::fclose(open_out("a"));
-  }
-
-  std::FILE* open_out(const char* mode) const {
-    std::FILE* f = std::fopen(out.c_str(), mode);
-    if (f == nullptr)
-      throw hal::InputError("--out " + out, "a file that cannot be written", "a writable path", "choose another");
-    return f;
+    if (!out.empty()) hal::StagedFile{out};  // can it be written at all?
   }
 
   void run() {
@@ -226,9 +219,9 @@ struct StudyCommand {
     }
     for (std::size_t i = 0; i < outcomes.size(); ++i) j["runs"].push_back(outcomes[i]);
     if (!out.empty()) {
-      std::FILE* f = open_out("w");
-      fmt::print(f, "{}\n", j.dump(1));
-      std::fclose(f);
+      hal::StagedFile file(out);
+      file.write(j.dump(1) + "\n");
+      file.commit();
     }
     if (json) fmt::print("{}\n", j.dump());
   }

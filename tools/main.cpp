@@ -1,9 +1,11 @@
 // airside: the host's program. One file a subcommand (command_*.cpp).
 
+#include <csignal>
 #include <cstdio>
 
 #include "hal/input_error.hpp"
 #include "tools/command.hpp"
+#include "tools/finish_output.hpp"
 
 int main(int argc, char** argv) {
   using namespace airside;
@@ -34,15 +36,17 @@ int main(int argc, char** argv) {
   tools::add_weights(app, tools::send_over_http);
   tools::add_pull(app);
   tools::add_gap(app);
+  // A limit on the size of files is a complaint like any other, not the end of the program.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     app.parse(argc, argv);
-    return 0;
+    return tools::finish_output(0);
   } catch (const CLI::ParseError& e) {
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
       std::fprintf(stderr, "airside: no command \"%s\"; airside --help lists them\n", argv[1]);
       return 2;
     }
-    return app.exit(e) == 0 ? 0 : 2;
+    return tools::finish_output(app.exit(e) == 0 ? 0 : 2);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "airside: %s\n", e.what());
     return 1;

@@ -128,6 +128,49 @@ TEST(LogCsv, WhatIsWrittenReadsBackToTheSameBits) {
   std::filesystem::remove(path);
 }
 
+TEST(LogCsv, AppearsOnlyWhenItIsWhole) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "airside_whole_log";
+  std::filesystem::create_directories(folder);
+  const std::string path = folder / "log.csv";
+  std::ofstream(path) << "of before";
+  const auto text = [&path] {
+    std::ifstream file(path);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const auto files = [&folder] {
+    return std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator());
+  };
+  {
+    LogWriter writer(path, three, false);
+    LogRow row = make_log_row(three);
+    row.value.assign(10, 1.0);
+    writer.append(row);
+    EXPECT_EQ(text(), "of before");
+  }
+  EXPECT_EQ(text(), "of before");
+  EXPECT_EQ(files(), 1);
+  const std::string link = folder / "link.csv";
+  std::filesystem::create_symlink("log.csv", link);
+  LogWriter again(link, three, false);
+  again.close();
+  again.close();
+  EXPECT_EQ(text(), log_header(three, false));
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(files(), 2);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(LogCsv, GoesToADeviceDirectly) {
+  LogWriter writer("/dev/full", three, false);
+  EXPECT_THROW(writer.close(), InputError);
+  LogWriter nowhere("/dev/null", three, false);
+  nowhere.close();
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+  EXPECT_FALSE(std::filesystem::exists("/dev/null.part"));
+  expect_complaint({"no/such/log.csv", "cannot be written", "writable place", "choose another"},
+                   [] { LogWriter("no/such/log.csv", three, false); });
+}
+
 TEST(LogCsv, FormatSaysSoWhenTheBufferIsTooSmall) {
   LogRow row = make_log_row(three);
   row.value.assign(10, 1.0 / 3.0);

@@ -30,10 +30,11 @@ inline std::string text_of_file(const fs::path& path) {
   return text.str();
 }
 
-/// Runs `program` of the build with `words` in `folder`; output goes by way of files in `scratch`.
+/// Runs `program` of the build (or another one, by its whole path) with `words` in `folder`; output goes by way of
+/// files in `scratch`.
 inline Outcome run_program(const std::string& program, std::vector<std::string> words, const fs::path& folder,
                            const fs::path& scratch, unsigned limit_s = 60) {
-  words.insert(words.begin(), std::string(AIRSIDE_BIN_DIR) + "/" + program);
+  words.insert(words.begin(), program.starts_with('/') ? program : std::string(AIRSIDE_BIN_DIR) + "/" + program);
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);

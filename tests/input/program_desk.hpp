@@ -22,6 +22,11 @@ class Desk {
     return run_program(program, words, folder(), scratch_.path());
   }
 
+  /// What a shell makes of `script`, in which $airside is the program.
+  Outcome shell(const std::string& script) const {
+    return run("/bin/sh", {"-c", "airside=" AIRSIDE_BIN_DIR "/airside; " + script});
+  }
+
   void make(const std::string& words) const {
     const Outcome o = run("airside", split(words));
     ASSERT_EQ(o.code, 0) << words << "\n" << o.err;

@@ -350,6 +350,11 @@ const std::vector<Case>& cases() {
        {"p.json: Zonne", "object type", "Energy+.schema", "Zone"},
        true},
 
+      {"LogToNowhere",
+       "simulate --plant rc --method expert --expert-days 0 --days 1 --log no/y.csv",
+       whole,
+       {"no/y.csv", "cannot be written: No such file", "writable place", "choose another"}},
+
       // What the box shows, and names on the command line
       {"StatusMissing", "status .", whole, {"status.json", "no such file", "airsided", "state folder"}},
       {"StatusCut",
@@ -421,6 +426,47 @@ TEST_P(ProgramInput, IsRefusedWithACompleteComplaintAndLeavesNoFile) {
 
 INSTANTIATE_TEST_SUITE_P(Table, ProgramInput, testing::ValuesIn(cases()),
                          [](const auto& test) { return std::string(test.param.name); });
+
+constexpr const char* simulated = "simulate --plant rc --method expert --expert-days 0 --days 2";
+
+TEST(LostOutput, IsNoSuccess) {
+  const Desk desk;
+  for (const std::string words : {"footprint", "footprint --json", "gap effects --json"}) {
+    const Outcome o = desk.shell("exec $airside " + words + " >/dev/full");
+    EXPECT_EQ(o.code, 1) << words << o.err;
+    EXPECT_NE(o.err.find("No space left on device"), std::string::npos) << words << o.err;
+  }
+  const Outcome help = desk.shell("exec $airside --help >/dev/full");
+  EXPECT_EQ(help.code, 1);
+  EXPECT_NE(help.err.find("standard output"), std::string::npos) << help.err;
+  const Outcome o = desk.shell(std::string("exec $airside ") + simulated + " --json >/dev/full");
+  EXPECT_EQ(o.code, 1);
+  expect_said({"standard output", "full", "the whole answer", "run again"}, complaint_in(o.err), o.err);
+}
+
+TEST(LostOutput, LeavesNoLogThatIsCut) {
+  const Desk desk;
+  desk.write("y.csv", "of before\n");
+  const Outcome o = desk.shell(std::string("ulimit -f 50; exec $airside ") + simulated + " --log y.csv");
+  EXPECT_EQ(o.code, 1) << o.err;
+  expect_said({"y.csv", "cannot be written: File too large", "free space", "make room"}, complaint_in(o.err), o.err);
+  EXPECT_EQ(text_of_file(desk.path("y.csv")), "of before\n");
+  EXPECT_EQ(names_in(desk.folder()), std::set<std::string>{"y.csv"});
+}
+
+TEST(LostOutput, LeavesNoStudyThatIsCut) {
+  const Desk desk;
+  const std::string study =
+      "exec $airside study rooms --plant rc --rooms 301 --seeds 1 --methods expert,floor-frozen --no-paper "
+      "--pretrain-days 2 --expert-days 1 --days 1 --updates 1 --steps 1 -o s.json";
+  const Outcome o = desk.shell("ulimit -f 4; " + study);
+  EXPECT_EQ(o.code, 1) << o.err;
+  EXPECT_NE(o.err.find("File too large"), std::string::npos) << o.err;
+  EXPECT_TRUE(names_in(desk.folder()).empty());
+  EXPECT_EQ(desk.shell(study).code, 0);
+  EXPECT_EQ(names_in(desk.folder()), std::set<std::string>{"s.json"});
+  EXPECT_TRUE(nlohmann::json::parse(text_of_file(desk.path("s.json")), nullptr, false).is_object());
+}
 
 TEST(ProgramInputTable, HasAtLeastSixtyCases) { EXPECT_GE(cases().size(), 60u); }
 

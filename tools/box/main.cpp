@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "tools/command.hpp"
+#include "tools/finish_output.hpp"
 
 int main(int argc, char** argv) {
   using namespace airside;
@@ -19,13 +20,13 @@ int main(int argc, char** argv) {
   tools::add_weights(app);
   try {
     app.parse(argc, argv);
-    return 0;
+    return tools::finish_output(0);
   } catch (const CLI::ParseError& e) {
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
       std::fprintf(stderr, "airside: the box has no command \"%s\"; airside --help lists those it has\n", argv[1]);
       return 2;
     }
-    return app.exit(e) == 0 ? 0 : 2;
+    return tools::finish_output(app.exit(e) == 0 ? 0 : 2);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "airside: %s\n", e.what());
     return 1;

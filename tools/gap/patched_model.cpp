@@ -6,6 +6,7 @@
 
 #include "hal/digest64.hpp"
 #include "hal/input_error.hpp"
+#include "hal/staged_file.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/epjson_lint.hpp"
 #include "sim/merge_patch.hpp"
@@ -178,17 +179,9 @@ json reverted_model(const json& model, const json& ledger, const std::string& mo
 void write_whole_file(const std::filesystem::path& file, const std::string& text) {
   std::error_code failed;
   if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), failed);
-  const std::filesystem::path part = file.string() + ".part";
-  std::ofstream out(part, std::ios::binary | std::ios::trunc);
-  out << text;
-  out.close();
-  failed = {};
-  if (out) std::filesystem::rename(part, file, failed);
-  if (out && !failed) return;
-  std::error_code ignored;
-  std::filesystem::remove(part, ignored);
-  throw hal::InputError(file.string(), "a file that cannot be written", "a writable place with free space",
-                        "choose another");
+  hal::StagedFile staged(file.string());
+  staged.write(text);
+  staged.commit();
 }
 
 }  // namespace airside::tools::gap
