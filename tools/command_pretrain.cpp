@@ -21,8 +21,9 @@ struct PretrainCommand {
   bool fixed_schedule = false, json = false;
   std::string out = "weights.blob", log;
 
-  void run() const {
+  void run(const CLI::App& command) {
     const Site s = make_site(site);
+    take_site_twin(command, plant, s);
     const auto model = make_plant(plant, s, days);
     const CivilTime until{start_of(plant).seconds + days * std::int64_t{86400}};
     Progress bar("pretraining on " + model->description(), progress_steps);
@@ -68,7 +69,10 @@ struct PretrainCommand {
 
 void add_pretrain(CLI::App& app) {
   auto self = std::make_shared<PretrainCommand>();
-  CLI::App* c = app.add_subcommand("pretrain", "train weights in the loop with a simulated room");
+  CLI::App* c = app.add_subcommand("pretrain",
+                                   "train weights in the loop with a simulated room.\n"
+                                   "Model, patches and weather are those of the site's [twin] where no option names "
+                                   "others; without\neither, the built-in twin of --room.");
   add_site_options(*c, self->site);
   add_plant_options(*c, self->plant);
   c->add_option("--days", self->days, "length; day 1 runs the schedule and fits the scaler")
@@ -80,7 +84,7 @@ void add_pretrain(CLI::App& app) {
   c->add_option("-o,--out", self->out, "blob to write")->capture_default_str();
   c->add_option("--log", self->log, "CSV of all rows");
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
-  c->callback([self] { self->run(); });
+  c->callback([self, c] { self->run(*c); });
 }
 
 }  // namespace airside::tools

@@ -82,7 +82,9 @@ void add_serve(CLI::App& app) {
       "serve",
       "serve a simulated room over Modbus TCP, or RTU on a pseudo-terminal.\n"
       "Without --speed it runs in lockstep: time moves only when a client writes clock_advance_s, as airsided\n"
-      "does with `[clock] source = \"plant\"`; so a slow client loses nothing.");
+      "does with `[clock] source = \"plant\"`; so a slow client loses nothing.\n"
+      "The room stands for the built one: the site's [twin], a model to train on, is not taken; name it with\n"
+      "--twin to try it.");
   add_site_options(*c, self->site);
   add_plant_options(*c, self->plant, "2021-08-01");
   c->add_option("--expert-days", self->expert_days, "days under the schedule before the server opens")

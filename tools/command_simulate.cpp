@@ -121,7 +121,9 @@ void add_simulate(CLI::App& app) {
   auto self = std::make_shared<SimulateCommand>();
   CLI::App* c = app.add_subcommand("simulate",
                                    "control a simulated room with the box's own code, and report how it went.\n"
-                                   "The schedule runs --expert-days first; then --days are controlled and scored.");
+                                   "The schedule runs --expert-days first; then --days are controlled and scored.\n"
+                                   "The room stands for the built one: the site's [twin], a model to train on, is not "
+                                   "taken;\nname it with --twin to try it.");
   add_site_options(*c, self->site);
   add_plant_options(*c, self->plant, "2021-08-01");
   c->add_option("--expert-days", self->expert_days, "days under the schedule before")

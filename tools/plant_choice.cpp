@@ -108,6 +108,24 @@ std::unique_ptr<sim::PlantModel> make_energyplus(const PlantChoice& choice, cons
   return std::make_unique<sim::EnergyPlusPlant>(options);
 }
 
+/// The rc plant knows no epJSON: a model that it would leave out must not look as if it had been used.
+void refuse_model_on_rc(const PlantChoice& choice, const Site& site) {
+  if (choice.model.empty() && choice.patches.empty()) return;
+  const bool by_site = !choice.site_twin.empty();
+  const std::string place = by_site                 ? choice.site_twin + ": [twin]"
+                            : !choice.model.empty() ? "--twin " + choice.model
+                                                    : "--patch " + choice.patches.front();
+  const std::string without = by_site ? "name a room of the rc plant with --room" : "leave it out";
+  const std::string expected = "EnergyPlus 25.2, which alone runs epJSON models and their patches";
+  if (choice.kind == "rc")
+    throw hal::InputError(place, "--plant rc beside it", expected, "leave --plant rc out, or " + without);
+  if (!is_standard(site))
+    throw hal::InputError(place, "topology " + site.counts.name + ", which only the rc plant has", expected,
+                          without + "; the EnergyPlus twin is the method's room, 5vav-5fcu-2power");
+  throw hal::InputError(place, "no EnergyPlus on this machine", expected,
+                        "run tools/setup, which installs it, or " + without);
+}
+
 }  // namespace
 
 void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string& default_start) {
@@ -119,12 +137,33 @@ void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string
       .add_option("--room", choice.room,
                   "301, 401, 402, 701, 702, each also as NAME-real; rc: also study-0 .. study-199 or a .json file")
       ->capture_default_str();
-  command.add_option("--twin", choice.model, "an epJSON model of your own instead of the built-in twin");
-  command.add_option("--patch", choice.patches, "merge patches on the model, in order");
+  command.add_option("--twin", choice.model, "an epJSON model of your own instead of the built-in twin (EnergyPlus)");
+  command.add_option("--patch", choice.patches, "merge patches on the model, in order (EnergyPlus)");
   command.add_option("--weather", choice.weather, "EPW file (default: Tampa for EnergyPlus, synthetic for rc)");
   command.add_option("--start", choice.start, "first day, midnight")->capture_default_str();
   command.add_option("--seed", choice.seed, "of people, outages, noise and learning")->capture_default_str();
   command.add_flag("--weekends", choice.weekends, "Saturday and Sunday nearly empty");
+}
+
+void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site) {
+  if (!site.file.twin) return;
+  const hal::TwinSection& twin = *site.file.twin;
+  if (choice.weather.empty()) choice.weather = twin.weather;
+  if (command.count("--twin") + command.count("--room") > 0) return;
+  const bool rc = twin.model == "rc";
+  if (rc && choice.kind == "energyplus") return;
+  if (rc && !twin.patches.empty()) {
+    throw hal::InputError(site.file.path + ": twin.patches", "patches on model = \"rc\"", "an epJSON model to patch",
+                          "leave the patches out, or name the model");
+  }
+  if (rc) {
+    choice.kind = "rc";
+    return;
+  }
+  choice.site_twin = site.file.path;
+  choice.room = "twin";  // no patches of a built-in room on a model of the site's own
+  choice.model = twin.model;
+  if (choice.patches.empty()) choice.patches = twin.patches;
 }
 
 CivilTime start_of(const PlantChoice& choice) {
@@ -139,8 +178,10 @@ bool is_energyplus(const PlantChoice& choice, const Site& site) {
 
 std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days) {
   const CivilTime start = start_of(choice);
+  const bool energyplus = is_energyplus(choice, site);
+  if (!energyplus) refuse_model_on_rc(choice, site);
   try {
-    return is_energyplus(choice, site) ? make_energyplus(choice, site, start, days) : make_rc(choice, site, start);
+    return energyplus ? make_energyplus(choice, site, start, days) : make_rc(choice, site, start);
   } catch (const hal::InputError& e) {
     if (e.place() != "room") throw;
     std::string names = e.expected();  // the engine's rooms are files, named with underscores

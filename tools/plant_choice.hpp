@@ -23,6 +23,7 @@ struct PlantChoice {
   std::string start = "2021-07-01";
   std::uint64_t seed = 1;  ///< of people, outages and sensor noise
   bool weekends = false;   ///< Saturday and Sunday nearly empty
+  std::string site_twin;   ///< the site file whose [twin] gave model and patches; empty: options did
 
   // No options: for comparisons of rooms that differ in an effect and in nothing else.
   std::string weather_of;                  ///< rc without `weather`: the room whose made-up year it is; empty: its own
@@ -33,6 +34,12 @@ struct PlantChoice {
 /// Adds --plant, --room, --twin, --patch, --weather, --start, --seed, --weekends to a command.
 void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string& default_start = "2021-07-01");
 
+/// Takes model, patches and weather of the site's [twin] where no option of `command` names others: --twin or --room
+/// stands for another model, --patch for other patches, --weather for other weather. For commands that train: where the
+/// plant stands for the built room, the twin is not meant.
+/// Errors: hal::InputError for patches on "rc".
+void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site);
+
 /// Midnight of the start day.  Errors: hal::InputError for text that is no date.
 CivilTime start_of(const PlantChoice& choice);
 
@@ -40,7 +47,7 @@ CivilTime start_of(const PlantChoice& choice);
 bool is_energyplus(const PlantChoice& choice, const Site& site);
 
 /// Makes the room; `days` is how long it will be needed.
-/// Errors: hal::InputError for unknown rooms, bad files, an absent engine.
+/// Errors: hal::InputError for unknown rooms, bad files, an absent engine, a model or patches that rc would drop.
 std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days);
 
 /// The options as they must be typed again, for reports.

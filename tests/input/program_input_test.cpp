@@ -41,6 +41,12 @@ Break short_log(int lines) {
 Break weather(int line, int column, const char* to) {
   return [=](const Desk& d) { d.weather(), d.set_column("w.epw", line, column, to); };
 }
+Break twin(const char* lines) {
+  return [=](const Desk& d) {
+    d.site();
+    d.write("site.toml", text_of_file(d.path("site.toml")) + "[twin]\n" + lines + "\n");
+  };
+}
 Break file(const char* name, const char* text) {
   return [=](const Desk& d) { d.write(name, text); };
 }
@@ -355,6 +361,37 @@ const std::vector<Case>& cases() {
        whole,
        {"no/y.csv", "cannot be written: No such file", "writable place", "choose another"}},
 
+      // A model that the plant cannot use
+      {"TwinOnRc",
+       "simulate --plant rc --twin m.epJSON --method expert --expert-days 0 --days 1 --log y.csv",
+       whole,
+       {"--twin m.epJSON", "--plant rc beside it", "EnergyPlus", "leave --plant rc out"}},
+      {"PatchOnRc",
+       "pretrain --plant rc --patch p.json --days 2 -o x.blob",
+       whole,
+       {"--patch p.json", "--plant rc beside it", "EnergyPlus", "leave --plant rc out"}},
+      {"TwinOfAnotherShape",
+       "pretrain --topology 3vav-0fcu-1power --twin m.epJSON --days 2 -o x.blob",
+       whole,
+       {"--twin m.epJSON", "topology 3vav-0fcu-1power", "EnergyPlus", "leave it out"}},
+      {"TwinOfSiteOnRc",
+       "pretrain --plant rc --site site.toml --days 2 -o x.blob",
+       twin("model = \"m.epJSON\"\npatches = [\"p.json\"]"),
+       {"site.toml: [twin]", "--plant rc beside it", "EnergyPlus", "--room"}},
+      {"TwinOfSiteMissing",
+       "pretrain --plant energyplus --site site.toml --days 2 -o x.blob",
+       twin("model = \"m.epJSON\""),
+       {"m.epJSON", "no readable file", "JSON", "check the path"},
+       true},
+      {"TwinOfSiteIsRcWithPatches",
+       "pretrain --site site.toml --days 2 -o x.blob",
+       twin("model = \"rc\"\npatches = [\"p.json\"]"),
+       {"site.toml: twin.patches", "patches on model = \"rc\"", "epJSON", "leave the patches out"}},
+      {"TwinOfSiteHasWeather",
+       "pretrain --plant rc --room 301 --site site.toml --days 2 -o x.blob",
+       twin("model = \"m.epJSON\"\nweather = \"none.epw\""),
+       {"none.epw", "no readable file", "EPW", "check the path"}},
+
       // What the box shows, and names on the command line
       {"StatusMissing", "status .", whole, {"status.json", "no such file", "airsided", "state folder"}},
       {"StatusCut",
@@ -426,6 +463,52 @@ TEST_P(ProgramInput, IsRefusedWithACompleteComplaintAndLeavesNoFile) {
 
 INSTANTIATE_TEST_SUITE_P(Table, ProgramInput, testing::ValuesIn(cases()),
                          [](const auto& test) { return std::string(test.param.name); });
+
+TEST(TwinOfASite, IsNotDroppedWhereThereIsNoEngine) {
+  const Desk desk;
+  desk.site();
+  desk.write("site.toml", text_of_file(desk.path("site.toml")) + "[twin]\nmodel = \"m.epJSON\"\n");
+  const std::string without = "AIRSIDE_ENERGYPLUS=/nonexistent exec $airside pretrain --days 2 --updates 1 ";
+  const std::set<std::string> before = names_in(desk.folder());
+  const Outcome by_option = desk.shell(without + "--twin m.epJSON -o x.blob");
+  EXPECT_EQ(by_option.code, 1);
+  expect_said({"--twin m.epJSON", "no EnergyPlus", "EnergyPlus 25.2", "run tools/setup"}, complaint_in(by_option.err),
+              by_option.err);
+  const Outcome by_site = desk.shell(without + "--site site.toml -o x.blob");
+  EXPECT_EQ(by_site.code, 1);
+  expect_said({"site.toml: [twin]", "no EnergyPlus", "EnergyPlus 25.2", "--room"}, complaint_in(by_site.err),
+              by_site.err);
+  EXPECT_EQ(names_in(desk.folder()), before);
+  EXPECT_EQ(desk.shell(without + "--site site.toml --room 301 -o x.blob").code, 0);
+}
+
+/// What `airside pretrain --json` says it trained on.
+std::string trained_on(const Desk& desk, const std::string& words) {
+  const Outcome o = desk.shell("exec $airside pretrain --days 2 --updates 1 -o x.blob --json " + words);
+  const auto object = nlohmann::json::parse(o.out, nullptr, false);
+  return object.is_object() ? object.value("plant", "") : o.err;
+}
+
+TEST(TwinOfASite, IsWhatPretrainingTakes) {
+  const Desk desk;
+  desk.site();
+  const std::string site = text_of_file(desk.path("site.toml"));
+  desk.weather();
+  desk.write("site.toml", site + "[twin]\nmodel = \"rc\"\nweather = \"w.epw\"\n");
+  const std::string rc = trained_on(desk, "--site site.toml");
+  EXPECT_NE(rc.find("RC room"), std::string::npos) << rc;
+  EXPECT_NE(rc.find("w.epw"), std::string::npos) << rc;
+  if (!sim::have_energyplus()) GTEST_SKIP() << "NOT CHECKED: EnergyPlus is not installed; run tools/setup";
+  fs::copy_file(sim::find_models() / "twin.epJSON", desk.path("own.epJSON"));
+  desk.write("p.json", "{\"Building\": {\"Airside Twin\": {\"north_axis\": 10}}}");
+  desk.write("site.toml", site + "[twin]\nmodel = \"own.epJSON\"\npatches = [\"p.json\"]\nweather = \"w.epw\"\n");
+  const std::string own = trained_on(desk, "--site site.toml");
+  EXPECT_NE(own.find("EnergyPlus 25.2, twin (own.epJSON + "), std::string::npos) << own;
+  EXPECT_NE(own.find("p.json), weather w.epw"), std::string::npos) << own;
+  const std::string other = trained_on(desk, "--site site.toml --room 401");
+  EXPECT_EQ(other.find("own.epJSON"), std::string::npos) << other;
+  EXPECT_NE(other.find("room_401.patch.json), weather w.epw"), std::string::npos) << other;
+}
 
 constexpr const char* simulated = "simulate --plant rc --method expert --expert-days 0 --days 2";
 
