@@ -248,11 +248,15 @@ struct ScoreCommand : GapOptions {
 
 struct RevertCommand {
   std::string ledger, model, out;
+  bool json = false;
 
   void run() const {
     const nlohmann::json back = gap::reverted_model(sim::read_json(model), sim::read_json(ledger), model, ledger);
     gap::write_whole_file(out, back.dump(1) + "\n");
-    fmt::print("{}: the model as it was before\n", out);
+    if (json)
+      fmt::print("{}\n", nlohmann::json{{"model", out}, {"digest", gap::model_digest(back)}}.dump());
+    else
+      fmt::print("{}: the model as it was before\n", out);
   }
 };
 
@@ -323,6 +327,7 @@ void add_gap(CLI::App& app) {
   c->add_option("ledger", revert->ledger, "ledger.json of the patch")->required();
   c->add_option("model", revert->model, "the patched model")->required();
   c->add_option("-o,--out", revert->out, "file for the model before")->required();
+  c->add_flag("--json", revert->json, "print one JSON object and nothing else on standard output");
   c->callback([revert] { revert->run(); });
   add_gap_fit(*gap);
   add_gap_retrain(*gap);

@@ -8,6 +8,7 @@
 #include "hal/civil_text.hpp"
 #include "hal/input_error.hpp"
 #include "hal/modbus_server.hpp"
+#include "hal/staged_file.hpp"
 #include "sim/faulty_model.hpp"
 #include "tools/command.hpp"
 #include "tools/plant_choice.hpp"
@@ -27,6 +28,7 @@ struct ServeCommand {
   int port = -1;
   std::string listen = "127.0.0.1", pty, ready_file, faults;
   double speed = 0;
+  bool json = false;
 
   void run() const {
     const Site s = make_site(site);
@@ -56,21 +58,24 @@ struct ServeCommand {
     std::signal(SIGTERM, request_serve_stop);
     std::signal(SIGINT, request_serve_stop);
     const std::string where = pty.empty() ? fmt::format("{}:{}", listen, server.port()) : pty;
-    fmt::print("serving {} on {} from {}\n", model->description(), where, hal::civil_text(open));
+    if (json) {
+      const nlohmann::json j = {
+          {"plant", model->description()}, {"address", where}, {"from", hal::civil_text(open)}, {"days", days}};
+      fmt::print("{}\n", j.dump());
+    } else {
+      fmt::print("serving {} on {} from {}\n", model->description(), where, hal::civil_text(open));
+    }
     std::fflush(stdout);
     if (!ready_file.empty()) {
-      std::FILE* f = std::fopen(ready_file.c_str(), "w");
-      if (f == nullptr)
-        throw hal::InputError("--ready " + ready_file, "a file that cannot be written", "a writable path",
-                              "choose another");
-      fmt::print(f, "{}\n", where);
-      std::fclose(f);
+      hal::StagedFile ready(ready_file);  // who waits for it reads the whole address
+      ready.write(where + "\n");
+      ready.commit();
     }
     while (stop_requested == 0) {
       server.serve_once(speed > 0 ? 0.02 : 0.2);
       served.step();
     }
-    fmt::print("stopped at {} after {} requests\n", hal::civil_text(model->time()), server.requests());
+    if (!json) fmt::print("stopped at {} after {} requests\n", hal::civil_text(model->time()), server.requests());
   }
 };
 
@@ -100,6 +105,7 @@ void add_serve(CLI::App& app) {
       "CSV of faults of sensors and AHU, hours from the opening (FORMATS.md, \"Faults of a simulated room\")");
   c->add_option("--speed", self->speed, "run freely, so many times real time")->check(CLI::Range(0.0, 1e6));
   c->add_option("--ready", self->ready_file, "write the address to this file once the server answers");
+  c->add_flag("--json", self->json, "print one JSON object, once the server answers, and nothing else");
   c->callback([self] { self->run(); });
 }
 

@@ -72,6 +72,10 @@ TEST(GapCommand, NamesWhatIsHiddenReportsPatchesTheRoomAndTakesThePatchBack) {
 
   ASSERT_EQ(desk.run("revert out/ledger.json patched.json -o before.json").code, 0);
   EXPECT_EQ(desk.read("before.json").dump(), (json{{"base", "rc"}, {"vavs", 3}, {"fcus", 0}, {"powers", 1}}.dump()));
+  const Outcome told = desk.run("revert out/ledger.json patched.json -o before.json --json");
+  EXPECT_EQ(json::parse(told.out, nullptr, false),
+            (json{{"model", "before.json"}, {"digest", model_digest(desk.read("before.json"))}}))
+      << told.out << told.err;
   // Back twice, and back from a model that somebody changed, is refused.
   EXPECT_EQ(complaint_in(desk.run("revert out/ledger.json before.json -o x.json").err).remedy,
             "nothing has to be taken back");
