@@ -551,6 +551,16 @@ TEST(LostOutput, LeavesNoStudyThatIsCut) {
   EXPECT_TRUE(nlohmann::json::parse(text_of_file(desk.path("s.json")), nullptr, false).is_object());
 }
 
+TEST(Demo, RefusesWordsThatItDoesNotKnow) {
+  const Desk desk;
+  for (const std::string words : {"--plnat rc", "--plant mars", "--plant", "rc", "--plant rc twice"}) {
+    // Without tools on its path it could not begin to install or build.
+    const Outcome o = desk.shell("PATH=/nonexistent exec /bin/bash " AIRSIDE_SOURCE_DIR "/tools/demo " + words);
+    EXPECT_EQ(o.code, 2) << words << o.out << o.err;
+    EXPECT_NE(o.err.find("usage: tools/demo [--plant rc|energyplus]"), std::string::npos) << words << o.err;
+  }
+}
+
 TEST(ProgramInputTable, HasAtLeastSixtyCases) { EXPECT_GE(cases().size(), 60u); }
 
 TEST(ProgramInputTable, TheFilesThatCasesBreakAreAcceptedWhole) {
