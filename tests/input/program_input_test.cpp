@@ -551,6 +551,19 @@ TEST(LostOutput, LeavesNoStudyThatIsCut) {
   EXPECT_TRUE(nlohmann::json::parse(text_of_file(desk.path("s.json")), nullptr, false).is_object());
 }
 
+TEST(Serve, SaysInOneObjectWhatItServesAndWhere) {
+  const Desk desk;
+  const Outcome o = desk.shell(
+      "$airside serve --plant rc --days 1 --port 0 --ready r --json & server=$!; n=0; "
+      "while [ ! -e r ] && [ $n -lt 200 ]; do sleep 0.05; n=$((n + 1)); done; kill $server; wait $server");
+  EXPECT_EQ(o.code, 0) << o.err;
+  const auto object = nlohmann::json::parse(o.out, nullptr, false);
+  ASSERT_TRUE(object.is_object()) << o.out << o.err;
+  EXPECT_EQ(object.value("address", "") + "\n", text_of_file(desk.path("r")));
+  EXPECT_EQ(object.value("from", ""), "2021-08-01T00:00:00");
+  EXPECT_EQ(names_in(desk.folder()), std::set<std::string>{"r"});
+}
+
 TEST(Demo, RefusesWordsThatItDoesNotKnow) {
   const Desk desk;
   for (const std::string words : {"--plnat rc", "--plant mars", "--plant", "rc", "--plant rc twice"}) {
