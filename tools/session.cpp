@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 #include <numeric>
+#include <stdexcept>
 
 #include "airside/controller_instances.hpp"
 #include "airside/cycle.hpp"
@@ -81,17 +82,23 @@ struct ControllerSink {
 };
 
 /// Anything that chooses a setpoint, in the shape that run_cycles() drives; it goes through the same envelope.
+/// What chooses more often than once a cycle writes its choices between two cycles itself: the loop knows cycles only.
 template <Topology T>
 class Chooser {
  public:
   using Choose = std::function<double(CivilTime, const Reading<T>&, double last_degc)>;
-  Chooser(const ControllerSettings& settings, Choose choose)
+  /// `period_s`: rows or cycles between two choices, in s.
+  Chooser(const ControllerSettings& settings, sim::SimulatedPlant<T>& plant, int period_s, Choose choose)
       : settings_(settings),
         envelope_(settings),
+        plant_(plant),
+        period_s_(period_s),
         choose_(std::move(choose)),
         decision_{.time = {}, .command = envelope_.limit(settings.expert_off_degc, settings.expert_off_degc, 0)} {}
 
-  void observe(CivilTime, const Expected<Reading<T>>&) {}
+  void observe(CivilTime t, const Expected<Reading<T>>& sensed) {
+    if (t.second_of_day() % period_s_ == 0) absorb(plant_.actuate(decide(t, sensed).command));
+  }
   const Decision& decide(CivilTime t, const Expected<Reading<T>>& sensed) {
     const double expert = expert_setpoint_degc(settings_, t);
     const double proposal = choose_(t, *sensed, last_degc_);
@@ -106,6 +113,8 @@ class Chooser {
  private:
   ControllerSettings settings_;
   SafetyEnvelope envelope_;
+  sim::SimulatedPlant<T>& plant_;
+  int period_s_;
   Choose choose_;
   Decision decision_;
   double last_degc_ = std::numeric_limits<double>::quiet_NaN();
@@ -121,13 +130,13 @@ struct ChooserSink {
 };
 
 template <Topology T>
-ControlRun run_chooser(const Site& site, sim::PlantModel& model, CivilTime until, const OnProgress& progress,
-                       typename Chooser<T>::Choose choose) {
+ControlRun run_chooser(const Site& site, const ControllerSettings& settings, sim::PlantModel& model, CivilTime until,
+                       const OnProgress& progress, int period_s, typename Chooser<T>::Choose choose) {
   sim::SimulatedPlant<T> plant(model, site.points);
   sim::SimulatedClock clock(model);
   const CivilTime from = next_row(model.time());
   Recorder recorder(site, model, until, progress);
-  Chooser<T> chooser(site.settings, std::move(choose));
+  Chooser<T> chooser(settings, plant, period_s, std::move(choose));
   ChooserSink<T> sink{recorder};
   run_cycles<T>(plant, clock, chooser, sink, from, until);
   (void)clock.sleep_until(until);  // where the next run begins: no row stands twice
@@ -211,7 +220,7 @@ ControlRun run_varied_schedule(const Site& site, sim::PlantModel& plant, CivilTi
   SplitMix64 draw(seed ^ 0x57A71Cu);
   std::int64_t day = -1;
   double work_degc = site.settings.expert_work_degc;
-  return run_chooser<T>(site, plant, until, progress,
+  return run_chooser<T>(site, site.settings, plant, until, progress, cycle_s,
                         [&, draw, day, work_degc](CivilTime t, const Reading<T>&, double) mutable {
                           if (t.day() != day) {
                             day = t.day();
@@ -267,9 +276,9 @@ Metrics metrics_of(const Site& site, const ControlRun& run) {
 ControlRun run_schedule(const Site& site, sim::PlantModel& plant, CivilTime until, const OnProgress& progress) {
   ControlRun run;
   dispatch(site, [&]<class T>(T) {
-    run = run_chooser<T>(site, plant, until, progress, [&site](CivilTime t, const Reading<T>&, double) {
-      return expert_setpoint_degc(site.settings, t);
-    });
+    run = run_chooser<T>(
+        site, site.settings, plant, until, progress, cycle_s,
+        [&site](CivilTime t, const Reading<T>&, double) { return expert_setpoint_degc(site.settings, t); });
   });
   return run;
 }
@@ -332,6 +341,16 @@ ControlRun run_controller(const Site& site, sim::PlantModel& plant, const BlobBy
 
 ControlRun run_baseline(const Site& site, sim::PlantModel& plant, BaselineController& baseline,
                         const std::vector<hal::LogRow>& history, CivilTime until, const OnProgress& progress) {
+  const int period_s = baseline.decision_period_s();
+  if (period_s <= 0 || period_s % row_s != 0 || cycle_s % period_s != 0) {
+    throw std::logic_error(fmt::format("{}: a period of {} s; rows are {} s apart, cycles {} s", baseline.name(),
+                                       period_s, row_s, cycle_s));
+  }
+  ControllerSettings limits = site.settings;
+  if (!baseline.keeps_to_site()) {
+    limits.limit_min_degc = 0;
+    limits.limit_max_degc = limits.limit_change_k = 50;
+  }
   ControlRun run;
   dispatch(site, [&]<class T>(T) {
     using L = Layout<T>;
@@ -352,16 +371,17 @@ ControlRun run_baseline(const Site& site, sim::PlantModel& plant, BaselineContro
     for (const hal::LogRow& row : history) past.push_back({row.time, sensors_of(row.value.data()), row.setpoint_degc});
     baseline.observe_history(past);
     double last_known = history.empty() ? plant.sensors().setpoint_degc : history.back().setpoint_degc;
-    run = run_chooser<T>(site, plant, until, progress, [&](CivilTime t, const Reading<T>& reading, double last) {
-      CycleObservation now;
-      now.time = t;
-      now.sensors = sensors_of(reading.value.data());
-      now.sensors.setpoint_degc = reading.setpoint_degc;
-      now.sensors.supply_temp_degc = reading.supply_temp_degc;
-      now.previous_setpoint_degc = std::isfinite(last) ? last : last_known;
-      now.target_degc = site.settings.target_degc;
-      return baseline.decide(now);
-    });
+    run = run_chooser<T>(site, limits, plant, until, progress, period_s,
+                         [&](CivilTime t, const Reading<T>& reading, double last) {
+                           CycleObservation now;
+                           now.time = t;
+                           now.sensors = sensors_of(reading.value.data());
+                           now.sensors.setpoint_degc = reading.setpoint_degc;
+                           now.sensors.supply_temp_degc = reading.supply_temp_degc;
+                           now.previous_setpoint_degc = std::isfinite(last) ? last : last_known;
+                           now.target_degc = site.settings.target_degc;
+                           return baseline.decide(now);
+                         });
   });
   return run;
 }
@@ -370,7 +390,8 @@ ControlRun run_setpoints(const Site& site, sim::PlantModel& plant, const std::fu
                          CivilTime until, const OnProgress& progress) {
   ControlRun run;
   dispatch(site, [&]<class T>(T) {
-    run = run_chooser<T>(site, plant, until, progress, [&](CivilTime, const Reading<T>&, double) { return choose(); });
+    run = run_chooser<T>(site, site.settings, plant, until, progress, cycle_s,
+                         [&](CivilTime, const Reading<T>&, double) { return choose(); });
   });
   return run;
 }

@@ -37,9 +37,11 @@ class BaselineController {
   virtual std::string name() const = 0;
   /// The expert days that every method is given before the first decision, 6 min apart, in order of time.
   virtual void observe_history(std::span<const HistoryRow> rows) { static_cast<void>(rows); }
-  /// How often decide() wants to be called, s. A controller cycle, except where the method is defined
-  /// otherwise.
+  /// How often decide() is called and its setpoint written, s: a whole number of rows, whole in a cycle. A controller
+  /// cycle, except where the method is defined otherwise.
   virtual int decision_period_s() const { return cycle_s; }
+  /// False: its source's own range holds, though this site would never let it be written.
+  virtual bool keeps_to_site() const { return true; }
   /// The setpoint to hold until the next decision: admissible and rounded. degC.
   virtual double decide(const CycleObservation& now) = 0;
 };
