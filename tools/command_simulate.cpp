@@ -131,7 +131,7 @@ void add_simulate(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--days", self->days, "controlled days")->check(CLI::Range(1, 300))->capture_default_str();
   c->add_option("--method", self->method,
-                "ours, expert, pid-tuned, integral-5, arx-rls, floor-full, ... (a wrong name lists all)")
+                "ours, expert, pid-tuned, integral-tuned, arx-rls, floor-full, ... (a wrong name lists all)")
       ->capture_default_str();
   c->add_option("--weights", self->weights, "blob to start from");
   c->add_flag("--transfer", self->transfer, "fine-tune on the schedule's days first, as airside transfer does");

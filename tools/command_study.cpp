@@ -9,6 +9,7 @@
 #include "hal/staged_file.hpp"
 #include "tools/child_jobs.hpp"
 #include "tools/command.hpp"
+#include "tools/command_study.hpp"
 #include "tools/methods.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/run_report.hpp"
@@ -232,6 +233,7 @@ struct StudyCommand {
 void add_study(CLI::App& app) {
   CLI::App* study = app.add_subcommand("study", "tables over several rooms and seeds");
   study->require_subcommand(1);
+  add_study_tune(*study);
   auto self = std::make_shared<StudyCommand>();
   CLI::App* c = study->add_subcommand(
       "rooms",

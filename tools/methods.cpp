@@ -53,7 +53,8 @@ ControlRun run_ours(const Trial& trial, Prepared& prepared, const OurWeights& we
 
 ControlRun run_method(const Trial& trial, Prepared& prepared, const std::string& name, const OnProgress& progress) {
   if (!name.starts_with("floor-")) {
-    const auto baseline = make_baseline(name, trial.site.settings);
+    const auto plant = is_energyplus(trial.plant, trial.site) ? PlantKind::energyplus : PlantKind::rc;
+    const auto baseline = make_baseline(name, trial.site.settings, plant);
     return run_baseline(trial.site, prepared.room(), *baseline, prepared.history, prepared.until, progress);
   }
   const ControllerSettings& s = trial.site.settings;

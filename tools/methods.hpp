@@ -52,7 +52,7 @@ struct OurWeights {
 /// The controller of the site's preset.
 ControlRun run_ours(const Trial& trial, Prepared& prepared, const OurWeights& weights, const OnProgress& progress = {});
 
-/// A baseline or a floor by name.
+/// A baseline, with the gains tuned on the trial's kind of plant, or a floor by name.
 /// Errors: hal::InputError on a name that is neither, or a floor that the plant cannot give.
 ControlRun run_method(const Trial& trial, Prepared& prepared, const std::string& name, const OnProgress& progress = {});
 

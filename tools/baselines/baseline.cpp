@@ -11,6 +11,7 @@
 #include "tools/baselines/guideline36.hpp"
 #include "tools/baselines/pid.hpp"
 #include "tools/baselines/schedule.hpp"
+#include "tools/baselines/tuned.hpp"
 
 namespace airside::tools {
 namespace {
@@ -18,12 +19,13 @@ namespace {
 using Made = std::unique_ptr<BaselineController>;
 struct Entry {
   const char* name;
-  Made (*make)(const ControllerSettings&);
+  Made (*make)(const ControllerSettings&, const TunedGains&);
 };
 
-Made arx(const ControllerSettings& site, bool exogenous) {
+Made arx(const ControllerSettings& site, bool exogenous, double rho) {
   ArxSettings settings;
   settings.exogenous = exogenous;
+  settings.rho = rho;
   return std::make_unique<ArxBaseline>(site, settings);
 }
 
@@ -32,23 +34,25 @@ Made g36(const ControllerSettings& site, const Guideline36Settings& settings, co
 }
 
 using S = const ControllerSettings&;
-constexpr std::array<Entry, 15> entries = {{
-    {"expert", [](S s) -> Made { return std::make_unique<ScheduleBaseline>(s); }},
-    {"constant-20.5", [](S s) -> Made { return std::make_unique<ConstantBaseline>(s, 20.5); }},
-    {"constant-22.5", [](S s) -> Made { return std::make_unique<ConstantBaseline>(s, 22.5); }},
-    {"pid-spec", [](S s) -> Made { return std::make_unique<PidBaseline>(s, pid_spec_gains(), "PID, spec gains"); }},
-    {"pid-tuned", [](S s) -> Made { return std::make_unique<PidBaseline>(s, pid_tuned_gains(), "PID, tuned"); }},
-    {"integral-5", [](S s) -> Made { return std::make_unique<IntegralBaseline>(s, 5.0); }},
-    {"integral-7", [](S s) -> Made { return std::make_unique<IntegralBaseline>(s, 7.0); }},
-    {"arx-2", [](S s) -> Made { return arx(s, false); }},
-    {"arx-rls", [](S s) -> Made { return arx(s, true); }},
-    {"g36-written-16", [](S s) -> Made { return g36(s, guideline36_as_written(16), "G36 as written, 12-16 °C"); }},
-    {"g36-written-18", [](S s) -> Made { return g36(s, guideline36_as_written(18), "G36 as written, 12-18 °C"); }},
-    {"g36-site-i2", [](S s) -> Made { return g36(s, guideline36_on_site(s, 2), "G36 on site range, I = 2"); }},
-    {"g36-site-i1", [](S s) -> Made { return g36(s, guideline36_on_site(s, 1), "G36 on site range, I = 1"); }},
-    {"g36-site-i0", [](S s) -> Made { return g36(s, guideline36_on_site(s, 0), "G36 on site range, I = 0"); }},
+using G = const TunedGains&;
+constexpr std::array<Entry, 16> entries = {{
+    {"expert", [](S s, G) -> Made { return std::make_unique<ScheduleBaseline>(s); }},
+    {"constant-20.5", [](S s, G) -> Made { return std::make_unique<ConstantBaseline>(s, 20.5); }},
+    {"constant-22.5", [](S s, G) -> Made { return std::make_unique<ConstantBaseline>(s, 22.5); }},
+    {"pid-spec", [](S s, G) -> Made { return std::make_unique<PidBaseline>(s, pid_spec_gains(), "PID, spec gains"); }},
+    {"pid-tuned", [](S s, G g) -> Made { return std::make_unique<PidBaseline>(s, g.pid, "PID, tuned"); }},
+    {"integral-tuned", [](S s, G g) -> Made { return std::make_unique<IntegralBaseline>(s, g.integral_ki_per_h); }},
+    {"integral-5", [](S s, G) -> Made { return std::make_unique<IntegralBaseline>(s, 5.0); }},
+    {"integral-7", [](S s, G) -> Made { return std::make_unique<IntegralBaseline>(s, 7.0); }},
+    {"arx-2", [](S s, G g) -> Made { return arx(s, false, g.arx_rho); }},
+    {"arx-rls", [](S s, G g) -> Made { return arx(s, true, g.arx_rls_rho); }},
+    {"g36-written-16", [](S s, G) -> Made { return g36(s, guideline36_as_written(16), "G36 as written, 12-16 °C"); }},
+    {"g36-written-18", [](S s, G) -> Made { return g36(s, guideline36_as_written(18), "G36 as written, 12-18 °C"); }},
+    {"g36-site-i2", [](S s, G) -> Made { return g36(s, guideline36_on_site(s, 2), "G36 on site range, I = 2"); }},
+    {"g36-site-i1", [](S s, G) -> Made { return g36(s, guideline36_on_site(s, 1), "G36 on site range, I = 1"); }},
+    {"g36-site-i0", [](S s, G) -> Made { return g36(s, guideline36_on_site(s, 0), "G36 on site range, I = 0"); }},
     {"g36-site-airflow",
-     [](S s) -> Made {
+     [](S s, G) -> Made {
        Guideline36Settings settings = guideline36_on_site(s, 2);
        settings.loop = CoolingLoop::airflow;
        return g36(s, settings, "G36 on site range, airflow proxy");
@@ -73,9 +77,10 @@ double admissible_setpoint_degc(double setpoint_degc, const ControllerSettings& 
   return std::round(clamped / site.round_k) * site.round_k;
 }
 
-std::unique_ptr<BaselineController> make_baseline(std::string_view name, const ControllerSettings& site) {
+std::unique_ptr<BaselineController> make_baseline(std::string_view name, const ControllerSettings& site,
+                                                  PlantKind plant) {
   for (const Entry& entry : entries) {
-    if (name == entry.name) return entry.make(site);
+    if (name == entry.name) return entry.make(site, tuned_gains(plant));
   }
   std::string known;
   for (const Entry& entry : entries) known += (known.empty() ? "" : ", ") + std::string(entry.name);

@@ -2,6 +2,7 @@
 // What an operator could have instead of the learned controller: one interface for all of them, so that a
 // study drives every method through the same plant, the same instants and the same rounding.
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -29,6 +30,10 @@ struct HistoryRow {
   double setpoint_degc = 0;  ///< applied from `time` until the next row
 };
 
+/// The kind of plant that a peer stands on. An engineer tunes on the plant, so each kind has gains of its own
+/// (tuned.hpp).
+enum class PlantKind : std::uint8_t { rc, energyplus };
+
 class BaselineController {
  public:
   virtual ~BaselineController() = default;
@@ -52,9 +57,11 @@ double room_mean_degc(const sim::Sensors& sensors);
 /// Clamped to the action range of `site`, then rounded to its resolution. degC. Source: spec OPEN-18.
 double admissible_setpoint_degc(double setpoint_degc, const ControllerSettings& site);
 
-/// Builds a baseline by the name that studies and command lines use; see baseline_names().
-/// Errors: hal::InputError on a name that is not in baseline_names().
-std::unique_ptr<BaselineController> make_baseline(std::string_view name, const ControllerSettings& site);
+/// Builds a baseline by the name that studies and command lines use; see baseline_names(). pid-tuned, integral-tuned
+/// and arx-* take the gains that were tuned on plants of that kind. Errors: hal::InputError on a name that is not in
+/// baseline_names().
+std::unique_ptr<BaselineController> make_baseline(std::string_view name, const ControllerSettings& site,
+                                                  PlantKind plant = PlantKind::rc);
 
 /// All names that make_baseline() knows, in the order in which tables list them.
 std::vector<std::string> baseline_names();

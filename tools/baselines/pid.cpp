@@ -4,9 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-
-#include "hal/input_error.hpp"
 
 namespace airside::tools {
 namespace {
@@ -50,40 +47,6 @@ double IntegralBaseline::decide(const CycleObservation& now) {
   const double dt_h = hours_since(last_time_, now.time);
   last_time_ = now.time;
   return admissible_setpoint_degc(now.previous_setpoint_degc + ki_per_h_ * error_k * dt_h, site_);
-}
-
-TunedGains tune_gains(const std::function<double(const PidGains&)>& cost, std::span<const PidGains> candidates) {
-  TunedGains best;
-  best.cost = std::numeric_limits<double>::infinity();
-  for (const PidGains& gains : candidates) {
-    const double value = cost(gains);
-    best.trials.push_back({gains, value});
-    if (value < best.cost) {
-      best.cost = value;
-      best.gains = gains;
-    }
-  }
-  if (!std::isfinite(best.cost)) {
-    throw hal::InputError("gain search", candidates.empty() ? "no candidate" : "no finite cost",
-                          "at least one candidate that can be scored", "check the plant of the search");
-  }
-  return best;
-}
-
-std::vector<PidGains> pid_grid() {
-  std::vector<PidGains> grid;
-  for (const double kp : {0.0, 0.1, 0.3, 1.0}) {
-    for (const double ki : {0.5, 1.0, 2.0, 3.0, 5.0, 7.0}) {
-      for (const double kd : {0.0, 0.1}) grid.push_back({kp, ki, kd});
-    }
-  }
-  return grid;
-}
-
-std::vector<PidGains> integral_grid() {
-  std::vector<PidGains> grid;
-  for (const double ki : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 9.0}) grid.push_back({0.0, ki, 0.0});
-  return grid;
 }
 
 }  // namespace airside::tools

@@ -1,9 +1,8 @@
 #pragma once
 // Feedback on the mean room temperature alone: what a controls engineer tunes in an afternoon.
 
-#include <functional>
 #include <optional>
-#include <vector>
+#include <string>
 
 #include "tools/baselines/baseline.hpp"
 
@@ -18,8 +17,7 @@ struct PidGains {
   bool operator==(const PidGains&) const = default;
 };
 
-constexpr PidGains pid_spec_gains() { return {}; }                ///< Source: spec 11
-constexpr PidGains pid_tuned_gains() { return {0.3, 5.0, 0.0}; }  ///< Source: CLOSED_LOOP
+constexpr PidGains pid_spec_gains() { return {}; }  ///< Source: spec 11
 
 /// Positional PID around a fixed offset.
 ///   A = clamp(22.5 + kp e + ki int(e) dt + kd de/dt)
@@ -56,25 +54,5 @@ class IntegralBaseline final : public BaselineController {
   double ki_per_h_;
   std::optional<CivilTime> last_time_;
 };
-
-/// The outcome of a search over gains.
-struct TunedGains {
-  struct Trial {
-    PidGains gains;
-    double cost = 0;
-  };
-  PidGains gains;  ///< of least cost; the first of equals
-  double cost = 0;
-  std::vector<Trial> trials;  ///< every candidate, in order
-};
-
-/// Runs `cost` (lower is better, e.g. the DAE of 7 days that are not scored) for every candidate. A cost that
-/// is not finite loses. Errors: hal::InputError when there is no candidate or no finite cost.
-TunedGains tune_gains(const std::function<double(const PidGains&)>& cost, std::span<const PidGains> candidates);
-
-/// kp {0, .1, .3, 1} x ki {.5, 1, 2, 3, 5, 7} 1/h x kd {0, .1} h.
-std::vector<PidGains> pid_grid();
-/// ki {1, 2, 3, 4, 5, 6, 7, 9} 1/h alone.
-std::vector<PidGains> integral_grid();
 
 }  // namespace airside::tools
