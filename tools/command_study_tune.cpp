@@ -182,7 +182,7 @@ void add_study_tune(CLI::App& study) {
       ->check(CLI::IsMember({"auto", "rc", "energyplus"}))
       ->capture_default_str();
   c->add_option("--methods", self->methods,
-                "peers to tune, comma-separated (default: pid-tuned, integral-tuned, arx-2, arx-rls)")
+                "peers to tune, comma-separated (default: pid-tuned, integral-tuned, arx-2, arx-rls, mpc)")
       ->delimiter(',');
   c->add_option("--rooms", self->rooms,
                 "rooms, comma-separated (default: tuning-0 .. tuning-7; energyplus: the five twins)")

@@ -36,9 +36,10 @@ std::string ratio_key(const std::string& ratio, const std::string& floor) { retu
 }  // namespace
 
 std::vector<std::string> study_methods(bool energyplus) {
-  std::vector<std::string> methods = {
-      "expert", "constant-20.5", "constant-22.5",  "pid-tuned",      "integral-tuned", "integral-5",  "integral-7",
-      "arx-2",  "arx-rls",       "g36-written-16", "g36-written-18", "g36-site-i2",    "g36-site-i1", "g36-site-i0"};
+  std::vector<std::string> methods = {"expert",         "constant-20.5", "constant-22.5",  "pid-tuned",
+                                      "integral-tuned", "integral-5",    "integral-7",     "arx-2",
+                                      "arx-rls",        "mpc",           "g36-written-16", "g36-written-18",
+                                      "g36-site-i2",    "g36-site-i1",   "g36-site-i0"};
   for (const std::string& floor : floor_names(energyplus)) methods.push_back(floor);
   return methods;
 }

@@ -88,7 +88,7 @@ TEST(Baselines, EveryOneKeepsToTheActionRangeAndResolutionUnlessWrittenOtherwise
 }
 
 TEST(Baselines, HoldTheLastSetpointWhenNoRoomCanBeRead) {
-  for (const char* name : {"pid-tuned", "integral-5", "arx-2", "arx-rls"}) {
+  for (const char* name : {"pid-tuned", "integral-5", "arx-2", "arx-rls", "mpc"}) {
     const auto controller = make_baseline(name, site_settings);
     FirstOrderPlant plant(0.0);
     CycleObservation now = plant.observe();

@@ -9,6 +9,7 @@
 #include "hal/input_error.hpp"
 #include "tools/baselines/arx.hpp"
 #include "tools/baselines/guideline36.hpp"
+#include "tools/baselines/mpc.hpp"
 #include "tools/baselines/pid.hpp"
 #include "tools/baselines/schedule.hpp"
 #include "tools/baselines/tuned.hpp"
@@ -35,7 +36,7 @@ Made g36(const ControllerSettings& site, const Guideline36Settings& settings, co
 
 using S = const ControllerSettings&;
 using G = const TunedGains&;
-constexpr std::array<Entry, 16> entries = {{
+constexpr std::array<Entry, 17> entries = {{
     {"expert", [](S s, G) -> Made { return std::make_unique<ScheduleBaseline>(s); }},
     {"constant-20.5", [](S s, G) -> Made { return std::make_unique<ConstantBaseline>(s, 20.5); }},
     {"constant-22.5", [](S s, G) -> Made { return std::make_unique<ConstantBaseline>(s, 22.5); }},
@@ -46,6 +47,13 @@ constexpr std::array<Entry, 16> entries = {{
     {"integral-7", [](S s, G) -> Made { return std::make_unique<IntegralBaseline>(s, 7.0); }},
     {"arx-2", [](S s, G g) -> Made { return arx(s, false, g.arx_rho); }},
     {"arx-rls", [](S s, G g) -> Made { return arx(s, true, g.arx_rls_rho); }},
+    {"mpc",
+     [](S s, G g) -> Made {
+       MpcSettings settings;
+       settings.move_weight = g.mpc_move_weight;
+       settings.disturbance_share = g.mpc_disturbance_share;
+       return std::make_unique<MpcBaseline>(s, settings);
+     }},
     {"g36-written-16", [](S s, G) -> Made { return g36(s, guideline36_as_written(16), "G36 as written, 12-16 °C"); }},
     {"g36-written-18", [](S s, G) -> Made { return g36(s, guideline36_as_written(18), "G36 as written, 12-18 °C"); }},
     {"g36-site-i2", [](S s, G) -> Made { return g36(s, guideline36_on_site(s, 2), "G36 on site range, I = 2"); }},

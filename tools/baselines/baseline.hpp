@@ -57,8 +57,8 @@ double room_mean_degc(const sim::Sensors& sensors);
 /// Clamped to the action range of `site`, then rounded to its resolution. degC. Source: spec OPEN-18.
 double admissible_setpoint_degc(double setpoint_degc, const ControllerSettings& site);
 
-/// Builds a baseline by the name that studies and command lines use; see baseline_names(). pid-tuned, integral-tuned
-/// and arx-* take the gains that were tuned on plants of that kind. Errors: hal::InputError on a name that is not in
+/// Builds a baseline by the name that studies and command lines use; see baseline_names(). What is tuned takes the
+/// gains that were found on plants of that kind (tuned.hpp). Errors: hal::InputError on a name that is not in
 /// baseline_names().
 std::unique_ptr<BaselineController> make_baseline(std::string_view name, const ControllerSettings& site,
                                                   PlantKind plant = PlantKind::rc);

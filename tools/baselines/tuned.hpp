@@ -12,6 +12,8 @@ struct TunedGains {
   double integral_ki_per_h;
   double arx_rho;      ///< two parameters
   double arx_rls_rho;  ///< with exogenous differences
+  double mpc_move_weight;
+  double mpc_disturbance_share;
 };
 
 /// Source: `airside study tune --plant rc`.
@@ -20,6 +22,8 @@ inline constexpr TunedGains gains_on_rc{
     .integral_ki_per_h = 8.0,
     .arx_rho = -0.1,
     .arx_rls_rho = -0.1,
+    .mpc_move_weight = 0.0003,
+    .mpc_disturbance_share = 0.2,
 };
 
 /// Source: `airside study tune --plant energyplus`.
@@ -28,6 +32,8 @@ inline constexpr TunedGains gains_on_energyplus{
     .integral_ki_per_h = 8.0,
     .arx_rho = 0.0,
     .arx_rls_rho = -0.05,
+    .mpc_move_weight = 0.05,
+    .mpc_disturbance_share = 0.3,
 };
 
 constexpr const TunedGains& tuned_gains(PlantKind plant) {

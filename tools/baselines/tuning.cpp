@@ -7,6 +7,7 @@
 
 #include "hal/input_error.hpp"
 #include "tools/baselines/arx.hpp"
+#include "tools/baselines/mpc.hpp"
 
 namespace airside::tools {
 namespace {
@@ -119,6 +120,18 @@ const std::vector<TunablePeer>& tunable_peers() {
        {{"rho", rhos}},
        [](const ControllerSettings& site, std::span<const double> g) { return make_arx(site, g[0], true); },
        [](const TunedGains& g) { return std::vector<double>{g.arx_rls_rho}; }},
+      {"mpc",
+       {{"move_weight", {0.0001, 0.0003, 0.001, 0.003, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.3, 0.5, 1, 2}, false},
+        {"disturbance_share", {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6}, false}},
+       [](const ControllerSettings& site, std::span<const double> g) -> std::unique_ptr<BaselineController> {
+         MpcSettings settings;
+         settings.move_weight = g[0];
+         settings.disturbance_share = g[1];
+         return std::make_unique<MpcBaseline>(site, settings);
+       },
+       [](const TunedGains& g) {
+         return std::vector<double>{g.mpc_move_weight, g.mpc_disturbance_share};
+       }},
   };
   return peers;
 }

@@ -26,7 +26,7 @@ struct TunablePeer {
   std::vector<double> (*frozen)(const TunedGains&);  ///< its gains in the source's table, in the order of the axes
 };
 
-/// PID, integral and both ARX.
+/// PID, integral, both ARX and MPC.
 const std::vector<TunablePeer>& tunable_peers();
 
 /// The outcome of a search over a grid.
