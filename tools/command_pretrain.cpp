@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <set>
 
 #include "hal/civil_text.hpp"
@@ -13,12 +14,16 @@ namespace airside::tools {
 
 namespace {
 
+const std::map<std::string, Pretrainer> static_schedules = {{"drawn", Pretrainer::drawn_schedules},
+                                                            {"expert", Pretrainer::expert_schedule}};
+
 struct PretrainCommand {
   SiteOptions site;
   PlantChoice plant;
   int days = 31;
   int updates = 0;
-  bool fixed_schedule = false, json = false;
+  Pretrainer pretrainer = Pretrainer::agent;
+  bool json = false;
   std::string out = "weights.blob", log;
 
   void run(const CLI::App& command) {
@@ -30,10 +35,10 @@ struct PretrainCommand {
     PretrainOptions options;
     options.seed = plant.seed;
     options.updates_per_cycle = updates;
-    options.fixed_schedule = fixed_schedule;
-    options.provenance = fmt::format("airside pretrain {}{} --days {}{}{} ({})", command_text(plant, s),
-                                     command_text(site), days, updates > 0 ? fmt::format(" --updates {}", updates) : "",
-                                     fixed_schedule ? " --static" : "", model->description());
+    options.pretrainer = pretrainer;
+    options.provenance =
+        fmt::format("airside pretrain {}{} --days {}{}{} ({})", command_text(plant, s), command_text(site), days,
+                    updates > 0 ? fmt::format(" --updates {}", updates) : "", static_text(), model->description());
     const Pretraining trained = pretrain(s, *model, until, options, show_progress(bar));
     bar.finish();
     write_blob(out, trained.blob);
@@ -50,6 +55,8 @@ struct PretrainCommand {
       j["digest"] = digest_text(trained.blob);
       j["days"] = days;
       j["seeds"] = {plant.seed};
+      j["transitions"] = trained.transitions;
+      j["optimiser_steps"] = trained.run.optimiser_steps;
       j["rejected_updates"] = trained.run.rejected_updates;
       j["plant"] = model->description();
       fmt::print("{}\n", j.dump());
@@ -60,8 +67,18 @@ struct PretrainCommand {
     for (const int day : std::set<int>{1, 2, 3, 6, 7, 14, 31, last}) {
       if (day <= last) fmt::print("  day {} {:.3f}", day, m.days[static_cast<std::size_t>(day - 1)].dae_degc);
     }
-    fmt::print("\n(day 1 is the schedule's; the agent acts from day 2)\nweights: {} ({} bytes, digest {})\n", out,
-               trained.blob.size(), digest_text(trained.blob));
+    fmt::print("\n({})\n{} transitions, {} optimiser steps\nweights: {} ({} bytes, digest {})\n",
+               pretrainer == Pretrainer::agent ? "day 1 is the schedule's; the agent acts from day 2"
+                                               : "schedules act on all days, training follows",
+               trained.transitions, trained.run.optimiser_steps, out, trained.blob.size(), digest_text(trained.blob));
+  }
+
+  /// As it stands in the command.
+  std::string static_text() const {
+    for (const auto& [name, which] : static_schedules) {
+      if (which == pretrainer) return " --static " + name;
+    }
+    return "";
   }
 };
 
@@ -80,7 +97,13 @@ void add_pretrain(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--updates", self->updates, "optimiser steps a cycle (default: the preset's)")
       ->check(CLI::Range(1, 100));
-  c->add_flag("--static", self->fixed_schedule, "fixed schedules instead of the agent, as a plain data set");
+  c->add_option_function<std::string>(
+       "--static", [self](const std::string& name) { self->pretrainer = static_schedules.at(name); },
+       "fixed schedules instead of the agent, as a plain data set of as many transitions and optimiser steps: each "
+       "day's working setpoint drawn (default), or the expert's")
+      ->expected(0, 1)
+      ->default_str("drawn")
+      ->check(CLI::IsMember({"drawn", "expert"}));
   c->add_option("-o,--out", self->out, "blob to write")->capture_default_str();
   c->add_option("--log", self->log, "CSV of all rows");
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");

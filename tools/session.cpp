@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 
 #include "airside/controller_instances.hpp"
@@ -72,10 +73,30 @@ class Recorder {
   const OnProgress& progress_;
 };
 
+/// Counts optimiser steps, which the learner forgets when the gate refuses them.
+class StepCount {
+ public:
+  template <class Controller_>
+  void row(const Controller_& controller) {
+    const auto& learning = controller.learning();
+    const bool refused = learning.rejected != rejected_;
+    total += refused ? static_cast<std::uint64_t>(controller.settings().updates_per_cycle)
+                     : learning.learner.steps() - steps_;
+    rejected_ = learning.rejected;
+    steps_ = learning.learner.steps();
+  }
+  std::uint64_t total = 0;
+
+ private:
+  std::uint64_t steps_ = 0, rejected_ = 0;
+};
+
 template <Topology T>
 struct ControllerSink {
   Recorder& recorder;
+  StepCount steps = {};
   bool row(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller) {
+    steps.row(controller);
     recorder.add<T>(t, sensed, controller.decision(), controller.cycle().last_setpoint_degc);
     return true;
   }
@@ -157,9 +178,9 @@ std::unique_ptr<Controller<T>> make_controller(const Site& site, const Controlle
 }
 
 template <Topology T>
-void read_history(Controller<T>& controller, const std::vector<hal::LogRow>& rows,
-                  typename HistoryReader<T>::Head head) {
-  HistoryReader<T> reader(controller, head);
+void read_history(Controller<T>& controller, std::span<const hal::LogRow> rows, typename HistoryReader<T>::Head head,
+                  typename HistoryReader<T>::Starts starts = HistoryReader<T>::Starts::every_row) {
+  HistoryReader<T> reader(controller, head, starts);
   for (const hal::LogRow& row : rows) reader.row(row.time, values_of<T>(row), row.setpoint_degc);
 }
 
@@ -183,7 +204,7 @@ void dispatch(const Site& site, F&& f) {
 }
 
 template <Topology T>
-Scaler<T> scaler_of(const Site& site, const std::vector<hal::LogRow>& rows) {
+Scaler<T> scaler_of(const Site& site, std::span<const hal::LogRow> rows) {
   ScalerFit<T> fit;
   for (const hal::LogRow& row : rows) {
     const auto value = values_of<T>(row);
@@ -203,6 +224,7 @@ ControlRun control(const Site& site, sim::PlantModel& model, Controller<T>& cont
   run_cycles<T>(plant, clock, controller, sink, from, until);
   (void)clock.sleep_until(until);  // where the next run begins: no row stands twice
   recorder.run.rejected_updates = controller.learning().rejected;
+  recorder.run.optimiser_steps = sink.steps.total;
   return std::move(recorder.run);
 }
 
@@ -211,23 +233,40 @@ void append(ControlRun& run, ControlRun&& more) {
   run.cycles.insert(run.cycles.end(), more.cycles.begin(), more.cycles.end());
   run.energy.insert(run.energy.end(), more.energy.begin(), more.energy.end());
   run.rejected_updates = more.rejected_updates;
+  run.optimiser_steps += more.optimiser_steps;
 }
 
 template <Topology T>
 ControlRun run_varied_schedule(const Site& site, sim::PlantModel& plant, CivilTime until, std::uint64_t seed,
                                const OnProgress& progress) {
-  // spec OPEN-27: the working setpoint of each day is drawn from {19.5 .. 21.5}; the site's range may cut it.
+  // spec OPEN-27: the working setpoint of each day is drawn from {19.5 .. 21.5}. Limits of the site's machinery bind
+  // nobody in a twin: by default they would make 20 of 19.5, and two steps of one that is larger than the expert's.
+  constexpr double lowest_degc = 19.5, step_k = 0.5;
+  ControllerSettings unbound = site.settings;
+  unbound.limit_min_degc = std::min(site.settings.limit_min_degc, lowest_degc);
+  unbound.limit_change_k = site.settings.limit_max_degc - unbound.limit_min_degc;
   SplitMix64 draw(seed ^ 0x57A71Cu);
   std::int64_t day = -1;
   double work_degc = site.settings.expert_work_degc;
-  return run_chooser<T>(site, site.settings, plant, until, progress, cycle_s,
+  return run_chooser<T>(site, unbound, plant, until, progress, cycle_s,
                         [&, draw, day, work_degc](CivilTime t, const Reading<T>&, double) mutable {
                           if (t.day() != day) {
                             day = t.day();
-                            work_degc = 19.5 + 0.5 * draw.below(5);
+                            work_degc = lowest_degc + step_k * draw.below(5);
                           }
                           return in_working_hours(site.settings, t) ? work_degc : site.settings.expert_off_degc;
                         });
+}
+
+/// Days 2 and on are remembered as an agent would: a transition a cycle, the first when the day's first cycle ends.
+template <Topology T>
+void learn_fixed(Controller<T>& controller, std::span<const hal::LogRow> later) {
+  const std::uint64_t before = controller.replay().total_pushed();
+  using Reader = HistoryReader<T>;
+  read_history<T>(controller, later, Reader::Head::learn, Reader::Starts::every_cycle);
+  const std::uint64_t cycles = controller.replay().total_pushed() - before;
+  const std::uint64_t steps = cycles * static_cast<std::uint64_t>(controller.settings().updates_per_cycle);
+  for (std::uint64_t i = 0; i < steps; ++i) (void)controller.train_step();
 }
 
 template <Topology T>
@@ -238,22 +277,23 @@ Pretraining pretrain_as(const Site& site, sim::PlantModel& model, CivilTime unti
   auto controller = make_controller<T>(site, settings, options.seed);
   SplitMix64 init(options.seed);
   initialise_uniform(controller->learning().weights, init);
-  const CivilTime day_two{(model.time().day() + 1) * 86400};
+  const CivilTime day_two = std::min(CivilTime{(model.time().day() + 1) * 86400}, until);
   Pretraining out;
-  if (options.fixed_schedule) {
-    out.run = run_varied_schedule<T>(site, model, until, options.seed, progress);
-    std::vector<hal::LogRow> first(
-        out.run.rows.begin(), out.run.rows.begin() + std::min<std::ptrdiff_t>(rows_per_day, std::ssize(out.run.rows)));
-    controller->start(scaler_of<T>(site, first));
-    read_history<T>(*controller, out.run.rows, HistoryReader<T>::Head::learn);
-    const std::int64_t cycles = (until.seconds - day_two.seconds) / cycle_s;
-    for (std::int64_t i = 0; i < cycles * settings.updates_per_cycle; ++i) (void)controller->train_step();
-  } else {
-    out.run = run_schedule(site, model, std::min(day_two, until));
-    controller->start(scaler_of<T>(site, out.run.rows));
-    read_history<T>(*controller, out.run.rows, HistoryReader<T>::Head::learn);
+  const bool dynamic = options.pretrainer == Pretrainer::agent;
+  out.run = options.pretrainer == Pretrainer::drawn_schedules
+                ? run_varied_schedule<T>(site, model, until, options.seed, progress)
+                : run_schedule(site, model, dynamic ? day_two : until, dynamic ? OnProgress() : progress);
+  const auto second = std::ranges::find_if(out.run.rows, [&](const hal::LogRow& r) { return !(r.time < day_two); });
+  const std::span<const hal::LogRow> first_day{out.run.rows.begin(), second}, later{second, out.run.rows.end()};
+  controller->start(scaler_of<T>(site, first_day));
+  read_history<T>(*controller, first_day, HistoryReader<T>::Head::learn);
+  if (dynamic) {
     append(out.run, control<T>(site, model, *controller, until, progress));
+  } else {
+    learn_fixed<T>(*controller, later);
+    out.run.optimiser_steps = controller->learning().learner.steps();
   }
+  out.transitions = controller->replay().total_pushed();
   out.blob = blob_of<T>(*controller, options.provenance, until);
   return out;
 }

@@ -27,6 +27,7 @@ struct ControlRun {
   std::vector<CycleSample> cycles;     ///< every decision
   std::vector<EnergyRow> energy;       ///< every row
   std::uint64_t rejected_updates = 0;  ///< by the acceptance gate
+  std::uint64_t optimiser_steps = 0;   ///< those that the gate refused too
 };
 
 /// What the site counts as target and working hours.
@@ -38,20 +39,29 @@ Metrics metrics_of(const Site& site, const ControlRun& run);
 /// The expert's schedule from the plant's present to `until`.
 ControlRun run_schedule(const Site& site, sim::PlantModel& plant, CivilTime until, const OnProgress& progress = {});
 
+/// Who acts in the twin while weights are pretrained (spec 7.2, 7.3, OPEN-27).
+enum class Pretrainer {
+  agent,            ///< dynamic: it controls and learns
+  drawn_schedules,  ///< static: each day's working setpoint is drawn from {19.5, 20.0 .. 21.5}
+  expert_schedule,  ///< static: the expert's, every day
+};
+
 struct PretrainOptions {
   std::uint64_t seed = 1;
-  int updates_per_cycle = 0;    ///< 0: the preset's; pretraining can afford more than the box
-  bool fixed_schedule = false;  ///< static pretraining (spec 7.3): the schedule acts, training follows
-  std::string provenance;       ///< twin, patches, weather, dates; stored in the blob
+  int updates_per_cycle = 0;  ///< 0: the preset's; pretraining can afford more than the box
+  Pretrainer pretrainer = Pretrainer::agent;
+  std::string provenance;  ///< twin, patches, weather, dates; stored in the blob
 };
 
 struct Pretraining {
   BlobBytes blob;
   ControlRun run;
+  std::uint64_t transitions = 0;  ///< remembered: any row of day 1 may start one, then every cycle
 };
 
 /// Dynamic pretraining (spec 7.2): day 1 under the schedule fits the scaler, then the agent controls the twin and
-/// learns until `until`.  Static (7.3): all days under varied schedules, then as many optimiser steps.
+/// learns until `until`.  Static (7.3): all days under schedules that are fixed beforehand, then training; where no
+/// reading is refused, with as many transitions and optimiser steps as the agent has of the same days.
 Pretraining pretrain(const Site& site, sim::PlantModel& plant, CivilTime until, const PretrainOptions& options,
                      const OnProgress& progress = {});
 

@@ -17,9 +17,11 @@ template <Topology T, class Scalar = float>
 class HistoryReader {
  public:
   enum class Head { leave, learn };
+  /// From which rows a transition may start: any (spec OPEN-1), or those at which control decides.
+  enum class Starts { every_row, every_cycle };
 
-  HistoryReader(Controller<T, Scalar>& controller, Head head)
-      : controller_(controller), head_(head), validator_(controller.limits(), controller.settings()) {}
+  HistoryReader(Controller<T, Scalar>& controller, Head head, Starts starts = Starts::every_row)
+      : controller_(controller), head_(head), starts_(starts), validator_(controller.limits(), controller.settings()) {}
 
   /// One row: `setpoint_degc` was applied from `time` on. A row that may not be learned from breaks the window and
   /// nothing else.
@@ -34,7 +36,7 @@ class HistoryReader {
       ++refused_;
       return;
     }
-    if (!window_.has_transition()) return;
+    if (!window_.has_transition() || (starts_ == Starts::every_cycle && !starts_cycle(time))) return;
     const auto& before = window_.at(rows_per_cycle);
     controller_.remember(before.value, before.setpoint_degc, value);
     ++transitions_;
@@ -50,8 +52,9 @@ class HistoryReader {
                               scaler.scale(Layout<T>::power + T::powers - 1));
     f.x(HeadFeatures::setpoint_change) = before.setpoint_degc - earlier.setpoint_degc;
     const double moved = value.template head<T::vavs>().mean() - before.value.template head<T::vavs>().mean();
-    // Three rows share each cycle, so each is worth a third of a sample.
-    controller_.remember_change(before.time, f, moved, std::sqrt(static_cast<double>(rows_per_cycle)));
+    // Where three rows share each cycle, each is worth a third of a sample.
+    const double noise = starts_ == Starts::every_cycle ? 1.0 : std::sqrt(static_cast<double>(rows_per_cycle));
+    controller_.remember_change(before.time, f, moved, noise);
   }
   int transitions() const { return transitions_; }
   int refused() const { return refused_; }
@@ -59,6 +62,7 @@ class HistoryReader {
  private:
   Controller<T, Scalar>& controller_;
   Head head_;
+  Starts starts_;
   RowWindow<T> window_;
   Validator<T> validator_;
   int transitions_ = 0;
