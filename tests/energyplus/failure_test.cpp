@@ -80,7 +80,37 @@ TEST(EnergyPlusFailure, PassesOnTheEnginesOwnWords) {
   options.patches.push_back(
       {"bad pump", {{"Pump:ConstantSpeed", {{"ChW Supply Pump", {{"design_power_consumption", 1.0}}}}}}});
   const std::string message = construct(options);
-  EXPECT_TRUE(has(message, "the engine says") && has(message, "Fatal")) << message;
+  EXPECT_TRUE(has(message, "process ended with code 1; the engine says:\n")) << message;
+  EXPECT_TRUE(has(message, "** Severe  ** Check input.  Calculated Pump Efficiency=")) << message;
+  EXPECT_TRUE(has(message, "which is bigger than 100%, for pump=CHW SUPPLY PUMP\n")) << message;
+  EXPECT_TRUE(has(message, "**   ~~~   ** Total_Efficiency % =")) << "the lines that continue it: " << message;
+  EXPECT_TRUE(has(message, "**  Fatal  ** Errors found in Pump input")) << message;
+}
+
+/// An engine that breaks down in the middle of a run leaves its last words in its error file, not in an answer.
+TEST(EnergyPlusFailure, PassesOnTheLastWordsOfAnEngineThatCrashed) {
+  AIRSIDE_NEEDS_ENGINE();
+  const fs::path folder = own_folder();
+  {
+    const Environment here("TMPDIR", folder.string());
+    EnergyPlusPlant plant(one_day());
+    plant.advance_to({plant.time().seconds + cycle_s});
+    const fs::path words = fs::directory_iterator(folder)->path() / "eplusout.err";
+    ASSERT_TRUE(fs::exists(words)) << "where the engine itself writes";
+    std::ofstream(words, std::ios::app) << "   ** Warning ** a node is warm\n"
+                                        << "   **   ~~~   ** but not too warm\n"
+                                        << "   ** Severe  ** Plant loop CHW Loop diverges\n"
+                                        << "   **   ~~~   ** at 07/01 00:18\n";
+    kill(plant.worker_pid(), SIGSEGV);
+    const std::string message = message_of([&] { plant.advance_to({plant.time().seconds + cycle_s}); });
+    EXPECT_TRUE(has(message,
+                    "was ended by signal 11 (Segmentation fault); the engine says:\n"
+                    "  ** Severe  ** Plant loop CHW Loop diverges\n"
+                    "  **   ~~~   ** at 07/01 00:18"))
+        << message;
+    EXPECT_FALSE(has(message, "warm")) << message;
+  }
+  fs::remove_all(folder);
 }
 
 TEST(EnergyPlusFailure, ReportsAWorkerThatIsKilled) {
