@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -20,20 +21,48 @@ namespace airside::golden {
 
 using nlohmann::json;
 
+/// Where `given` lies: as it stands if absolute, else from the first of `bases` in which it is a folder.
+/// Errors: std::runtime_error for what is no folder, or lacks a file that the project's own has.
+inline std::string golden_folder(const std::string& given, const std::vector<std::filesystem::path>& bases) {
+  namespace fs = std::filesystem;
+  const fs::path own = fs::path(AIRSIDE_SOURCE_DIR) / "tests/golden/data";
+  if (given.empty()) return own.string();
+  std::string tried;
+  for (const fs::path& base : bases) {
+    const fs::path there = base / given;  // an absolute `given` replaces the base
+    tried += (tried.empty() ? "" : ", ") + there.string();
+    if (!fs::is_directory(there)) continue;
+    for (const fs::directory_entry& file : fs::directory_iterator(own)) {
+      const std::string name = file.path().filename().string();
+      if (name == "README.md" || fs::exists(there / name)) continue;
+      throw std::runtime_error("AIRSIDE_GOLDEN: found " + there.string() + " without " + name +
+                               "; expected a folder of the layout of tests/golden/data; see its README.md");
+    }
+    return there.string();
+  }
+  throw std::runtime_error("AIRSIDE_GOLDEN: found \"" + given + "\", which is no folder (tried " + tried +
+                           "); expected one with golden vectors; give its absolute path");
+}
+
+/// ctest runs tests in the build tree: a relative path is meant from where the person stood, which PWD still says.
 inline std::string folder() {
   const char* const given = std::getenv("AIRSIDE_GOLDEN");
-  return given != nullptr && *given != '\0' ? given : std::string(AIRSIDE_SOURCE_DIR) + "/tests/golden/data";
+  const char* const stood = std::getenv("PWD");
+  return golden_folder(given != nullptr ? given : "",
+                       {stood != nullptr ? stood : "", std::filesystem::current_path(), AIRSIDE_SOURCE_DIR});
 }
 
 inline json read_json(const std::string& name) {
-  std::ifstream in(folder() + "/" + name);
-  if (!in) throw std::runtime_error("cannot read " + folder() + "/" + name);
+  const std::string path = folder() + "/" + name;
+  std::ifstream in(path);
+  if (!in) throw std::runtime_error("cannot read " + path);
   return json::parse(in);
 }
 
 inline std::vector<double> read_csv(const std::string& name) {
-  std::ifstream in(folder() + "/" + name);
-  if (!in) throw std::runtime_error("cannot read " + folder() + "/" + name);
+  const std::string path = folder() + "/" + name;
+  std::ifstream in(path);
+  if (!in) throw std::runtime_error("cannot read " + path);
   std::vector<double> values;
   for (double v = 0; in >> v;) values.push_back(v);
   return values;

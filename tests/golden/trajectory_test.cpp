@@ -117,43 +117,171 @@ TEST(GoldenTrajectory, BatchesDrawnFromTheReplayRing) {
   follow_in_double("traj_replay.json", [&](int) { return replay.draw(); });
 }
 
-/// The float reference's own drift from double is the yardstick. `flips` is what a pre-activation on the other side of
-/// its kink may add once training has run on from there; with 1000 samples a batch, some seeds have one at once.
-void follow_in_float(const std::string& file, const Kernels<float>& kernels, double flips,
-                     const BatchOfStep<float>& batch_of) {
-  follow<float>(
-      file, kernels, batch_of, 2e-2,
-      [&](const std::string& step, const json& expected, const auto& weights, const auto&) {
-        std::vector<double> errors;
-        for (std::size_t l = 0; l < layer_count; ++l) {
-          const std::string name = meta().at("layers")[l][0];
-          for (const bool bias : {false, true}) {
-            const json& tensor = expected.at("eval").at(name + (bias ? ".b" : ".w"));
-            const int begin = bias ? weights.layers[l].bias : weights.layers[l].weight;
-            for (std::size_t i = 0; i < tensor.at("idx").size(); ++i) {
-              const std::size_t at = static_cast<std::size_t>(begin) + tensor.at("idx")[i].template get<std::size_t>();
-              errors.push_back(
-                  std::abs(static_cast<double>(weights.values[at]) - tensor.at("val")[i].template get<double>()));
-            }
-          }
-        }
-        const json& guide = expected.at("float32_oracle_abs_err");
-        EXPECT_LT(quantile(errors, 0.99), 8 * guide.at("p99").get<double>() + (step == "1" ? 1e-6 : flips))
-            << file << " step " << step << " " << text_of(kernels.kind);
-        EXPECT_LT(quantile(errors, 0.5), 8 * guide.at("mean").get<double>() + (step == "1" ? 1e-7 : flips / 8))
-            << file << " step " << step << " " << text_of(kernels.kind);
-      });
+// ------------------------------------------------------------------ float beside double
+
+/// On which side of its kink everything that has one lies, over the batch: LeakyReLU's pre-activations, the gradient
+/// constraint's active inputs, the residual constraint's sign of D'. The scratch holds them tile by tile.
+template <class Scalar>
+std::vector<bool> sides(const NetworkWeights<FiveZone, Scalar>& weights, const Learner<FiveZone, Scalar>& learner,
+                        const BatchView<FiveZone, Scalar>& batch, const LossSettings<FiveZone>& settings,
+                        NetworkScratch<FiveZone, Scalar>& s) {
+  std::vector<bool> above;
+  LossTerms sum;
+  begin_batch(weights, s);
+  for (int first = 0; first < batch.size; first += tile_samples) {
+    const int n = std::min(tile_samples, batch.size - first);
+    tile_losses(weights, learner.target(), batch, first, n, settings, s, sum);
+    const auto add = [&](const auto& rows, int from, int width) {
+      for (int r = 0; r < n; ++r)
+        for (int c = 0; c < width; ++c) above.push_back(rows.row(from + r)[c] > 0);
+    };
+    const auto add_all = [&](const auto&... layer) { (add(layer, 0, layer.width), ...); };
+    const auto& a = s.act;
+    add_all(a.enc_s, a.enc_a, a.joint, a.share_0, a.share_1, a.share_2, a.strb_0, a.strb_1, a.tdb_0, a.tdb_1);
+    add(s.deviation, 0, Layout<FiveZone>::rooms);
+    // The constraint's seeds v, 0 where it holds and -L_j where not, stand behind the inputs.
+    for (const double sign : {1.0, -1.0}) {
+      for (int r = 0; r < n; ++r) {
+        for (int j = 0; j < Layout<FiveZone>::signals; ++j)
+          above.push_back(sign * static_cast<double>(a.input_s.row(n + r)[j]) > 0);
+        above.push_back(sign * static_cast<double>(a.input_a.row(n + r)[Layout<FiveZone>::exogenous]) > 0);
+      }
+    }
+  }
+  return above;
 }
 
-TEST(GoldenTrajectory, FloatStaysAsNearAsTheFloatReferenceWithEveryKernel) {
-  const std::vector<float> large = as<float>(make_batch("batch1000", 1000));
-  const std::vector<float> small = as<float>(make_batch("batch32", 32));
-  for (const Kernels<float>& kernels : all_float_kernels()) {
-    follow_in_float("traj_b32_sync7.json", kernels, 1e-4, [&](int) { return view_of(small); });
-    follow_in_float("traj_b1000.json", kernels, 2e-3, [&](int) { return view_of(large); });
-    ReplayDraws<float> replay;
-    follow_in_float("traj_replay.json", kernels, 5e-4, [&](int) { return replay.draw(); });
+template <class Scalar>
+struct Training {
+  Kernels<Scalar> kernels;
+  std::unique_ptr<NetworkWeights<FiveZone, Scalar>> weights =
+      std::make_unique<NetworkWeights<FiveZone, Scalar>>(weights_of<Scalar>("weights"));
+  std::unique_ptr<Learner<FiveZone, Scalar>> learner = std::make_unique<Learner<FiveZone, Scalar>>();
+  std::unique_ptr<NetworkScratch<FiveZone, Scalar>> scratch = make_scratch<Scalar>(kernels);
+  bool turned = false;  ///< something has stood on the other side of its kink than in double
+  double most_off = 0;  ///< of all weights, at the last mark
+
+  explicit Training(const Kernels<Scalar>& k) : kernels(k) { learner->reset(weights_of<Scalar>("target_weights")); }
+  LossTerms step(const BatchView<FiveZone, Scalar>& batch, const LearnerSettings<FiveZone>& settings) {
+    return learner->step(*weights, batch, settings, *scratch);
   }
+};
+
+/// What float may be off after `step` steps of a batch of `samples`, and why. In 80 seeds with three kernel sets each,
+/// the largest found was two thirds of these bounds or less, where nothing else is said.
+struct Allowed {
+  double mean, p99, most, loss;
+};
+
+/// As long as every kink is on the same side as in double, only rounding differs. A weight below 1 is stored to 3e-8
+/// and written once a step, which adds up as a random walk: 4.5e-8 sqrt(step) for 99 of 100 weights (2e-7 after 20
+/// steps). Adam divides by the gradient's size: where that is next to zero its rounding counts whole, so `most` is of
+/// the weights whose gradient was never within 1e-5 of zero; at the first step, where the size cancels, these are exact
+/// to 5.2e-8, later one weight of a batch may be off by 2.6e-6.
+Allowed rounding(int step) {
+  const double walk = std::sqrt(static_cast<double>(step));
+  return {2e-8 * walk, 4.5e-8 * walk, step == 1 ? 1e-7 : 1e-5, 2e-6};
+}
+
+/// One sample on the other side of one kink alters the gradient by a share that training then follows and enlarges: the
+/// bounds are shares of the way that Adam goes, one learning rate a step. In a batch of 1000 that is one sample in 1000
+/// (loss_1000.json: a pre-activation 1.35e-7 from its kink, which the reference's own float run has on the other side
+/// from its first step, p99 0.9 % of the way after 110), in one of 32 one in 32. A weight whose gradient changes its
+/// sign at the first step goes the other way: two learning rates.
+Allowed turned_kink(int step, int samples, double rate) {
+  const double way = rate * step;
+  const bool few = samples < 100;
+  return {(few ? 0.02 : 0.004) * way, (few ? 0.1 : 0.03) * way, 2.1 * rate + (few ? 0.25 : 0.1) * way,
+          few ? 0.1 : 0.01};
+}
+
+void expect_allowed(const std::string& where, Training<float>& run, const Training<double>& exact,
+                    const std::vector<double>& least_gradient, const Allowed& allowed) {
+  std::vector<double> errors;
+  double sum = 0, most = 0;
+  for (std::size_t i = 0; i < exact.weights->flat().size(); ++i) {
+    errors.push_back(std::abs(static_cast<double>(run.weights->values[i]) - exact.weights->values[i]));
+    sum += errors.back();
+    if (run.turned || least_gradient[i] >= 1e-5) most = std::max(most, errors.back());
+  }
+  EXPECT_LT(sum / static_cast<double>(errors.size()), allowed.mean) << where;
+  run.most_off = quantile(errors, 1);
+  EXPECT_LT(quantile(errors, 0.99), allowed.p99) << where;
+  EXPECT_LT(most, allowed.most) << where;
+  if (!run.turned) {
+    EXPECT_LT(run.most_off, 2.1e-3) << where << ": two learning rates, whatever the gradient";
+  }
+}
+
+/// Trains with every float kernel beside double, which is itself compared with the file, and compares all weights and
+/// the losses. `batch_of()` is the next batch, in double and in float. Returns the float runs.
+template <class BatchOf>
+std::vector<Training<float>> follow_in_float(const std::string& file, int samples, const BatchOf& batch_of) {
+  const json expected = read_json(file);
+  LearnerSettings<FiveZone> settings = settings_of_meta();
+  settings.sync_every = expected.at("sync_every");
+  Training<double> exact(strict_kernels<double>());
+  std::vector<Training<float>> runs;
+  for (const Kernels<float>& kernels : all_float_kernels()) runs.emplace_back(kernels);
+  std::vector<double> least_gradient(exact.weights->flat().size(), HUGE_VAL);
+  int step = 0;
+  for (const json& losses : expected.at("losses_before_each_step")) {
+    ++step;
+    const auto& [double_batch, float_batch] = batch_of();
+    const std::vector<bool> right = sides(*exact.weights, *exact.learner, double_batch, settings.loss, *exact.scratch);
+    (void)exact.step(double_batch, settings);
+    for (std::size_t i = 0; i < least_gradient.size(); ++i)
+      least_gradient[i] = std::min(least_gradient[i], std::abs(exact.scratch->gradient.values[i]));
+    const std::string name = std::to_string(step);
+    const bool is_mark = expected.at("after_step").contains(name);
+    if (is_mark) {
+      EXPECT_LT(checksum_error(*exact.weights, expected.at("after_step").at(name).at("eval")), 1e-12) << file << name;
+    }
+    for (Training<float>& run : runs) {
+      run.turned = run.turned || sides(*run.weights, *run.learner, float_batch, settings.loss, *run.scratch) != right;
+      const LossTerms got = run.step(float_batch, settings);
+      const Allowed allowed = run.turned ? turned_kink(step, samples, settings.adam.learning_rate) : rounding(step);
+      const std::string where = file + " step " + name + " " + text_of(run.kernels.kind);
+      EXPECT_LT(error_of(got.total, losses.at("total")), allowed.loss) << where;
+      EXPECT_LT(error_of(got.gc, losses.at("gc")), allowed.loss) << where;
+      EXPECT_LT(error_of(got.tdb, losses.at("tdb")), allowed.loss) << where;
+      if (is_mark) expect_allowed(where, run, exact, least_gradient, allowed);
+    }
+  }
+  return runs;
+}
+
+template <class Scalar>
+using View = BatchView<FiveZone, Scalar>;
+
+TEST(FloatTrajectory, SmallBatchStaysWithinRounding) {
+  const std::vector<double> rows = make_batch("batch32", 32);
+  const std::vector<float> float_rows = as<float>(rows);
+  const auto runs = follow_in_float("traj_b32_sync7.json", 32, [&] {
+    return std::pair<View<double>, View<float>>(view_of(rows), view_of(float_rows));
+  });
+  constexpr std::uint64_t own_seed = 0x5EED0001;  // no kink and no zero of a gradient is near
+  if (seed("weights") != own_seed) return;
+  for (const Training<float>& run : runs) {
+    EXPECT_FALSE(run.turned) << text_of(run.kernels.kind);
+    EXPECT_LT(run.most_off, 2e-7) << text_of(run.kernels.kind) << ": golden/README, \"max error 2e-7 at step 20\"";
+  }
+}
+
+TEST(FloatTrajectory, LargeBatchStaysWithinRoundingUntilAKinkTurns) {
+  const std::vector<double> rows = make_batch("batch1000", 1000);
+  const std::vector<float> float_rows = as<float>(rows);
+  (void)follow_in_float("traj_b1000.json", 1000,
+                        [&] { return std::pair<View<double>, View<float>>(view_of(rows), view_of(float_rows)); });
+}
+
+TEST(FloatTrajectory, BatchesFromTheReplayRingStayWithinRoundingUntilAKinkTurns) {
+  ReplayDraws<double> replay;
+  ReplayDraws<float> float_replay;
+  (void)follow_in_float("traj_replay.json", 1000, [&] {
+    const View<double> drawn = replay.draw();
+    return std::pair<View<double>, View<float>>(drawn, float_replay.draw());
+  });
 }
 
 }  // namespace
