@@ -65,7 +65,8 @@ std::string python() {
 #define NEEDS_MBPOLL() \
   if (!has_mbpoll()) GTEST_SKIP() << "NOT TESTED: mbpoll is missing; install it (apt-get install mbpoll)"
 #define NEEDS_PYMODBUS() \
-  if (python().empty()) GTEST_SKIP() << "NOT TESTED: pymodbus is missing; run tools/setup test, or set AIRSIDE_VENV"
+  if (python().empty())  \
+  GTEST_SKIP() << "NOT TESTED: pymodbus is missing; run tools/setup --for test, or set AIRSIDE_VENV"
 
 struct Served {
   explicit Served(ServerSettings settings)
@@ -112,14 +113,17 @@ void check_with_mbpoll(ModbusServer& server, ServerThread& thread, const std::st
     EXPECT_EQ(read("3", "a", "").substr(0, 5), "63011") << "-25.25 at 0.01";
     EXPECT_EQ(read("3", "b", "").substr(0, 5), "51966");
     EXPECT_EQ(read("3", "c", ":int"), "-19088744");
+    EXPECT_EQ(read("3", "d", ":int"), "-271733879") << "4023233417: mbpoll shows 32 bits with a sign";
     EXPECT_EQ(read("3", "e", ":float"), "25.375");
 
     const auto write = [&](const char* name, const char* format, const std::string& value) {
       return run_program("mbpoll -0 -1 -q -t 4" + std::string(format) + order + " -r " +
                          std::to_string(addr_of(name, "_w")) + where + " -- " + value);
     };
+    EXPECT_EQ(write("a", "", "64302").status, 0) << "-12.34 at 0.01: mbpoll writes 16 bits without a sign";
     EXPECT_EQ(write("b", "", "4711").status, 0);
     EXPECT_EQ(write("c", ":int", "-123456").status, 0);
+    EXPECT_EQ(write("d", ":int", "-294967296").status, 0) << "4000000000";
     EXPECT_EQ(write("e", ":float", "21.5").status, 0);
   }
   EXPECT_EQ(run_program("mbpoll -0 -1 -q -t 0 -r 5" + where + " 1").status, 0);
@@ -132,8 +136,10 @@ void check_with_mbpoll(ModbusServer& server, ServerThread& thread, const std::st
   EXPECT_NE(refused.output.find("Illegal data"), std::string::npos) << "a torn write: " << refused.output;
   thread.stop();
   for (const char* words : {"big", "little"}) {
+    EXPECT_NEAR(server.get(std::string("a_big_") + words + "_w"), -12.34, 1e-9);
     EXPECT_EQ(server.get(std::string("b_big_") + words + "_w"), 4711);
     EXPECT_EQ(server.get(std::string("c_big_") + words + "_w"), -123456);
+    EXPECT_EQ(server.get(std::string("d_big_") + words + "_w"), 4000000000.0);
     EXPECT_EQ(server.get(std::string("e_big_") + words + "_w"), 21.5);
   }
 }
