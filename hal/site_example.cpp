@@ -31,7 +31,7 @@ work_degc = 20.5         # in working hours
 off_degc = 25.0          # outside
 
 [controller]
-preset = "product"       # product, or paper: the printed method to the letter
+preset = "product"       # product, or paper: the printed method, but it acts before it learns, and ladder and safety limits stay
 seed = 1                 # of the random generator
 
 [controller.override]    # a controller setting that has no key above, by name, such as
