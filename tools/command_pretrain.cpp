@@ -4,6 +4,7 @@
 
 #include <map>
 #include <set>
+#include <string>
 
 #include "hal/civil_text.hpp"
 #include "sim/plant_model.hpp"

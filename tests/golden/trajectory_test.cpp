@@ -1,6 +1,7 @@
 // Adam and target network over many steps: a fixed batch, early synchronisation, and draws from the replay ring.
 
 #include <functional>
+#include <utility>
 
 #include "golden_files.hpp"
 

@@ -5,11 +5,16 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "closed_loop/bench.hpp"
 #include "hal/plant_clock.hpp"
