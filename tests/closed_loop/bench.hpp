@@ -26,6 +26,9 @@ struct BenchOptions {
   std::string more_site = {};       ///< text at the end of the site file
 };
 
+/// BenchOptions::more_site of days that are not about learning: updates from few transitions.
+inline constexpr const char* brief_learning = "[controller.override]\nbatch = 16\nrecent_in_batch = 4\n";
+
 /// The daemon's rows as text, oldest first, and the header line of its files.
 struct LogText {
   std::string header;

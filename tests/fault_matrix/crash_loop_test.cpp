@@ -27,7 +27,11 @@ std::string start_and_end(Bench& bench, std::size_t rows, int signal) {
 bool is_held(const std::string& row) { return row.find(",expert,crash loop,") != std::string::npos; }
 
 Bench crashing_day(const std::string& name) {
-  return Bench({.name = name, .plant = closed_loop::rc_room(), .expert_days = 1, .days = 2});
+  return Bench({.name = name,
+                .plant = closed_loop::rc_room(),
+                .expert_days = 1,
+                .days = 2,
+                .more_site = closed_loop::brief_learning});
 }
 
 TEST(CrashLoop, Row41ThreeStartsInTenMinutesLeaveTheScheduleInControlForAnHour) {

@@ -56,7 +56,11 @@ Supervised supervise(Bench& bench, const NotifySocket& manager, double silence_s
 }
 
 Bench watched_day(const std::string& name) {
-  return Bench({.name = name, .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1});
+  return Bench({.name = name,
+                .plant = closed_loop::rc_room(),
+                .expert_days = 1,
+                .days = 1,
+                .more_site = closed_loop::brief_learning});
 }
 
 constexpr double silence_s = 3.0;  // a simulated row takes milliseconds

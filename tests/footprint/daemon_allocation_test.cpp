@@ -18,8 +18,13 @@ namespace {
 using closed_loop::Bench;
 
 template <Topology T>
-void expect_no_heap(const std::string& name, std::size_t rows) {
-  Bench bench({.name = name, .topology = T::name, .plant = closed_loop::rc_room(), .expert_days = 1, .days = 3});
+void expect_no_heap(const std::string& name, std::size_t rows, const char* more_site = "") {
+  Bench bench({.name = name,
+               .topology = T::name,
+               .plant = closed_loop::rc_room(),
+               .expert_days = 1,
+               .days = 3,
+               .more_site = more_site});
   DaemonHere here(bench, rows);
   here.daemon().start();
   here.settle(4);
@@ -44,10 +49,14 @@ void expect_no_heap(const std::string& name, std::size_t rows) {
 
 TEST(DaemonHeap, IsNotTouchedByHundredsOfRowsTwoMidnightsAndLearning) { expect_no_heap<FiveZone>("heap5", 640); }
 
-TEST(DaemonHeap, IsNotTouchedInASmallSuite) { expect_no_heap<ThreeVav>("heap3", 360); }
+TEST(DaemonHeap, IsNotTouchedInASmallSuite) { expect_no_heap<ThreeVav>("heap3", 360, closed_loop::brief_learning); }
 
 TEST(DaemonHeap, GuardSeesAStart) {
-  Bench bench({.name = "heap_start", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1});
+  Bench bench({.name = "heap_start",
+               .plant = closed_loop::rc_room(),
+               .expert_days = 1,
+               .days = 1,
+               .more_site = closed_loop::brief_learning});
   DaemonHere here(bench, 240);
   AllocationGuard guard("the daemon's start");
   here.daemon().start();
@@ -55,7 +64,11 @@ TEST(DaemonHeap, GuardSeesAStart) {
 }
 
 TEST(DaemonHeap, IsNotTouchedWhileThePlantIsAway) {
-  Bench bench({.name = "heap_away", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1});
+  Bench bench({.name = "heap_away",
+               .plant = closed_loop::rc_room(),
+               .expert_days = 1,
+               .days = 1,
+               .more_site = closed_loop::brief_learning});
   DaemonHere here(bench, 240);
   here.daemon().start();
   here.settle(4);
@@ -72,7 +85,11 @@ TEST(DaemonHeap, IsNotTouchedWhileThePlantIsAway) {
 }
 
 TEST(DaemonHeap, IsNotTouchedByPushedWeightsGoodOrBadNorByAWayBack) {
-  Bench bench({.name = "heap_push", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1});
+  Bench bench({.name = "heap_push",
+               .plant = closed_loop::rc_room(),
+               .expert_days = 1,
+               .days = 1,
+               .more_site = closed_loop::brief_learning});
   for (const char* part : {"keys", "inbox"}) std::filesystem::create_directories(bench.file(part));
   const hal::SecretKey key = hal::make_key("Ann");
   std::ofstream(bench.file("keys") / "ann.pub") << hal::public_key_text(key.open);
@@ -109,7 +126,11 @@ TEST(DaemonHeap, IsNotTouchedByPushedWeightsGoodOrBadNorByAWayBack) {
 }
 
 TEST(DaemonHeap, IsNotTouchedByStateThatComesLate) {
-  Bench bench({.name = "heap_late", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1});
+  Bench bench({.name = "heap_late",
+               .plant = closed_loop::rc_room(),
+               .expert_days = 1,
+               .days = 1,
+               .more_site = closed_loop::brief_learning});
   DaemonHere here(bench, 240);
   here.daemon().start();
   here.settle(4);

@@ -336,7 +336,7 @@ TEST(ControllerLadder, AnAhuThatTakesAnotherSetpointIsNotWrittenToBeyondTheBudge
     rig.cycles(cycles_per_day);
     rig.lowest_degc = clamps ? 24.5 : rig.lowest_degc;
     rig.writes = 0;
-    constexpr int days = 4;
+    constexpr int days = 2;
     rig.cycles(days * cycles_per_day);
     EXPECT_LE(rig.writes, days * 20 + 20) << clamps;
     EXPECT_GE(rig.writes, days) << clamps << ": the schedule's steps at least";
