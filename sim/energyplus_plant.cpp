@@ -20,9 +20,9 @@ EnergyPlusPlant::EnergyPlusPlant(const EnergyPlusOptions& options)
   const EnergyPlusInstall install = find_energyplus();
   if (options_.model.empty()) options_.model = find_models() / "twin.epJSON";
   if (options_.weather.empty()) options_.weather = default_weather(install);
-  const nlohmann::json model = compose_model(options_, install.schema);
   const EpwFile weather =
       read_epw_file(options_.weather, {.whole_year = false, .from = CivilTime{time_.seconds - lead_s}, .to = end_});
+  const nlohmann::json model = compose_model(options_, install.schema);
 
   folder_ = std::make_unique<RunFolder>();
   RunConfig config;
