@@ -32,6 +32,19 @@ need_root() {
   [[ -n ${AIRSIDE_OWN_MOUNTS:-} ]] || AIRSIDE_OWN_MOUNTS=yes exec unshare --mount --propagation private "$@"
 }
 
+# Why the throw-away overlay of this machine's own root cannot be made here, in a sentence; nothing where it can.
+why_no_overlay() {
+  local as=() tried
+  if ((EUID != 0)); then
+    sudo -n true 2>/dev/null || { echo "this user is not root and sudo asks for a password"; return; }
+    as=(sudo -n)
+  fi
+  # shellcheck disable=SC2016
+  tried=$("${as[@]}" unshare --mount --propagation private sh -c 'd=$(mktemp -d) && mount -t tmpfs none "$d" &&
+    mkdir "$d/upper" "$d/work" "$d/root" && mount -t overlay overlay -o "lowerdir=/,upperdir=$d/upper,workdir=$d/work" "$d/root"
+    code=$?; umount -R "$d" 2>/dev/null; rmdir "$d"; exit "$code"' 2>&1) || echo "${tried%%$'\n'*}"
+}
+
 # What lies under $work goes; where a check failed, the folder stays for a look.
 clean_work() {
   awk -v work="$work/" 'index($2, work) == 1 {print $2}' /proc/mounts | sort -r | xargs -r umount -l
