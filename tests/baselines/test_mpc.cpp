@@ -53,6 +53,18 @@ TEST(MpcBaseline, FindsTheRoomInTheScheduleDays) {
   EXPECT_NEAR(mpc.parameters()[2], 0.65, 0.08);  // the way to its supply air in one
 }
 
+TEST(MpcBaseline, FindsItInDaysWithGapsInTheReadings) {
+  FirstOrderPlant plant(0.8);
+  std::vector<HistoryRow> rows = schedule_days(plant, 5);
+  constexpr double gone = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < rows.size(); i += 10) rows[i].sensors.outdoor_temp_degc = gone;
+  for (std::size_t i = 5; i < rows.size(); i += 70) rows[i].sensors.room_temp_degc.assign(5, gone);
+  MpcBaseline mpc(mpc_site, {});
+  mpc.observe_history(rows);
+  EXPECT_NEAR(mpc.steady_gain(), 1.0, 0.1);
+  EXPECT_TRUE(mpc.parameters().allFinite());
+}
+
 TEST(MpcBaseline, LeavesNoOffsetWhereALoadStandsThatItsModelDoesNotKnow) {
   FirstOrderPlant known(0.5);
   MpcBaseline mpc(mpc_site, {});

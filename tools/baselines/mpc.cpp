@@ -73,6 +73,10 @@ Eigen::VectorXd MpcBaseline::regressors(const State& state) const {
   return h;
 }
 
+double MpcBaseline::outdoor_k(const sim::Sensors& sensors) const {
+  return std::isfinite(sensors.outdoor_temp_degc) ? sensors.outdoor_temp_degc - outdoor_mean_degc_ : 0;
+}
+
 void MpcBaseline::observe_history(std::span<const HistoryRow> rows) {
   constexpr std::size_t cycle = rows_per_cycle;
   double sum = 0;
@@ -92,12 +96,13 @@ void MpcBaseline::observe_history(std::span<const HistoryRow> rows) {
   const double noise_var = settings_.noise_sd_k * settings_.noise_sd_k * rows_per_cycle;
   for (std::size_t j = cycle; j + cycle < rows.size(); ++j) {
     if (!held(j - cycle) || !held(j)) continue;
+    if (!std::isfinite(mean_k(j - cycle) + mean_k(j) + mean_k(j + cycle))) continue;
     const State state{rows[j].time,
                       mean_k(j),
                       mean_k(j - cycle),
                       rows[j].setpoint_degc - middle_degc_,
                       rows[j - cycle].setpoint_degc - middle_degc_,
-                      rows[j].sensors.outdoor_temp_degc - outdoor_mean_degc_};
+                      outdoor_k(rows[j].sensors)};
     model_.update(regressors(state), mean_k(j + cycle), noise_var, 1.0, std::numeric_limits<double>::infinity());
   }
 }
@@ -115,8 +120,7 @@ double MpcBaseline::decide(const CycleObservation& now) {
     last_->u_k = u_k;  // what the AHU took
     disturbance_k_ += settings_.disturbance_share * (s_k - regressors(*last_).dot(p) - disturbance_k_);
   }
-  const double outdoor_k = now.sensors.outdoor_temp_degc - outdoor_mean_degc_;
-  State state{now.time, s_k, follows ? last_->s_k : s_k, 0, u_k, std::isfinite(outdoor_k) ? outdoor_k : 0};
+  State state{now.time, s_k, follows ? last_->s_k : s_k, 0, u_k, outdoor_k(now.sensors)};
   last_ = state;
 
   // Response of the horizon to nothing but the past (u = 0), and to a unit of each setpoint.

@@ -51,6 +51,7 @@ class MpcBaseline final : public BaselineController {
     double outdoor_k;
   };
   Eigen::VectorXd regressors(const State& state) const;
+  double outdoor_k(const sim::Sensors& sensors) const;  ///< from the history's mean; 0 where there is no reading
 
   ControllerSettings site_;
   MpcSettings settings_;
