@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -19,13 +18,16 @@
 #include "closed_loop/bench.hpp"
 #include "hal/plant_clock.hpp"
 #include "modbus/modbus_fixture.hpp"
+#include "modbus/third_party.hpp"
 #include "sim/simulated_plant.hpp"
 
 namespace airside::hal {
 namespace {
 
 namespace fs = std::filesystem;
+using testing_peers::has_mbpoll;
 using testing_peers::ProgramResult;
+using testing_peers::python;
 using testing_peers::run_program;
 
 /// How a value lies in registers, as a person writes it into points.csv.
@@ -155,20 +157,6 @@ void expect_equal(const Values& got, const Values& expected, const std::vector<S
 }
 
 // ------------------------------------------------------------------ pymodbus: Python's own struct packs and unpacks
-
-std::string python() {
-  const char* venv = std::getenv("AIRSIDE_VENV");
-  const std::string path =
-      venv != nullptr ? std::string(venv) + "/bin/python" : std::string(AIRSIDE_SOURCE_DIR) + "/build/venv/bin/python";
-  return run_program("'" + path + "' -c 'import pymodbus'").status == 0 ? path : "";
-}
-
-#define NEEDS_MBPOLL()                              \
-  if (run_program("command -v mbpoll").status != 0) \
-  GTEST_SKIP() << "NOT TESTED: mbpoll is missing; install it (apt-get install mbpoll)"
-#define NEEDS_PYMODBUS() \
-  if (python().empty())  \
-  GTEST_SKIP() << "NOT TESTED: pymodbus is missing; run tools/setup --for test, or set AIRSIDE_VENV"
 
 /// Runs `lines` of Python, in which read(name) and write(name, value) go by the point's form.
 std::string run_python(const ServedRoom& room, const std::string& lines) {

@@ -6,12 +6,12 @@
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "hal/register_codec.hpp"
 #include "modbus/modbus_fixture.hpp"
+#include "modbus/third_party.hpp"
 
 namespace airside::hal {
 namespace {
@@ -51,22 +51,6 @@ std::string all_types_csv() {
   }
   return csv + "coil_1,,1,5,coil,,,,,,,,,,on-change,5,0,self\nwet,,2,9,discrete,,,,,,,,,,,,,\n";
 }
-
-bool has_mbpoll() { return run_program("command -v mbpoll").status == 0; }
-
-/// Interpreter with pymodbus; empty where there is none.
-std::string python() {
-  const char* venv = std::getenv("AIRSIDE_VENV");
-  const std::string path =
-      venv != nullptr ? std::string(venv) + "/bin/python" : std::string(AIRSIDE_SOURCE_DIR) + "/build/venv/bin/python";
-  return run_program("'" + path + "' -c 'import pymodbus'").status == 0 ? path : "";
-}
-
-#define NEEDS_MBPOLL() \
-  if (!has_mbpoll()) GTEST_SKIP() << "NOT TESTED: mbpoll is missing; install it (apt-get install mbpoll)"
-#define NEEDS_PYMODBUS() \
-  if (python().empty())  \
-  GTEST_SKIP() << "NOT TESTED: pymodbus is missing; run tools/setup --for test, or set AIRSIDE_VENV"
 
 struct Served {
   explicit Served(ServerSettings settings)
