@@ -42,6 +42,12 @@ std::vector<std::byte> read_blob_file(const std::string& path) {
 }
 
 void write_blob_file(const std::string& path, std::span<const std::byte> blob) {
+  std::error_code ignored;
+  const auto there = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
+    throw InputError(path, "a folder, a pipe or a device, which the new file would replace", "the name of a file",
+                     "choose another output path");
+  }
   const StoreResult<void> written = write_file_atomically(path, blob);
   if (!written) {
     throw InputError(path, describe(written.error()), "a folder that can be written", "choose another output path");

@@ -15,7 +15,7 @@ namespace airside::hal {
 std::vector<std::byte> read_blob_file(const std::string& path);
 
 /// Writes to a temporary file beside `path`, syncs and renames: the file is the old or the new one.
-/// Errors: InputError naming the path.
+/// Errors: InputError naming the path, also where no file stands there but a folder, a pipe or a device.
 void write_blob_file(const std::string& path, std::span<const std::byte> blob);
 
 /// Why a blob is refused, for people: what was found, what was expected, what to do.

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <set>
 
@@ -71,6 +73,21 @@ TEST_F(BlobFile, CannotBeWrittenIntoAFolderThatIsNone) {
   const std::vector<std::byte> blob(10);
   const std::string path = folder.file("none/a.blob").string();
   EXPECT_NE(complaint([&] { hal::write_blob_file(path, blob); }).find(path), std::string::npos);
+}
+
+TEST_F(BlobFile, TakesThePlaceOfAFileAndOfNothingElse) {
+  const std::vector<std::byte> blob(1000, std::byte{7});
+  const std::string path = file_of(10);
+  hal::write_blob_file(path, blob);
+  EXPECT_EQ(hal::read_blob_file(path), blob);
+  const std::string pipe = folder.file("pipe").string();
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& other : {pipe, std::string(folder.c_str())}) {
+    const std::string said = complaint([&] { hal::write_blob_file(other, blob); });
+    EXPECT_NE(said.find(other), std::string::npos) << said;
+    EXPECT_NE(said.find("a pipe or a device"), std::string::npos) << said;
+  }
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
 TEST(BlobRefusals, EachFaultHasWordsOfItsOwn) {
