@@ -1,6 +1,7 @@
 #include "hal/blob_file.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdlib>
@@ -41,13 +42,21 @@ std::vector<std::byte> read_blob_file(const std::string& path) {
   return bytes;
 }
 
-void write_blob_file(const std::string& path, std::span<const std::byte> blob) {
+void check_blob_place(const std::string& path) {
   std::error_code ignored;
   const auto there = std::filesystem::status(path, ignored);
   if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
     throw InputError(path, "a folder, a pipe or a device, which the new file would replace", "the name of a file",
                      "choose another output path");
   }
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  if (::access(folder.empty() ? "." : folder.c_str(), W_OK) == 0) return;
+  throw InputError(path, fmt::format("a folder that cannot be written: {}", std::strerror(errno)),
+                   "a folder that can be written", "choose another output path");
+}
+
+void write_blob_file(const std::string& path, std::span<const std::byte> blob) {
+  check_blob_place(path);
   const StoreResult<void> written = write_file_atomically(path, blob);
   if (!written) {
     throw InputError(path, describe(written.error()), "a folder that can be written", "choose another output path");

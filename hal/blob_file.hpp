@@ -14,8 +14,13 @@ namespace airside::hal {
 /// Reads a blob file whole.  Errors: InputError for a missing, empty or far too large file.
 std::vector<std::byte> read_blob_file(const std::string& path);
 
+/// What write_blob_file() would find wrong with the place, before long work is done for it.
+/// Errors: InputError naming the path: a folder that is missing or not this user's to write, or no file there but a
+///   folder, a pipe or a device.
+void check_blob_place(const std::string& path);
+
 /// Writes to a temporary file beside `path`, syncs and renames: the file is the old or the new one.
-/// Errors: InputError naming the path, also where no file stands there but a folder, a pipe or a device.
+/// Errors: InputError naming the path, also as check_blob_place().
 void write_blob_file(const std::string& path, std::span<const std::byte> blob);
 
 /// Why a blob is refused, for people: what was found, what was expected, what to do.

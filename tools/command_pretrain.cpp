@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 
+#include "hal/blob_file.hpp"
 #include "hal/civil_text.hpp"
+#include "hal/log_csv.hpp"
 #include "sim/plant_model.hpp"
 #include "tools/command.hpp"
 #include "tools/plant_choice.hpp"
@@ -30,6 +33,9 @@ struct PretrainCommand {
   void run(const CLI::App& command) {
     const Site s = make_site(site);
     take_site_twin(command, plant, s);
+    hal::check_blob_place(out);
+    std::optional<hal::LogWriter> writer;
+    if (!log.empty()) writer.emplace(log, s.counts, true);
     const auto model = make_plant(plant, s, days);
     const CivilTime until{start_of(plant).seconds + days * std::int64_t{86400}};
     Progress bar("pretraining on " + model->description(), progress_steps);
@@ -43,10 +49,9 @@ struct PretrainCommand {
     const Pretraining trained = pretrain(s, *model, until, options, show_progress(bar));
     bar.finish();
     write_blob(out, trained.blob);
-    if (!log.empty()) {
-      hal::LogWriter writer(log, s.counts, true);
-      for (const hal::LogRow& row : trained.run.rows) writer.append(row);
-      writer.close();
+    if (writer) {
+      for (const hal::LogRow& row : trained.run.rows) writer->append(row);
+      writer->close();
     }
     const Metrics m = metrics_of(s, trained.run);
     if (json) {

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "hal/civil_text.hpp"
 #include "hal/input_error.hpp"
+#include "hal/log_csv.hpp"
 #include "tools/command.hpp"
 #include "tools/methods.hpp"
 #include "tools/report/report.hpp"
@@ -13,12 +16,21 @@ namespace airside::tools {
 
 namespace {
 
-void write_rows(const std::string& path, const Site& site, const std::vector<hal::LogRow>& rows) {
-  if (path.empty()) return;
-  hal::LogWriter writer(path, site.counts, true);
-  for (const hal::LogRow& row : rows) writer.append(row);
-  writer.close();
-}
+/// A log that may not have been asked for. Its place is tried before the run that is to fill it.
+class AskedLog {
+ public:
+  AskedLog(const std::string& path, const Site& site) {
+    if (!path.empty()) writer_.emplace(path, site.counts, true);
+  }
+  void write(const std::vector<hal::LogRow>& rows) {
+    if (!writer_) return;
+    for (const hal::LogRow& row : rows) writer_->append(row);
+    writer_->close();
+  }
+
+ private:
+  std::optional<hal::LogWriter> writer_;
+};
 
 struct SimulateCommand {
   SiteOptions site;
@@ -72,10 +84,11 @@ struct SimulateCommand {
       }
       if (!weights.empty()) blob = read_blob(weights, trial.site);
     }
+    AskedLog rows_out(log, trial.site), past_out(history_log, trial.site);
     std::vector<hal::LogRow> past;
     const ControlRun run = run_one(trial, method, blob, &past);
-    write_rows(log, trial.site, run.rows);
-    write_rows(history_log, trial.site, past);
+    rows_out.write(run.rows);
+    past_out.write(past);
     const Metrics metrics = metrics_of(trial.site, run);
     std::vector<MethodResult> results{{method, MethodResult::Kind::ours, {metrics}}};
     for (const std::string& name : compare) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/blob_file.hpp"
 #include "hal/civil_text.hpp"
 #include "hal/input_error.hpp"
 #include "tools/command.hpp"
@@ -18,6 +19,7 @@ struct TransferCommand {
 
   void run() {
     const Site s = make_site(site);
+    hal::check_blob_place(out);
     const BlobBytes source = from.empty() ? BlobBytes{} : read_blob(from, s);
     const hal::Log rows = hal::read_log(log, s.counts);
     constexpr std::size_t day_rows = 86400 / row_s;

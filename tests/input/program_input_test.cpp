@@ -527,6 +527,20 @@ TEST(LostOutput, IsNoSuccess) {
   expect_said({"standard output", "full", "the whole answer", "run again"}, complaint_in(o.err), o.err);
 }
 
+TEST(LostOutput, IsSeenBeforeALongRun) {
+  const Desk desk;
+  for (const char* words :
+       {"pretrain --plant rc --days 300 -o no/x.blob", "pretrain --plant rc --days 300 -o /dev/null",
+        "pretrain --plant rc --days 300 -o x.blob --log no/y.csv",
+        "simulate --plant rc --method expert --days 300 --log no/y.csv"}) {
+    const Outcome o = desk.shell(std::string("exec $airside ") + words);
+    EXPECT_EQ(o.code, 1) << words;
+    EXPECT_EQ(o.err.find("started"), std::string::npos) << words << o.err;
+    EXPECT_TRUE(o.err.find("no/") != std::string::npos || o.err.find("/dev/null") != std::string::npos) << o.err;
+    EXPECT_TRUE(names_in(desk.folder()).empty()) << words;
+  }
+}
+
 TEST(LostOutput, LeavesNoLogThatIsCut) {
   const Desk desk;
   desk.write("y.csv", "of before\n");

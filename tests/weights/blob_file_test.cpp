@@ -75,6 +75,20 @@ TEST_F(BlobFile, CannotBeWrittenIntoAFolderThatIsNone) {
   EXPECT_NE(complaint([&] { hal::write_blob_file(path, blob); }).find(path), std::string::npos);
 }
 
+TEST_F(BlobFile, CannotBeWrittenUnderANameThatIsTooLong) {
+  const std::vector<std::byte> blob(10);
+  const std::string path = folder.file(std::string(255, 'a')).string();  // and the copy beside it has more
+  EXPECT_NE(complaint([&] { hal::write_blob_file(path, blob); }).find(path), std::string::npos);
+}
+
+TEST_F(BlobFile, WithoutAFolderInItsNameLandsInThisOne) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.c_str());
+  hal::write_blob_file("b.blob", std::vector<std::byte>(1000));
+  std::filesystem::current_path(before);
+  EXPECT_TRUE(std::filesystem::exists(folder.file("b.blob")));
+}
+
 TEST_F(BlobFile, TakesThePlaceOfAFileAndOfNothingElse) {
   const std::vector<std::byte> blob(1000, std::byte{7});
   const std::string path = file_of(10);
