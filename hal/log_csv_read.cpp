@@ -10,6 +10,7 @@
 #include "hal/input_error.hpp"
 #include "hal/log_columns.hpp"
 #include "hal/log_csv.hpp"
+#include "hal/number_text.hpp"
 #include "hal/text_file.hpp"
 
 namespace airside::hal {
@@ -21,11 +22,6 @@ std::string in_quotes(std::string_view text) {
     if (static_cast<unsigned char>(c) < 0x20) c = '?';
   }
   return "`" + shown + (text.size() > 60 ? "..." : "") + "`";
-}
-
-std::string number_text(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
 /// Splits one line at commas; a field in double quotes may hold commas and doubled quotes.

@@ -1,12 +1,12 @@
 #include "hal/toml_section.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <sstream>
 
 #include "hal/civil_text.hpp"
 #include "hal/input_error.hpp"
+#include "hal/number_text.hpp"
 
 namespace airside::hal {
 namespace {
@@ -24,11 +24,6 @@ std::size_t edits_between(std::string_view a, std::string_view b) {
     }
   }
   return row[b.size()];
-}
-
-std::string number_text(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
 std::string join(const std::vector<std::string>& names) {

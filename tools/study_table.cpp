@@ -13,12 +13,12 @@ namespace airside::tools {
 namespace {
 
 /// A figure with a mean and a spread: a column of the table.
-struct Column {
+struct FigureColumn {
   const char* figure;
   const char* title;
   int decimals;
 };
-constexpr std::array<Column, 9> columns = {{
+constexpr std::array<FigureColumn, 9> figure_columns = {{
     {"dae_degc", "DAE °C", 3},
     {"me_degc", "ME °C", 3},
     {"day1_dae_degc", "day 1 °C", 3},
@@ -29,7 +29,7 @@ constexpr std::array<Column, 9> columns = {{
     {"degree_hours_above_per_day_degch", "above target/day", 2},
     {"hvac_kwh_per_day", "kWh/day", 0},
 }};
-constexpr std::array<const char*, 2> ratios = {"dae", "darv"};
+constexpr std::array<const char*, 2> figure_ratios = {"dae", "darv"};
 
 std::string ratio_key(const std::string& ratio, const std::string& floor) { return ratio + "_over_" + floor; }
 
@@ -65,7 +65,7 @@ std::optional<WorseDays> worse_days(const std::vector<Outcome>& outcomes, const 
 
 nlohmann::json study_figures(const std::vector<Outcome>& outcomes, const std::string& name, const std::string& floor) {
   nlohmann::json m;
-  for (const Column& column : columns) {
+  for (const FigureColumn& column : figure_columns) {
     std::vector<double> values;
     for (const Outcome& o : outcomes) {
       if (o.contains(name)) values.push_back(o.at(name).at(column.figure).get<double>());
@@ -73,7 +73,7 @@ nlohmann::json study_figures(const std::vector<Outcome>& outcomes, const std::st
     const Spread s = spread_of(values);
     m[column.figure] = {{"mean", s.mean}, {"sd", s.sd}, {"count", s.count}};
   }
-  for (const std::string ratio : ratios) {
+  for (const std::string ratio : figure_ratios) {
     const std::string figure = ratio + "_degc";
     double sum = 0;
     int count = 0;
@@ -90,18 +90,18 @@ nlohmann::json study_figures(const std::vector<Outcome>& outcomes, const std::st
 std::string study_markdown(const nlohmann::json& methods, const std::vector<std::string>& order,
                            const std::string& floor) {
   std::vector<std::vector<std::string>> lines(1, {"method"});
-  for (const Column& column : columns) lines[0].emplace_back(column.title);
+  for (const FigureColumn& column : figure_columns) lines[0].emplace_back(column.title);
   lines[0].emplace_back("DAE / floor");
   lines[0].emplace_back("DARV / floor");
   for (const std::string& name : order) {
     const nlohmann::json& m = methods.at(name);
     std::vector<std::string> line = {name};
-    for (const Column& column : columns) {
+    for (const FigureColumn& column : figure_columns) {
       const nlohmann::json& spread = m.at(column.figure);
       line.push_back(fmt::format("{:.{}f} ± {:.{}f}", spread.at("mean").get<double>(), column.decimals,
                                  spread.at("sd").get<double>(), column.decimals));
     }
-    for (const char* ratio : ratios) {
+    for (const char* ratio : figure_ratios) {
       const std::string key = ratio_key(ratio, floor);
       line.push_back(m.contains(key) ? fmt::format("{:.2f}", m.at(key).get<double>()) : "-");
     }
