@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "airside/blob.hpp"
-#include "airside/kernels.hpp"
+#include "airside/controller/blob.hpp"
+#include "airside/network/kernels/kernels.hpp"
 
 namespace airside::hal {
 

@@ -1,8 +1,8 @@
 #pragma once
 // One row of the log from one row of the loop.
 
-#include "airside/cycle.hpp"
-#include "airside/decision.hpp"
+#include "airside/controller/cycle.hpp"
+#include "airside/controller/decision.hpp"
 #include "airside/signals.hpp"
 #include "hal/log_csv.hpp"
 

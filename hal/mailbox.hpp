@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 
-#include "airside/blob.hpp"
+#include "airside/controller/blob.hpp"
 #include "hal/storage_file.hpp"
 
 namespace airside::hal {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "airside/validation.hpp"
+#include "airside/supervision/validation.hpp"
 #include "hal/point_map.hpp"
 
 namespace airside::hal {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "airside/blob.hpp"
+#include "airside/controller/blob.hpp"
 #include "hal/key_ring.hpp"
 
 namespace airside::hal {

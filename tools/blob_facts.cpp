@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "airside/controller_instances.hpp"
+#include "airside/controller/instances.hpp"
 #include "hal/blob_file.hpp"
 #include "hal/log_csv.hpp"
 

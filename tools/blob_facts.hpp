@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "airside/blob.hpp"
+#include "airside/controller/blob.hpp"
 #include "hal/input_error.hpp"
 
 namespace airside::tools {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "airside/controller_instances.hpp"
-#include "airside/footprint.hpp"
+#include "airside/controller/footprint.hpp"
+#include "airside/controller/instances.hpp"
 #include "hal/site_settings.hpp"
 #include "tools/command.hpp"
 

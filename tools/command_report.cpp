@@ -11,7 +11,7 @@
 #include <set>
 #include <thread>
 
-#include "airside/expert.hpp"
+#include "airside/supervision/schedule.hpp"
 #include "hal/civil_text.hpp"
 #include "hal/input_error.hpp"
 #include "tools/command.hpp"

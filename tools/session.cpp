@@ -9,9 +9,9 @@
 #include <span>
 #include <stdexcept>
 
-#include "airside/controller_instances.hpp"
-#include "airside/cycle.hpp"
-#include "airside/history.hpp"
+#include "airside/controller/cycle.hpp"
+#include "airside/controller/history.hpp"
+#include "airside/controller/instances.hpp"
 #include "hal/blob_file.hpp"
 #include "hal/input_error.hpp"
 #include "hal/log_record.hpp"

@@ -8,9 +8,9 @@
 #include <span>
 #include <string_view>
 
-#include "airside/controller_instances.hpp"
-#include "airside/cycle.hpp"
-#include "airside/history.hpp"
+#include "airside/controller/cycle.hpp"
+#include "airside/controller/history.hpp"
+#include "airside/controller/instances.hpp"
 #include "firmware/cortex_m/line_writer.hpp"
 #include "firmware/cortex_m/room_model.hpp"
 

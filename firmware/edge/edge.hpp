@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "airside/controller_instances.hpp"
-#include "airside/cycle.hpp"
+#include "airside/controller/cycle.hpp"
+#include "airside/controller/instances.hpp"
 #include "firmware/edge/daemon.hpp"
 #include "firmware/edge/edge_memory.hpp"
 #include "firmware/edge/say.hpp"

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "airside/controller_instances.hpp"
-#include "airside/history.hpp"
+#include "airside/controller/history.hpp"
+#include "airside/controller/instances.hpp"
 #include "firmware/edge/daemon.hpp"
 #include "firmware/edge/say.hpp"
 #include "firmware/edge/weights_export.hpp"

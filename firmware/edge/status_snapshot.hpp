@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "airside/decision.hpp"
+#include "airside/controller/decision.hpp"
 
 namespace airside::edge {
 

@@ -9,8 +9,8 @@
 #include <span>
 #include <string>
 
-#include "airside/controller_instances.hpp"
-#include "airside/history.hpp"
+#include "airside/controller/history.hpp"
+#include "airside/controller/instances.hpp"
 #include "firmware/edge/say.hpp"
 #include "firmware/edge/weights_trial.hpp"
 #include "hal/civil_text.hpp"

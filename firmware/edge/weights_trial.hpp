@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "airside/controller_instances.hpp"
-#include "airside/history.hpp"
+#include "airside/controller/history.hpp"
+#include "airside/controller/instances.hpp"
 #include "firmware/edge/say.hpp"
 #include "hal/blob_file.hpp"
 #include "hal/mailbox.hpp"

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "airside/controller_instances.hpp"
+#include "airside/controller/instances.hpp"
 #include "airside/topologies.hpp"
 #include "hal/atomic_file.hpp"
 #include "hal/input_error.hpp"

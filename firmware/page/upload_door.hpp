@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "airside/blob.hpp"
+#include "airside/controller/blob.hpp"
 #include "hal/site_file.hpp"
 
 namespace airside::page {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "airside/history.hpp"
+#include "airside/controller/history.hpp"
 #include "hal/blob_file.hpp"
 #include "hal/signal_limits.hpp"
 #include "hal/site_settings.hpp"

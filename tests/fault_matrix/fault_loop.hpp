@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "airside/controller_instances.hpp"
-#include "airside/cycle.hpp"
+#include "airside/controller/cycle.hpp"
+#include "airside/controller/instances.hpp"
 #include "firmware/edge/weights_trial.hpp"
 #include "power_loss/test_folder.hpp"
 #include "sim/faulty_model.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "airside/envelope.hpp"
+#include "airside/supervision/envelope.hpp"
 #include "fault_matrix/modbus_exchange.hpp"
 #include "hal/modbus_plant.hpp"
 #include "hal/modbus_wire.hpp"

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "airside/controller_instances.hpp"
-#include "airside/footprint.hpp"
+#include "airside/controller/footprint.hpp"
+#include "airside/controller/instances.hpp"
 #include "footprint/stack_probe.hpp"
 #include "hal/blob_file.hpp"
 

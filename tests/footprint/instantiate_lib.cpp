@@ -1,12 +1,12 @@
 // Every template of lib, instantiated under the flags that lib is held to, so that tests can look at its object code.
 
-#include "airside/blob.hpp"
+#include "airside/controller/blob.hpp"
+#include "airside/forecast/room_head.hpp"
+#include "airside/learning/row_window.hpp"
+#include "airside/network/scaler.hpp"
 #include "airside/reading.hpp"
-#include "airside/room_head.hpp"
-#include "airside/row_window.hpp"
-#include "airside/scaler.hpp"
+#include "airside/supervision/validation.hpp"
 #include "airside/topology.hpp"
-#include "airside/validation.hpp"
 
 namespace airside {
 

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <memory>
 
-#include "airside/blob.hpp"
+#include "airside/controller/blob.hpp"
 #include "fuzz/target.hpp"
 #include "hal/signature.hpp"
 

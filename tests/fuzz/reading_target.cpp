@@ -4,8 +4,8 @@
 #include <bit>
 #include <cmath>
 
-#include "airside/envelope.hpp"
-#include "airside/validation.hpp"
+#include "airside/supervision/envelope.hpp"
+#include "airside/supervision/validation.hpp"
 #include "fuzz/target.hpp"
 
 namespace airside::fuzz {

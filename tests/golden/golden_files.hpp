@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "airside/learner.hpp"
-#include "airside/replay_ring.hpp"
+#include "airside/learning/replay_ring.hpp"
+#include "airside/network/learner.hpp"
 
 namespace airside::golden {
 

@@ -1,9 +1,9 @@
 // The score of every candidate, the choice among them, and twenty steps of the confidence, against the reference.
 
-#include "airside/scores.hpp"
-#include "airside/confidence.hpp"
-#include "airside/network_forward.hpp"
-#include "airside/scaler.hpp"
+#include "airside/forecast/scores.hpp"
+#include "airside/network/forward.hpp"
+#include "airside/network/scaler.hpp"
+#include "airside/supervision/confidence.hpp"
 #include "golden/golden_files.hpp"
 
 namespace airside::golden {

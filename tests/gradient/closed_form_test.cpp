@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "airside/learner.hpp"
-#include "airside/replay_ring.hpp"
+#include "airside/learning/replay_ring.hpp"
+#include "airside/network/learner.hpp"
 
 namespace airside {
 namespace {

@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-#include "airside/learner.hpp"
+#include "airside/network/learner.hpp"
 
 namespace airside {
 namespace {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "airside/learner.hpp"
+#include "airside/network/learner.hpp"
 
 namespace airside {
 namespace {

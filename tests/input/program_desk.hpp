@@ -5,7 +5,7 @@
 #include <cstring>
 #include <iterator>
 
-#include "airside/controller_instances.hpp"
+#include "airside/controller/instances.hpp"
 #include "input/complaint.hpp"
 #include "input/program.hpp"
 #include "sim/epw.hpp"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "airside/envelope.hpp"
+#include "airside/supervision/envelope.hpp"
 #include "footprint/allocation_guard.hpp"
 #include "hal/modbus_plant.hpp"
 #include "hal/plant_clock.hpp"

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "airside/envelope.hpp"
+#include "airside/supervision/envelope.hpp"
 #include "hal/modbus_wire.hpp"
 #include "hal/register_codec.hpp"
 #include "modbus/modbus_fixture.hpp"

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "airside/controller_instances.hpp"
+#include "airside/controller/instances.hpp"
 #include "closed_loop/child.hpp"
 #include "hal/signature.hpp"
 

@@ -1,4 +1,4 @@
-#include "airside/replay_ring.hpp"
+#include "airside/learning/replay_ring.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <memory>
 
-#include "airside/controller_instances.hpp"
+#include "airside/controller/instances.hpp"
 
 namespace airside {
 

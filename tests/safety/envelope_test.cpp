@@ -1,6 +1,6 @@
 // The last gate before the actuator: both halves of each rule, and every double there is.
 
-#include "airside/envelope.hpp"
+#include "airside/supervision/envelope.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

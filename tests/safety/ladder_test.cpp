@@ -1,6 +1,6 @@
 // The ladder: the gravest reason wins, each ends as it says, and no clock makes one last longer.
 
-#include "airside/ladder.hpp"
+#include "airside/supervision/ladder.hpp"
 
 #include <gtest/gtest.h>
 

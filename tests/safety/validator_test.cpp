@@ -1,6 +1,6 @@
 // Each rule of the validator, both ways: what must be refused is, and what is sound passes.
 
-#include "airside/validation.hpp"
+#include "airside/supervision/validation.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // What takes days to see: each watch fires on its fault and rests where there is none.
 
-#include "airside/watch.hpp"
+#include "airside/supervision/watch.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "airside/splitmix64.hpp"
-#include "airside/write_budget.hpp"
+#include "airside/supervision/write_budget.hpp"
 
 namespace airside {
 namespace {

@@ -11,8 +11,8 @@
 #include <iterator>
 #include <map>
 
-#include "airside/expert.hpp"
 #include "airside/splitmix64.hpp"
+#include "airside/supervision/schedule.hpp"
 #include "closed_loop/bench.hpp"
 #include "hal/register_codec.hpp"
 #include "sanitized.hpp"

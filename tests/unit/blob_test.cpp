@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "airside/controller_instances.hpp"
+#include "airside/controller/instances.hpp"
 #include "airside/splitmix64.hpp"
 
 namespace airside {

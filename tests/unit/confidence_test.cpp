@@ -1,6 +1,6 @@
 // How confidence grows and falls (spec 6.2), and what it makes of two setpoints.
 
-#include "airside/confidence.hpp"
+#include "airside/supervision/confidence.hpp"
 
 #include <gtest/gtest.h>
 

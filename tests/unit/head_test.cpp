@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <memory>
 
-#include "airside/room_head.hpp"
+#include "airside/forecast/room_head.hpp"
 #include "airside/splitmix64.hpp"
 #include "unit/monday.hpp"
 

@@ -1,12 +1,12 @@
 // Which pairs of logged rows are transitions (spec OPEN-1).
 
-#include "airside/row_window.hpp"
+#include "airside/learning/row_window.hpp"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 
-#include "airside/expert.hpp"
+#include "airside/supervision/schedule.hpp"
 #include "unit/monday.hpp"
 
 namespace airside {

@@ -1,6 +1,6 @@
 // Scaling: floors against quiet signals, one scale for all rooms, status left alone (spec OPEN-3).
 
-#include "airside/scaler.hpp"
+#include "airside/network/scaler.hpp"
 
 #include <gtest/gtest.h>
 

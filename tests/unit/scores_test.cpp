@@ -1,6 +1,6 @@
 // The law of the score (spec 6.1): what it prefers follows from its two weights alone; and the rule for ties.
 
-#include "airside/scores.hpp"
+#include "airside/forecast/scores.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,11 +5,11 @@
 #include <set>
 #include <vector>
 
-#include "airside/cycle.hpp"
-#include "airside/decision.hpp"
-#include "airside/envelope.hpp"
-#include "airside/expert.hpp"
+#include "airside/controller/cycle.hpp"
+#include "airside/controller/decision.hpp"
 #include "airside/splitmix64.hpp"
+#include "airside/supervision/envelope.hpp"
+#include "airside/supervision/schedule.hpp"
 #include "unit/monday.hpp"
 
 namespace airside {

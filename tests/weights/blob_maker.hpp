@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "airside/controller_instances.hpp"
-#include "airside/history.hpp"
+#include "airside/controller/history.hpp"
+#include "airside/controller/instances.hpp"
 #include "hal/signature.hpp"
 
 namespace airside::weights {

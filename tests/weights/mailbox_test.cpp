@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "airside/blob.hpp"
+#include "airside/controller/blob.hpp"
 #include "power_loss/test_folder.hpp"
 
 namespace airside::weights {

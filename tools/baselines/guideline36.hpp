@@ -1,7 +1,7 @@
 #pragma once
 // Guideline 36 as a baseline of studies; the logic is lib's, since the box logs it as a shadow too.
 
-#include "airside/guideline36.hpp"
+#include "airside/supervision/guideline36.hpp"
 #include "tools/baselines/baseline.hpp"
 
 namespace airside::tools {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "airside/expert.hpp"
+#include "airside/supervision/schedule.hpp"
 
 namespace airside::tools {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "airside/learner.hpp"
-#include "airside/replay_ring.hpp"
+#include "airside/learning/replay_ring.hpp"
+#include "airside/network/learner.hpp"
 #include "tools/bench/fma_peak.hpp"
 
 namespace airside::tools {

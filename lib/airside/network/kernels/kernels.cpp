@@ -1,6 +1,6 @@
 // Which kernels this CPU can run.
 
-#include "airside/kernels.hpp"
+#include "airside/network/kernels/kernels.hpp"
 
 namespace airside {
 

@@ -5,9 +5,9 @@
 #include <array>
 #include <cstdint>
 
-#include "airside/kernels.hpp"
 #include "airside/memory_size.hpp"
-#include "airside/network.hpp"
+#include "airside/network/kernels/kernels.hpp"
+#include "airside/network/network.hpp"
 
 namespace airside {
 

@@ -4,17 +4,17 @@
 #include <cstdint>
 #include <limits>
 
-#include "airside/envelope.hpp"
-#include "airside/guideline36.hpp"
-#include "airside/ladder.hpp"
-#include "airside/learner.hpp"
-#include "airside/network.hpp"
-#include "airside/room_head.hpp"
-#include "airside/scaler.hpp"
+#include "airside/forecast/room_head.hpp"
+#include "airside/network/learner.hpp"
+#include "airside/network/network.hpp"
+#include "airside/network/scaler.hpp"
 #include "airside/splitmix64.hpp"
-#include "airside/validation.hpp"
-#include "airside/watch.hpp"
-#include "airside/write_budget.hpp"
+#include "airside/supervision/envelope.hpp"
+#include "airside/supervision/guideline36.hpp"
+#include "airside/supervision/ladder.hpp"
+#include "airside/supervision/validation.hpp"
+#include "airside/supervision/watch.hpp"
+#include "airside/supervision/write_budget.hpp"
 
 namespace airside {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <type_traits>
 
-#include "airside/adam.hpp"
-#include "airside/network_gradient.hpp"
+#include "airside/network/adam.hpp"
+#include "airside/network/gradient.hpp"
 
 namespace airside {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "airside/controller.hpp"
+#include "airside/controller/controller.hpp"
 
 namespace airside {
 

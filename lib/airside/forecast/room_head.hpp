@@ -9,12 +9,12 @@
 #include <cmath>
 #include <cstdint>
 
-#include "airside/expert.hpp"
 #include "airside/exponential.hpp"
 #include "airside/memory_size.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
-#include "airside/validation.hpp"
+#include "airside/supervision/schedule.hpp"
+#include "airside/supervision/validation.hpp"
 
 namespace airside {
 

@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <span>
 
-#include "airside/canary.hpp"
-#include "airside/learning_state.hpp"
-#include "airside/replay_ring.hpp"
+#include "airside/learning/canary.hpp"
+#include "airside/learning/learning_state.hpp"
+#include "airside/learning/replay_ring.hpp"
 
 namespace airside {
 

@@ -9,8 +9,8 @@
 
 #include "airside/crc32c.hpp"
 #include "airside/fault.hpp"
-#include "airside/room_head.hpp"
-#include "airside/scaler.hpp"
+#include "airside/forecast/room_head.hpp"
+#include "airside/network/scaler.hpp"
 #include "airside/signals.hpp"
 
 namespace airside {

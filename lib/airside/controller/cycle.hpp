@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "airside/civil_time.hpp"
-#include "airside/ladder.hpp"
 #include "airside/plant.hpp"
+#include "airside/supervision/ladder.hpp"
 
 namespace airside {
 

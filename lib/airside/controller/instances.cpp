@@ -1,6 +1,6 @@
-#include "airside/controller_instances.hpp"
+#include "airside/controller/instances.hpp"
 
-#include "airside/footprint.hpp"
+#include "airside/controller/footprint.hpp"
 
 namespace airside {
 

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "airside/kernels.hpp"
-#include "airside/network.hpp"
+#include "airside/network/kernels/kernels.hpp"
+#include "airside/network/network.hpp"
 
 namespace airside {
 

@@ -8,15 +8,15 @@
 #include <cstddef>
 #include <span>
 
-#include "airside/candidate_search.hpp"
-#include "airside/confidence.hpp"
-#include "airside/decision.hpp"
-#include "airside/envelope.hpp"
-#include "airside/expert.hpp"
-#include "airside/learning_state.hpp"
+#include "airside/controller/decision.hpp"
+#include "airside/forecast/candidate_search.hpp"
+#include "airside/learning/learning_state.hpp"
+#include "airside/learning/row_window.hpp"
+#include "airside/learning/shadow_training.hpp"
 #include "airside/plant.hpp"
-#include "airside/row_window.hpp"
-#include "airside/shadow_training.hpp"
+#include "airside/supervision/confidence.hpp"
+#include "airside/supervision/envelope.hpp"
+#include "airside/supervision/schedule.hpp"
 
 namespace airside {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <span>
 
-#include "airside/network_forward.hpp"
-#include "airside/scaler.hpp"
-#include "airside/scores.hpp"
+#include "airside/forecast/scores.hpp"
+#include "airside/network/forward.hpp"
+#include "airside/network/scaler.hpp"
 #include "airside/settings.hpp"
 
 namespace airside {

@@ -8,8 +8,8 @@
 #include "airside/civil_time.hpp"
 #include "airside/command.hpp"
 #include "airside/fault.hpp"
-#include "airside/ladder.hpp"
-#include "airside/losses.hpp"
+#include "airside/network/losses.hpp"
+#include "airside/supervision/ladder.hpp"
 
 namespace airside {
 

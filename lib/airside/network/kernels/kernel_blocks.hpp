@@ -5,7 +5,7 @@
 
 #include <immintrin.h>
 
-#include "airside/kernels.hpp"
+#include "airside/network/kernels/kernels.hpp"
 
 #if defined(__clang__)
 #define AIRSIDE_UNROLL _Pragma("clang loop unroll(full)")

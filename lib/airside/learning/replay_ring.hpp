@@ -7,8 +7,8 @@
 #include <span>
 #include <type_traits>
 
-#include "airside/losses.hpp"
 #include "airside/memory_size.hpp"
+#include "airside/network/losses.hpp"
 #include "airside/splitmix64.hpp"
 
 namespace airside {

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <span>
 
-#include "airside/kernels.hpp"
+#include "airside/network/kernels/kernels.hpp"
 #include "airside/splitmix64.hpp"
 #include "airside/topology.hpp"
 

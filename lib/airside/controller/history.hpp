@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "airside/blob.hpp"
-#include "airside/controller.hpp"
-#include "airside/row_window.hpp"
+#include "airside/controller/blob.hpp"
+#include "airside/controller/controller.hpp"
+#include "airside/learning/row_window.hpp"
 
 namespace airside {
 

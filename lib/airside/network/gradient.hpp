@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
-#include "airside/losses.hpp"
-#include "airside/network_forward.hpp"
+#include "airside/network/forward.hpp"
+#include "airside/network/losses.hpp"
 
 namespace airside {
 

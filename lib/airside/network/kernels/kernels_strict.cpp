@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "airside/kernels.hpp"
+#include "airside/network/kernels/kernels.hpp"
 
 namespace airside {
 namespace {

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <span>
 
-#include "airside/expert.hpp"
+#include "airside/supervision/schedule.hpp"
 
 namespace airside {
 

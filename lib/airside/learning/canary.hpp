@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "airside/network_forward.hpp"
-#include "airside/room_head.hpp"
-#include "airside/scaler.hpp"
+#include "airside/forecast/room_head.hpp"
+#include "airside/network/forward.hpp"
+#include "airside/network/scaler.hpp"
 #include "airside/settings.hpp"
 
 namespace airside {

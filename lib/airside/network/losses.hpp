@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "airside/network_scratch.hpp"
+#include "airside/network/scratch.hpp"
 #include "airside/signals.hpp"
 
 namespace airside {

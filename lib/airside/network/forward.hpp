@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <span>
 
-#include "airside/network_scratch.hpp"
+#include "airside/network/scratch.hpp"
 
 namespace airside {
 

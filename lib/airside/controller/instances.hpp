@@ -1,9 +1,9 @@
 #pragma once
-// The controllers of this build, compiled once in lib/src/controller_instances.cpp. Include this instead of
+// The controllers of this build, compiled once in lib/airside/controller/instances.cpp. Include this instead of
 // controller.hpp wherever the code is not itself generic in Scalar.
 
-#include "airside/blob.hpp"
-#include "airside/controller.hpp"
+#include "airside/controller/blob.hpp"
+#include "airside/controller/controller.hpp"
 #include "airside/topologies.hpp"
 
 namespace airside {
