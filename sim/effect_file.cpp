@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/effect.hpp"
 #include "sim/effect_text.hpp"
 #include "sim/energyplus_install.hpp"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::sim {
 namespace {

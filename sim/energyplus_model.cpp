@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/energyplus_options.hpp"
 #include "sim/energyplus_protocol.hpp"

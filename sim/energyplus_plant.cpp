@@ -5,7 +5,7 @@
 #include <fstream>
 #include <numeric>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/energyplus_process.hpp"
 #include "sim/energyplus_weather.hpp"

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/energyplus_words.hpp"
 

@@ -12,7 +12,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/energyplus_process.hpp"
 #include "sim/energyplus_replay_cache.hpp"

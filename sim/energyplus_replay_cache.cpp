@@ -9,8 +9,8 @@
 #include <fstream>
 #include <vector>
 
-#include "hal/digest64.hpp"
-#include "hal/input_error.hpp"
+#include "hal/storage/digest64.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::sim {
 namespace {

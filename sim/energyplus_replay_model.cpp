@@ -5,7 +5,7 @@
 #include <functional>
 #include <map>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_replay_files.hpp"
 
 namespace airside::sim {

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/energyplus_options.hpp"
 #include "sim/merge_patch.hpp"

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "airside/splitmix64.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::sim {
 namespace {

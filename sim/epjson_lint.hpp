@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::sim {
 

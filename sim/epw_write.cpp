@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/epw.hpp"
 
 namespace airside::sim {

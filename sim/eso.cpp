@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::sim {
 namespace {

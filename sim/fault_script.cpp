@@ -7,9 +7,9 @@
 #include <cmath>
 #include <fstream>
 
-#include "hal/input_error.hpp"
-#include "hal/point_map.hpp"
-#include "hal/point_row.hpp"
+#include "hal/points/point_map.hpp"
+#include "hal/points/point_row.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::sim {
 

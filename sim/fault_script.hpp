@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/log_csv.hpp"
+#include "hal/log/log_csv.hpp"
 
 namespace airside::sim {
 

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/stateless_draw.hpp"
 
 namespace airside::sim {

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/rc_plant.hpp"
 
 namespace airside::sim {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/stateless_draw.hpp"
 
 namespace airside::sim {

@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/rc_room.hpp"
 
 namespace airside::sim {

@@ -6,8 +6,8 @@
 #include <set>
 #include <sstream>
 
-#include "hal/input_error.hpp"
-#include "hal/toml_section.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/text/toml_section.hpp"
 #include "sim/merge_patch.hpp"
 
 namespace airside::sim {

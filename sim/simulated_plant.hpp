@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "airside/plant.hpp"
-#include "hal/point_map.hpp"
-#include "hal/register_codec.hpp"
+#include "hal/points/point_map.hpp"
+#include "hal/points/register_codec.hpp"
 #include "sim/plant_model.hpp"
 
 namespace airside::sim {

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::sim {
 namespace {

@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "airside/controller/instances.hpp"
-#include "hal/blob_file.hpp"
-#include "hal/log_csv.hpp"
+#include "hal/log/log_csv.hpp"
+#include "hal/weights/blob_file.hpp"
 
 namespace airside::tools {
 

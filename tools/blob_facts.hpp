@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "airside/controller/blob.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::tools {
 

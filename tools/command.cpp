@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "airside/crc32c.hpp"
-#include "hal/site_settings.hpp"
+#include "hal/site/site_settings.hpp"
 
 namespace airside::tools {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "airside/fault.hpp"
-#include "hal/civil_text.hpp"
+#include "hal/text/civil_text.hpp"
 #include "tools/blob_facts.hpp"
 #include "tools/command.hpp"
 

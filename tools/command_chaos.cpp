@@ -6,10 +6,10 @@
 #include <csignal>
 #include <cstdio>
 
-#include "hal/input_error.hpp"
-#include "hal/modbus_wire.hpp"
-#include "hal/plant_clock.hpp"
-#include "hal/text_file.hpp"
+#include "hal/modbus/plant_clock.hpp"
+#include "hal/modbus/wire.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/text/text_file.hpp"
 #include "tools/chaos/chaos_proxy.hpp"
 #include "tools/command.hpp"
 

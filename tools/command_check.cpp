@@ -6,10 +6,10 @@
 #include <numeric>
 
 #include "airside/topologies.hpp"
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
-#include "hal/key_ring.hpp"
-#include "hal/site_settings.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/weights/key_ring.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/epjson_lint.hpp"
 #include "sim/epw.hpp"

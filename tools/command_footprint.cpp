@@ -4,7 +4,7 @@
 
 #include "airside/controller/footprint.hpp"
 #include "airside/controller/instances.hpp"
-#include "hal/site_settings.hpp"
+#include "hal/site/site_settings.hpp"
 #include "tools/command.hpp"
 
 namespace airside::tools {

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <optional>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/merge_patch.hpp"
 #include "tools/command.hpp"
 #include "tools/command_gap.hpp"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/command.hpp"
 #include "tools/command_gap.hpp"
 #include "tools/gap/retrain.hpp"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/merge_patch.hpp"
 #include "tools/command.hpp"
 #include "tools/command_gap.hpp"

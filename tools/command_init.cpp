@@ -4,9 +4,9 @@
 
 #include <filesystem>
 
-#include "hal/atomic_file.hpp"
-#include "hal/input_error.hpp"
-#include "hal/site_settings.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/storage/atomic_file.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/command.hpp"
 
 namespace airside::tools {

@@ -7,9 +7,9 @@
 #include <set>
 #include <string>
 
-#include "hal/blob_file.hpp"
-#include "hal/civil_text.hpp"
-#include "hal/log_csv.hpp"
+#include "hal/log/log_csv.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/weights/blob_file.hpp"
 #include "sim/plant_model.hpp"
 #include "tools/command.hpp"
 #include "tools/plant_choice.hpp"

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstdio>
 
-#include "hal/input_error.hpp"
-#include "hal/modbus_link.hpp"
-#include "hal/register_codec.hpp"
-#include "hal/site_file.hpp"
-#include "hal/site_settings.hpp"
-#include "hal/word_order.hpp"
+#include "hal/modbus/link.hpp"
+#include "hal/points/register_codec.hpp"
+#include "hal/points/word_order.hpp"
+#include "hal/site/site_file.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/command.hpp"
 
 namespace airside::tools {

@@ -4,9 +4,9 @@
 
 #include <filesystem>
 
-#include "hal/blob_file.hpp"
-#include "hal/input_error.hpp"
-#include "hal/site_settings.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/weights/blob_file.hpp"
 #include "tools/blob_facts.hpp"
 #include "tools/command.hpp"
 #include "tools/http_box.hpp"

@@ -12,8 +12,8 @@
 #include <thread>
 
 #include "airside/supervision/schedule.hpp"
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/command.hpp"
 #include "tools/report/report.hpp"
 #include "tools/run_record.hpp"

@@ -5,10 +5,10 @@
 #include <csignal>
 #include <cstdio>
 
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
-#include "hal/modbus_server.hpp"
-#include "hal/staged_file.hpp"
+#include "hal/modbus/server.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/text/staged_file.hpp"
 #include "sim/faulty_model.hpp"
 #include "tools/command.hpp"
 #include "tools/plant_choice.hpp"

@@ -4,9 +4,9 @@
 
 #include <optional>
 
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
-#include "hal/log_csv.hpp"
+#include "hal/log/log_csv.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/command.hpp"
 #include "tools/methods.hpp"
 #include "tools/report/report.hpp"

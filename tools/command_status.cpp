@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "airside/fault.hpp"
-#include "hal/input_error.hpp"
-#include "hal/site_settings.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/merge_patch.hpp"
 #include "tools/command.hpp"
 

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <map>
 
-#include "hal/input_error.hpp"
-#include "hal/staged_file.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/text/staged_file.hpp"
 #include "tools/child_jobs.hpp"
 #include "tools/command.hpp"
 #include "tools/command_study.hpp"

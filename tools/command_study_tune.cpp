@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/baselines/tuning.hpp"
 #include "tools/child_jobs.hpp"
 #include "tools/command.hpp"

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "hal/blob_file.hpp"
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/weights/blob_file.hpp"
 #include "tools/command.hpp"
 
 namespace airside::tools {

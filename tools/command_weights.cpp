@@ -13,13 +13,13 @@
 #include <optional>
 #include <regex>
 
-#include "hal/atomic_file.hpp"
-#include "hal/blob_file.hpp"
-#include "hal/input_error.hpp"
-#include "hal/mailbox.hpp"
-#include "hal/signature.hpp"
-#include "hal/site_settings.hpp"
-#include "hal/storage_file.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/storage/atomic_file.hpp"
+#include "hal/storage/storage_file.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/weights/blob_file.hpp"
+#include "hal/weights/mailbox.hpp"
+#include "hal/weights/signature.hpp"
 #include "tools/command.hpp"
 
 namespace airside::tools {

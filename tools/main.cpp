@@ -3,7 +3,7 @@
 #include <csignal>
 #include <cstdio>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/command.hpp"
 #include "tools/finish_output.hpp"
 

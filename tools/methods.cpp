@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_plant.hpp"
 #include "sim/rc_floor.hpp"
 #include "sim/rc_plant.hpp"

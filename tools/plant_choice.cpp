@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <charconv>
 
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/energyplus_options.hpp"
 #include "sim/energyplus_plant.hpp"

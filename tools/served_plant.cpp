@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "airside/signals.hpp"
-#include "hal/modbus_wire.hpp"
-#include "hal/register_codec.hpp"
+#include "hal/modbus/wire.hpp"
+#include "hal/points/register_codec.hpp"
 #include "sim/simulated_plant.hpp"
 
 namespace airside::tools {

@@ -1,7 +1,7 @@
 #pragma once
 // A simulated room behind Modbus registers.
 
-#include "hal/modbus_server.hpp"
+#include "hal/modbus/server.hpp"
 #include "sim/plant_model.hpp"
 #include "tools/site.hpp"
 

@@ -12,11 +12,11 @@
 #include "airside/controller/cycle.hpp"
 #include "airside/controller/history.hpp"
 #include "airside/controller/instances.hpp"
-#include "hal/blob_file.hpp"
-#include "hal/input_error.hpp"
-#include "hal/log_record.hpp"
-#include "hal/signal_limits.hpp"
-#include "hal/site_settings.hpp"
+#include "hal/log/log_record.hpp"
+#include "hal/points/signal_limits.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/weights/blob_file.hpp"
 #include "sim/simulated_plant.hpp"
 
 namespace airside::tools {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/log_csv.hpp"
+#include "hal/log/log_csv.hpp"
 #include "sim/plant_model.hpp"
 #include "tools/baselines/baseline.hpp"
 #include "tools/metrics.hpp"

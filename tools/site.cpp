@@ -1,8 +1,8 @@
 #include "tools/site.hpp"
 
 #include "airside/topologies.hpp"
-#include "hal/input_error.hpp"
-#include "hal/site_settings.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::tools {
 

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "airside/settings.hpp"
-#include "hal/log_csv.hpp"
-#include "hal/point_map.hpp"
-#include "hal/site_file.hpp"
+#include "hal/log/log_csv.hpp"
+#include "hal/points/point_map.hpp"
+#include "hal/site/site_file.hpp"
 
 namespace airside::tools {
 

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "airside/civil_time.hpp"
-#include "hal/plant_clock.hpp"
-#include "hal/point_map.hpp"
-#include "hal/site_file.hpp"
-#include "hal/store_error.hpp"
+#include "hal/modbus/plant_clock.hpp"
+#include "hal/points/point_map.hpp"
+#include "hal/site/site_file.hpp"
+#include "hal/storage/store_error.hpp"
 
 namespace airside::edge {
 

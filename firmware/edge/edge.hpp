@@ -14,13 +14,13 @@
 #include "firmware/edge/edge_memory.hpp"
 #include "firmware/edge/say.hpp"
 #include "firmware/edge/status_snapshot.hpp"
-#include "hal/modbus_plant.hpp"
-#include "hal/modbus_wire.hpp"
-#include "hal/plant_clock.hpp"
-#include "hal/service_manager.hpp"
-#include "hal/signal_limits.hpp"
-#include "hal/site_settings.hpp"
-#include "hal/start_ledger.hpp"
+#include "hal/modbus/plant.hpp"
+#include "hal/modbus/plant_clock.hpp"
+#include "hal/modbus/wire.hpp"
+#include "hal/points/signal_limits.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/storage/start_ledger.hpp"
+#include "hal/system/service_manager.hpp"
 
 namespace airside::edge {
 

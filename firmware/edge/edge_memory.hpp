@@ -16,14 +16,14 @@
 #include "firmware/edge/say.hpp"
 #include "firmware/edge/weights_export.hpp"
 #include "firmware/edge/weights_trial.hpp"
-#include "hal/blob_file.hpp"
-#include "hal/civil_text.hpp"
-#include "hal/durable_store.hpp"
-#include "hal/input_error.hpp"
-#include "hal/log_csv.hpp"
-#include "hal/log_record.hpp"
-#include "hal/row_log.hpp"
-#include "hal/site_file.hpp"
+#include "hal/log/log_csv.hpp"
+#include "hal/log/log_record.hpp"
+#include "hal/log/row_log.hpp"
+#include "hal/site/site_file.hpp"
+#include "hal/storage/durable_store.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/weights/blob_file.hpp"
 
 namespace airside::edge {
 

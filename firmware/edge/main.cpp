@@ -5,9 +5,9 @@
 #include <cstdio>
 
 #include "firmware/edge/daemon.hpp"
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
-#include "hal/site_settings.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "hal/civil_text.hpp"
-#include "hal/storage_file.hpp"
+#include "hal/storage/storage_file.hpp"
+#include "hal/text/civil_text.hpp"
 
 namespace airside::edge {
 

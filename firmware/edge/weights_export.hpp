@@ -13,8 +13,8 @@
 #include "airside/controller/instances.hpp"
 #include "firmware/edge/say.hpp"
 #include "firmware/edge/weights_trial.hpp"
-#include "hal/civil_text.hpp"
-#include "hal/storage_file.hpp"
+#include "hal/storage/storage_file.hpp"
+#include "hal/text/civil_text.hpp"
 
 namespace airside::edge {
 

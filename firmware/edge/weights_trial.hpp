@@ -14,10 +14,10 @@
 #include "airside/controller/history.hpp"
 #include "airside/controller/instances.hpp"
 #include "firmware/edge/say.hpp"
-#include "hal/blob_file.hpp"
-#include "hal/mailbox.hpp"
-#include "hal/signature.hpp"
-#include "hal/state_copy.hpp"
+#include "hal/storage/state_copy.hpp"
+#include "hal/weights/blob_file.hpp"
+#include "hal/weights/mailbox.hpp"
+#include "hal/weights/signature.hpp"
 
 namespace airside::edge {
 

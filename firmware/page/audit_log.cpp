@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "hal/modbus_wire.hpp"
+#include "hal/modbus/wire.hpp"
 
 namespace airside::page {
 

@@ -10,8 +10,8 @@
 #include <fstream>
 
 #include "firmware/page/page_server.hpp"
-#include "hal/input_error.hpp"
-#include "hal/site_settings.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace {
 

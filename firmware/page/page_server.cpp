@@ -16,10 +16,10 @@
 #include <cstring>
 #include <ctime>
 
-#include "hal/input_error.hpp"
-#include "hal/modbus_wire.hpp"
-#include "hal/signature.hpp"
-#include "hal/text_file.hpp"
+#include "hal/modbus/wire.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/text/text_file.hpp"
+#include "hal/weights/signature.hpp"
 
 namespace airside::page {
 namespace {

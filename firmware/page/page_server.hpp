@@ -14,8 +14,8 @@
 #include "firmware/page/audit_log.hpp"
 #include "firmware/page/request_check.hpp"
 #include "firmware/page/upload_door.hpp"
-#include "hal/site_file.hpp"
-#include "hal/storage_file.hpp"
+#include "hal/site/site_file.hpp"
+#include "hal/storage/storage_file.hpp"
 
 namespace airside::page {
 

@@ -6,10 +6,10 @@
 
 #include "airside/controller/instances.hpp"
 #include "airside/topologies.hpp"
-#include "hal/atomic_file.hpp"
-#include "hal/input_error.hpp"
-#include "hal/mailbox.hpp"
-#include "hal/signature.hpp"
+#include "hal/storage/atomic_file.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/weights/mailbox.hpp"
+#include "hal/weights/signature.hpp"
 
 namespace airside::page {
 UploadDoor::UploadDoor(const hal::SiteFile& site)

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "airside/controller/blob.hpp"
-#include "hal/site_file.hpp"
+#include "hal/site/site_file.hpp"
 
 namespace airside::page {
 

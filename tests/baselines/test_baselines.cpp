@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "baselines/first_order_plant.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/baselines/arx.hpp"
 #include "tools/baselines/pid.hpp"
 #include "tools/baselines/schedule.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/baselines/tuning.hpp"
 #include "tools/methods.hpp"
 

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "hal/civil_text.hpp"
-#include "hal/log_csv.hpp"
-#include "hal/point_map.hpp"
+#include "hal/log/log_csv.hpp"
+#include "hal/points/point_map.hpp"
+#include "hal/text/civil_text.hpp"
 
 namespace airside::closed_loop {
 

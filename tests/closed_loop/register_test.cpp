@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "closed_loop/bench.hpp"
-#include "hal/log_csv.hpp"
+#include "hal/log/log_csv.hpp"
 
 namespace airside::closed_loop {
 namespace {

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "energyplus/engine.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::sim {
 namespace {

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "energyplus/engine.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/merge_patch.hpp"
 
 namespace airside::sim {

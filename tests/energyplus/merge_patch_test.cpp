@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::sim {
 namespace {

@@ -2,7 +2,7 @@
 #include <future>
 
 #include "energyplus/engine.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::sim {
 namespace {

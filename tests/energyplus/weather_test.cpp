@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "energyplus/engine.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/synthetic_weather.hpp"
 

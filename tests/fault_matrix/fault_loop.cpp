@@ -6,9 +6,9 @@
 #include <fstream>
 
 #include "airside/controller/history.hpp"
-#include "hal/blob_file.hpp"
-#include "hal/signal_limits.hpp"
-#include "hal/site_settings.hpp"
+#include "hal/points/signal_limits.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/weights/blob_file.hpp"
 #include "weights/blob_maker.hpp"
 
 namespace airside::fault_matrix {

@@ -17,8 +17,8 @@
 
 #include "closed_loop/bench.hpp"
 #include "fault_matrix/modbus_exchange.hpp"
-#include "hal/log_csv.hpp"
-#include "hal/modbus_wire.hpp"
+#include "hal/log/log_csv.hpp"
+#include "hal/modbus/wire.hpp"
 #include "tools/chaos/chaos_proxy.hpp"
 
 namespace airside::fault_matrix {

@@ -12,8 +12,8 @@
 
 #include "airside/supervision/envelope.hpp"
 #include "fault_matrix/modbus_exchange.hpp"
-#include "hal/modbus_plant.hpp"
-#include "hal/modbus_wire.hpp"
+#include "hal/modbus/plant.hpp"
+#include "hal/modbus/wire.hpp"
 #include "modbus/modbus_fixture.hpp"
 #include "tools/chaos/chaos_proxy.hpp"
 

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "hal/modbus_link.hpp"
-#include "hal/modbus_wire.hpp"
+#include "hal/modbus/link.hpp"
+#include "hal/modbus/wire.hpp"
 #include "modbus/modbus_fixture.hpp"
 
 namespace airside::hal {

@@ -1,7 +1,7 @@
 // Rows 15, 20, 21, 22 and 26: to whom, when and what is written, and what is never written.
 
 #include "fault_matrix/modbus_rig.hpp"
-#include "hal/word_order.hpp"
+#include "hal/points/word_order.hpp"
 
 namespace airside::fault_matrix {
 namespace {

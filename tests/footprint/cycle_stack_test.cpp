@@ -8,7 +8,7 @@
 #include "airside/controller/footprint.hpp"
 #include "airside/controller/instances.hpp"
 #include "footprint/stack_probe.hpp"
-#include "hal/blob_file.hpp"
+#include "hal/weights/blob_file.hpp"
 
 namespace airside {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "footprint/allocation_guard.hpp"
 #include "footprint/daemon_here.hpp"
-#include "hal/blob_file.hpp"
-#include "hal/signature.hpp"
+#include "hal/weights/blob_file.hpp"
+#include "hal/weights/signature.hpp"
 
 namespace airside::footprint {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "footprint/daemon_here.hpp"
 #include "footprint/stack_probe.hpp"
-#include "hal/blob_file.hpp"
-#include "hal/signature.hpp"
+#include "hal/weights/blob_file.hpp"
+#include "hal/weights/signature.hpp"
 
 namespace airside::footprint {
 namespace {

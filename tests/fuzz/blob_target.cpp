@@ -11,7 +11,7 @@
 
 #include "airside/controller/blob.hpp"
 #include "fuzz/target.hpp"
-#include "hal/signature.hpp"
+#include "hal/weights/signature.hpp"
 
 namespace airside::fuzz {
 namespace {

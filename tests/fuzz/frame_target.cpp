@@ -4,7 +4,7 @@
 #include <array>
 
 #include "fuzz/target.hpp"
-#include "hal/modbus_frame.hpp"
+#include "hal/modbus/frame.hpp"
 
 namespace airside::fuzz {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "fuzz/folder.hpp"
 #include "fuzz/target.hpp"
-#include "hal/civil_text.hpp"
-#include "hal/log_csv.hpp"
-#include "hal/row_log.hpp"
+#include "hal/log/log_csv.hpp"
+#include "hal/log/row_log.hpp"
+#include "hal/text/civil_text.hpp"
 
 namespace airside::fuzz {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "fuzz/folder.hpp"
 #include "fuzz/target.hpp"
-#include "hal/mailbox.hpp"
+#include "hal/weights/mailbox.hpp"
 
 namespace airside::fuzz {
 namespace {

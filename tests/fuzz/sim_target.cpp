@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "fuzz/target.hpp"
-#include "hal/text_file.hpp"
+#include "hal/text/text_file.hpp"
 #include "sim/epw.hpp"
 #include "sim/merge_patch.hpp"
 #include "sim/rc_room_file.hpp"

@@ -6,10 +6,10 @@
 #include <set>
 
 #include "fuzz/target.hpp"
-#include "hal/point_row.hpp"
-#include "hal/register_codec.hpp"
-#include "hal/site_file.hpp"
-#include "hal/site_settings.hpp"
+#include "hal/points/point_row.hpp"
+#include "hal/points/register_codec.hpp"
+#include "hal/site/site_file.hpp"
+#include "hal/site/site_settings.hpp"
 
 namespace airside::fuzz {
 namespace {

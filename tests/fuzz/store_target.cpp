@@ -7,9 +7,9 @@
 
 #include "fuzz/folder.hpp"
 #include "fuzz/target.hpp"
-#include "hal/durable_store.hpp"
-#include "hal/start_ledger.hpp"
-#include "hal/state_copy.hpp"
+#include "hal/storage/durable_store.hpp"
+#include "hal/storage/start_ledger.hpp"
+#include "hal/storage/state_copy.hpp"
 
 namespace airside::fuzz {
 namespace {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::fuzz {
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "power_loss/test_folder.hpp"
 #include "sim/rc_plant.hpp"
 #include "sim/rc_room_file.hpp"

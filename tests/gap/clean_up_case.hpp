@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/civil_text.hpp"
+#include "hal/text/civil_text.hpp"
 #include "sim/rc_room_file.hpp"
 #include "sim/synthetic_weather.hpp"
 #include "tools/gap/blind.hpp"

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "gap/clean_up_case.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::tools::gap {
 namespace {

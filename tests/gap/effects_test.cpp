@@ -15,7 +15,7 @@
 
 #include "gap/effects_expected.hpp"
 #include "gap/effects_library.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_process.hpp"
 #include "sim/merge_patch.hpp"
 #include "tools/gap/responses.hpp"

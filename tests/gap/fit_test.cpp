@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/rc_replay.hpp"
 #include "sim/rc_room_file.hpp"
 #include "sim/synthetic_weather.hpp"

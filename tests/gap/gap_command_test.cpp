@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gap/gap_desk.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/rc_room_file.hpp"
 #include "tools/gap/patched_model.hpp"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/log_csv.hpp"
+#include "hal/log/log_csv.hpp"
 #include "input/program.hpp"
 #include "sim/epw.hpp"
 #include "sim/merge_patch.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "gap/gap_desk.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::tools::gap {
 namespace {

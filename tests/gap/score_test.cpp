@@ -9,7 +9,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/gap/confusion_svg.hpp"
 
 namespace airside::tools::gap {

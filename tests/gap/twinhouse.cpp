@@ -9,8 +9,8 @@
 #include <set>
 #include <sstream>
 
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::tools::gap {
 

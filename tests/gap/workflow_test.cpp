@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "power_loss/test_folder.hpp"
 #include "sim/rc_room_file.hpp"
 #include "sim/synthetic_weather.hpp"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <string>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::hal {
 

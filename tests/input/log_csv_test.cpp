@@ -1,4 +1,4 @@
-#include "hal/log_csv.hpp"
+#include "hal/log/log_csv.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "airside/splitmix64.hpp"
-#include "hal/civil_text.hpp"
+#include "hal/text/civil_text.hpp"
 #include "input/complaint.hpp"
 
 namespace airside::hal {

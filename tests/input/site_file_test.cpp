@@ -1,4 +1,4 @@
-#include "hal/site_file.hpp"
+#include "hal/site/site_file.hpp"
 
 #include "input/complaint.hpp"
 

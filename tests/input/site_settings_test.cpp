@@ -1,6 +1,6 @@
 // Site file and point map must not contradict one another.
 
-#include "hal/site_settings.hpp"
+#include "hal/site/site_settings.hpp"
 
 #include "input/complaint.hpp"
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/metrics.hpp"
 
 namespace airside::tools {

@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "hal/modbus_wire.hpp"
+#include "hal/modbus/wire.hpp"
 
 namespace airside::hal::testing_peers {
 

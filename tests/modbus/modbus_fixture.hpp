@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "hal/modbus_link.hpp"
-#include "hal/modbus_server.hpp"
+#include "hal/modbus/link.hpp"
+#include "hal/modbus/server.hpp"
 
 namespace airside::hal::testing_peers {
 

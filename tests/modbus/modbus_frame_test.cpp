@@ -1,6 +1,6 @@
 // Frames without a socket: every answer that is not the one to this request is refused, with the reason that fits.
 
-#include "hal/modbus_frame.hpp"
+#include "hal/modbus/frame.hpp"
 
 #include <gtest/gtest.h>
 

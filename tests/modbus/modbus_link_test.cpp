@@ -1,6 +1,6 @@
 // Whatever the peer does, an exchange ends at its deadline and a wrong answer never becomes a value.
 
-#include "hal/modbus_link.hpp"
+#include "hal/modbus/link.hpp"
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -9,8 +9,8 @@
 #include <functional>
 #include <thread>
 
-#include "hal/input_error.hpp"
-#include "hal/modbus_wire.hpp"
+#include "hal/modbus/wire.hpp"
+#include "hal/text/input_error.hpp"
 #include "modbus/modbus_fixture.hpp"
 
 namespace airside::hal {

@@ -6,9 +6,9 @@
 
 #include "airside/supervision/envelope.hpp"
 #include "footprint/allocation_guard.hpp"
-#include "hal/modbus_plant.hpp"
-#include "hal/plant_clock.hpp"
-#include "hal/register_codec.hpp"
+#include "hal/modbus/plant.hpp"
+#include "hal/modbus/plant_clock.hpp"
+#include "hal/points/register_codec.hpp"
 #include "modbus/modbus_fixture.hpp"
 
 namespace airside::hal {

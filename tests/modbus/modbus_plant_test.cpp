@@ -1,6 +1,6 @@
 // The plant behind Modbus: what the map says is what the loop sees, and what the device took is what it remembers.
 
-#include "hal/modbus_plant.hpp"
+#include "hal/modbus/plant.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "airside/supervision/envelope.hpp"
-#include "hal/modbus_wire.hpp"
-#include "hal/register_codec.hpp"
+#include "hal/modbus/wire.hpp"
+#include "hal/points/register_codec.hpp"
 #include "modbus/modbus_fixture.hpp"
 
 namespace airside::hal {

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "closed_loop/bench.hpp"
-#include "hal/plant_clock.hpp"
+#include "hal/modbus/plant_clock.hpp"
 #include "modbus/modbus_fixture.hpp"
 #include "modbus/third_party.hpp"
 #include "sim/simulated_plant.hpp"

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "hal/register_codec.hpp"
+#include "hal/points/register_codec.hpp"
 #include "modbus/modbus_fixture.hpp"
 #include "modbus/third_party.hpp"
 

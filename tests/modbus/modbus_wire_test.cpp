@@ -1,7 +1,7 @@
 // Bytes on descriptors when the system itself misbehaves: interrupted and spurious calls are tried again, everything
 // else ends the exchange. The calls that fail on demand stand in for the C library's in this program.
 
-#include "hal/modbus_wire.hpp"
+#include "hal/modbus/wire.hpp"
 
 #include <dlfcn.h>
 #include <gtest/gtest.h>

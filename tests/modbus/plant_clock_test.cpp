@@ -1,13 +1,13 @@
 // Clocks: the machine's own waits on monotonic time; a served plant's runs as fast as its server.
 
-#include "hal/plant_clock.hpp"
+#include "hal/modbus/plant_clock.hpp"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <thread>
 
-#include "hal/modbus_wire.hpp"
+#include "hal/modbus/wire.hpp"
 #include "modbus/modbus_fixture.hpp"
 
 namespace airside::hal {

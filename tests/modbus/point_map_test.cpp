@@ -1,6 +1,6 @@
 // A point map is taken whole or refused with a place, a finding and a remedy.
 
-#include "hal/point_map.hpp"
+#include "hal/points/point_map.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/signal_limits.hpp"
+#include "hal/points/signal_limits.hpp"
 
 namespace airside::hal {
 namespace {

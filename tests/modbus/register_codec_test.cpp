@@ -1,6 +1,6 @@
 // Every type in every byte and word order comes back as it went, and nonsense never becomes a number.
 
-#include "hal/register_codec.hpp"
+#include "hal/points/register_codec.hpp"
 
 #include <gtest/gtest.h>
 

@@ -16,7 +16,7 @@
 
 #include "airside/controller/instances.hpp"
 #include "closed_loop/child.hpp"
-#include "hal/signature.hpp"
+#include "hal/weights/signature.hpp"
 
 namespace airside::page {
 

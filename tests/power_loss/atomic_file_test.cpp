@@ -1,4 +1,4 @@
-#include "hal/atomic_file.hpp"
+#include "hal/storage/atomic_file.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "airside/civil_time.hpp"
-#include "hal/durable_store.hpp"
+#include "hal/storage/durable_store.hpp"
 
 namespace airside::power_loss {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/digest64.hpp"
+#include "hal/storage/digest64.hpp"
 #include "power_loss/power_cut.hpp"
 
 namespace airside::power_loss {

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "hal/civil_text.hpp"
-#include "hal/state_copy.hpp"
+#include "hal/storage/state_copy.hpp"
+#include "hal/text/civil_text.hpp"
 #include "power_loss/cutter.hpp"
 
 namespace airside::power_loss {

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "airside/crc32c.hpp"
-#include "hal/folder_names.hpp"
+#include "hal/storage/folder_names.hpp"
 
 namespace airside::power_loss {
 

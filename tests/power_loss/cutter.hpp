@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "hal/row_log.hpp"
+#include "hal/log/row_log.hpp"
 #include "power_loss/box_row.hpp"
 #include "power_loss/cut_files.hpp"
 #include "power_loss/test_folder.hpp"

@@ -8,8 +8,8 @@
 #include <stdexcept>
 
 #include "airside/signals.hpp"
-#include "hal/civil_text.hpp"
-#include "hal/register_codec.hpp"
+#include "hal/points/register_codec.hpp"
+#include "hal/text/civil_text.hpp"
 #include "sim/simulated_plant.hpp"
 
 namespace airside::power_loss {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "closed_loop/bench.hpp"
-#include "hal/modbus_server.hpp"
+#include "hal/modbus/server.hpp"
 #include "sim/plant_model.hpp"
 
 namespace airside::power_loss {

@@ -1,4 +1,4 @@
-#include "hal/durable_store.hpp"
+#include "hal/storage/durable_store.hpp"
 
 #include <gtest/gtest.h>
 

@@ -17,13 +17,13 @@
 #include <functional>
 #include <map>
 
-#include "hal/atomic_file.hpp"
-#include "hal/civil_text.hpp"
-#include "hal/durable_store.hpp"
-#include "hal/mailbox.hpp"
-#include "hal/row_log.hpp"
-#include "hal/start_ledger.hpp"
-#include "hal/state_copy.hpp"
+#include "hal/log/row_log.hpp"
+#include "hal/storage/atomic_file.hpp"
+#include "hal/storage/durable_store.hpp"
+#include "hal/storage/start_ledger.hpp"
+#include "hal/storage/state_copy.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/weights/mailbox.hpp"
 #include "power_loss/test_folder.hpp"
 
 namespace {

@@ -28,7 +28,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "hal/folder_names.hpp"
+#include "hal/storage/folder_names.hpp"
 #include "power_loss/io_record.hpp"
 
 namespace {

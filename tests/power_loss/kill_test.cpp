@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "airside/splitmix64.hpp"
-#include "hal/row_log.hpp"
+#include "hal/log/row_log.hpp"
 #include "power_loss/state_script.hpp"
 #include "power_loss/test_folder.hpp"
 

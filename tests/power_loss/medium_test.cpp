@@ -12,7 +12,7 @@
 #include <cstdlib>
 #include <functional>
 
-#include "hal/row_log.hpp"
+#include "hal/log/row_log.hpp"
 #include "power_loss/allocation_count.hpp"
 #include "power_loss/state_script.hpp"
 #include "power_loss/test_folder.hpp"

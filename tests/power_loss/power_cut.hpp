@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "airside/splitmix64.hpp"
-#include "hal/durable_store.hpp"
+#include "hal/storage/durable_store.hpp"
 #include "power_loss/io_record.hpp"
 
 namespace airside::power_loss {

@@ -1,11 +1,11 @@
-#include "hal/row_log.hpp"
+#include "hal/log/row_log.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cerrno>
 #include <optional>
 
-#include "hal/civil_text.hpp"
+#include "hal/text/civil_text.hpp"
 #include "power_loss/test_folder.hpp"
 #include "power_loss/write_recorder.hpp"
 

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "hal/row_log.hpp"
+#include "hal/log/row_log.hpp"
 #include "power_loss/power_cut.hpp"
 #include "power_loss/state_script.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "hal/durable_store.hpp"
+#include "hal/storage/durable_store.hpp"
 #include "power_loss/state_script.hpp"
 #include "power_loss/test_folder.hpp"
 

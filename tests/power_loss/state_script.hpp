@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "hal/durable_store.hpp"
+#include "hal/storage/durable_store.hpp"
 
 namespace airside::hal {
 

@@ -1,6 +1,6 @@
 // What a person reads of a storage fault: each has words and a remedy, and each errno is sorted to the right one.
 
-#include "hal/store_error.hpp"
+#include "hal/storage/store_error.hpp"
 
 #include <gtest/gtest.h>
 

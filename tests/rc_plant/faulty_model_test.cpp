@@ -7,7 +7,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "power_loss/test_folder.hpp"
 #include "rc_plant/rc_fixture.hpp"
 

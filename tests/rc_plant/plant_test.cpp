@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "rc_plant/rc_fixture.hpp"
 #include "sim/rc_floor.hpp"
 

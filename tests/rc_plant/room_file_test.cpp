@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/rc_room_file.hpp"
 
 namespace airside::sim {

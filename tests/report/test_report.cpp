@@ -7,7 +7,7 @@
 #include <regex>
 #include <sstream>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "report/synthetic_run.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/report_text.hpp"

@@ -14,7 +14,7 @@
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/schedule.hpp"
 #include "closed_loop/bench.hpp"
-#include "hal/register_codec.hpp"
+#include "hal/points/register_codec.hpp"
 #include "sanitized.hpp"
 #include "sim/faulty_model.hpp"
 #include "tools/chaos/chaos_proxy.hpp"

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/epw.hpp"
 #include "sim/synthetic_weather.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/synthetic_weather.hpp"
 #include "sim/weather.hpp"
 

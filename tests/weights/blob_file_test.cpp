@@ -1,6 +1,6 @@
 // Blob files and their refusals: each says where, what was found, what was expected and what to do.
 
-#include "hal/blob_file.hpp"
+#include "hal/weights/blob_file.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -11,7 +11,7 @@
 #include <fstream>
 #include <set>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "power_loss/test_folder.hpp"
 
 namespace airside::weights {

@@ -5,7 +5,7 @@
 
 #include "airside/controller/history.hpp"
 #include "airside/controller/instances.hpp"
-#include "hal/signature.hpp"
+#include "hal/weights/signature.hpp"
 
 namespace airside::weights {
 

@@ -1,6 +1,6 @@
 // The inbox: whatever lies there is read once, taken away, and never followed out of the folder.
 
-#include "hal/mailbox.hpp"
+#include "hal/weights/mailbox.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

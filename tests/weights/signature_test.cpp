@@ -1,7 +1,7 @@
 // A signed blob is taken as it was signed, or refused with the field's name: whatever bit is flipped, whatever is cut
 // off, whoever signed it.
 
-#include "hal/signature.hpp"
+#include "hal/weights/signature.hpp"
 
 #include <gtest/gtest.h>
 #include <sodium.h>
@@ -12,7 +12,7 @@
 #include <fstream>
 
 #include "airside/splitmix64.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "power_loss/test_folder.hpp"
 #include "safety/controller_rig.hpp"
 #include "weights/blob_maker.hpp"

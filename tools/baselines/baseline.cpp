@@ -6,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/baselines/arx.hpp"
 #include "tools/baselines/guideline36.hpp"
 #include "tools/baselines/mpc.hpp"

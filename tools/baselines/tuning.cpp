@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/baselines/arx.hpp"
 #include "tools/baselines/mpc.hpp"
 

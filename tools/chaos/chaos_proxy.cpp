@@ -14,9 +14,9 @@
 #include <cstring>
 
 #include "airside/splitmix64.hpp"
-#include "hal/input_error.hpp"
-#include "hal/modbus_wire.hpp"
-#include "hal/plant_clock.hpp"
+#include "hal/modbus/plant_clock.hpp"
+#include "hal/modbus/wire.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::tools {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "airside/splitmix64.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::tools {
 namespace {

@@ -14,7 +14,7 @@
 #include <optional>
 #include <set>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/epw.hpp"
 #include "sim/stateless_draw.hpp"
 #include "sim/synthetic_weather.hpp"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <fstream>
 
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/energyplus_rooms.hpp"
 #include "sim/epw.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/energyplus_options.hpp"
 #include "tools/gap/clean_up.hpp"
 #include "tools/gap/workflow.hpp"

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/gap/clean_up_table.hpp"
 
 namespace airside::tools::gap {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/log_csv.hpp"
+#include "hal/log/log_csv.hpp"
 #include "sim/weather.hpp"
 
 namespace airside::tools::gap {

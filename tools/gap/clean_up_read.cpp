@@ -10,10 +10,10 @@
 #include <limits>
 #include <set>
 
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
-#include "hal/log_columns.hpp"
-#include "hal/text_file.hpp"
+#include "hal/log/log_columns.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/text/text_file.hpp"
 #include "tools/gap/clean_up_table.hpp"
 
 namespace airside::tools::gap {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::tools::gap {
 

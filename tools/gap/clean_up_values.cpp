@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "hal/civil_text.hpp"
+#include "hal/text/civil_text.hpp"
 #include "tools/gap/clean_up_table.hpp"
 
 namespace airside::tools::gap {

@@ -8,8 +8,8 @@
 #include <memory>
 #include <thread>
 
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/epw.hpp"
 #include "sim/rc_room_file.hpp"
 #include "tools/command.hpp"

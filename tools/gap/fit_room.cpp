@@ -7,7 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/rc_replay.hpp"
 #include "tools/gap/engine.hpp"
 #include "tools/gap/reference_fit.hpp"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
 #include "sim/epw.hpp"
 #include "sim/merge_patch.hpp"
 #include "tools/gap/energyplus_engine.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "hal/civil_text.hpp"
-#include "hal/input_error.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::tools::gap {
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "hal/log_csv.hpp"
+#include "hal/log/log_csv.hpp"
 #include "tools/gap/responses.hpp"
 
 namespace airside::tools::gap {

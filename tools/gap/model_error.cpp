@@ -7,7 +7,7 @@
 #include <functional>
 #include <limits>
 
-#include "hal/civil_text.hpp"
+#include "hal/text/civil_text.hpp"
 
 namespace airside::tools::gap {
 

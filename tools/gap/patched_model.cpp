@@ -4,9 +4,9 @@
 
 #include <fstream>
 
-#include "hal/digest64.hpp"
-#include "hal/input_error.hpp"
-#include "hal/staged_file.hpp"
+#include "hal/storage/digest64.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/text/staged_file.hpp"
 #include "sim/energyplus_install.hpp"
 #include "sim/epjson_lint.hpp"
 #include "sim/merge_patch.hpp"

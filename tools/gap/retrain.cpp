@@ -4,7 +4,7 @@
 
 #include <charconv>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/child_jobs.hpp"
 
 namespace airside::tools::gap {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <set>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::tools::gap {
 namespace {

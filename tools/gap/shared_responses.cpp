@@ -7,7 +7,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "hal/digest64.hpp"
+#include "hal/storage/digest64.hpp"
 
 namespace airside::tools::gap {
 

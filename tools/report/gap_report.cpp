@@ -8,7 +8,7 @@
 #include <functional>
 #include <limits>
 
-#include "hal/civil_text.hpp"
+#include "hal/text/civil_text.hpp"
 #include "tools/gap/verdict_json.hpp"
 #include "tools/report/gap_charts.hpp"
 #include "tools/report/report_text.hpp"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "hal/input_error.hpp"
+#include "hal/text/input_error.hpp"
 #include "tools/report/downsample.hpp"
 #include "tools/report/page_parts.hpp"
 #include "tools/report/report_text.hpp"

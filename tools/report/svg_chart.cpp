@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "hal/civil_text.hpp"
+#include "hal/text/civil_text.hpp"
 #include "tools/report/report_text.hpp"
 
 namespace airside::tools {

@@ -1,0 +1,152 @@
+// Names, formatting and writing of log rows; reading is in log_csv_read.cpp.
+#include "hal/log/log_csv.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <system_error>
+
+#include "hal/log/log_columns.hpp"
+#include "hal/text/civil_text.hpp"
+
+namespace airside::hal {
+namespace {
+
+/// A cursor over the output that remembers whether everything fitted.
+class Cursor {
+ public:
+  explicit Cursor(std::span<char> out) : at_(out.data()), end_(out.data() + out.size()) {}
+
+  void put(char c) {
+    if (at_ == end_)
+      full_ = true;
+    else
+      *at_++ = c;
+  }
+  void put(double value) {
+    if (std::isnan(value)) return;
+    const auto result = std::to_chars(at_, end_, value);
+    if (result.ec != std::errc{})
+      full_ = true;
+    else
+      at_ = result.ptr;
+  }
+  void put(const std::string& text) {
+    for (const char c : text) put(c == ',' || c == '\n' || c == '\r' || c == '"' ? ' ' : c);
+  }
+  void put(CivilTime time) {
+    if (static_cast<std::size_t>(end_ - at_) < civil_text_size)
+      full_ = true;
+    else
+      at_ = write_civil_text(at_, time);
+  }
+  std::size_t size_from(const char* begin) const { return full_ ? 0 : static_cast<std::size_t>(at_ - begin); }
+
+ private:
+  char* at_;
+  char* end_;
+  bool full_ = false;
+};
+
+}  // namespace
+
+SignalId TopologyCounts::signal(int index) const {
+  const auto take = [&index](int count, SignalKind kind, SignalId& id) {
+    if (index < count) {
+      id = {kind, index + 1};
+      return true;
+    }
+    index -= count;
+    return false;
+  };
+  SignalId id{SignalKind::setpoint, 0};
+  if (take(vavs, SignalKind::room_temp, id) || take(fcus, SignalKind::fcu_temp, id) ||
+      take(vavs, SignalKind::vav_on, id) || take(fcus, SignalKind::fcu_on, id) || take(powers, SignalKind::power, id)) {
+    return id;
+  }
+  constexpr SignalKind single[] = {SignalKind::mau_temp, SignalKind::outdoor_temp, SignalKind::rain};
+  return {index < 3 ? single[index] : SignalKind::setpoint, 0};
+}
+
+std::string column_of(SignalId id) {
+  const SignalText text = text_of(id.kind);
+  std::string column = text.name;
+  if (id.place > 0) column += "_" + std::to_string(id.place);
+  if (*text.unit != '\0') column += std::string("_") + text.unit;
+  return column;
+}
+
+LogRow make_log_row(const TopologyCounts& counts) {
+  LogRow row;
+  row.value.assign(static_cast<std::size_t>(counts.signals()), ControllerColumns::none);
+  row.controller.mode.reserve(47);
+  row.controller.reason.reserve(47);
+  row.controller.fault.reserve(47);
+  return row;
+}
+
+std::string log_header(const TopologyCounts& counts, bool controller, std::span<const std::string> extra) {
+  std::string header = "time";
+  for (int i = 0; i < counts.signals(); ++i) header += "," + column_of(counts.signal(i));
+  header += ",setpoint_degc,supply_temp_degc";
+  if (controller) {
+    for (const ControllerColumn& column : controller_columns) header += std::string(",") + column.name;
+  }
+  for (const std::string& name : extra) {
+    header += ',';
+    for (const char c : name)
+      header += c == ',' || c == '\n' || c == '\r' || c == '"' ? '_' : c;  // quotes are not written
+  }
+  return header + "\n";
+}
+
+std::size_t format_log_row(std::span<char> out, const LogRow& row, bool controller) {
+  Cursor cursor(out);
+  cursor.put(row.time);
+  for (const double value : row.value) {
+    cursor.put(',');
+    cursor.put(value);
+  }
+  cursor.put(',');
+  cursor.put(row.setpoint_degc);
+  cursor.put(',');
+  cursor.put(row.supply_temp_degc);
+  if (controller) {
+    for (const ControllerColumn& column : controller_columns) {
+      cursor.put(',');
+      if (column.number != nullptr)
+        cursor.put(row.controller.*column.number);
+      else
+        cursor.put(row.controller.*column.text);
+    }
+  }
+  for (const std::string& text : row.extra) {
+    cursor.put(',');
+    cursor.put(text);
+  }
+  cursor.put('\n');
+  return cursor.size_from(out.data());
+}
+
+LogWriter::LogWriter(std::string path, const TopologyCounts& counts, bool controller,
+                     std::vector<std::string> extra_columns)
+    : path_(std::move(path)),
+      controller_(controller),
+      values_(static_cast<std::size_t>(counts.signals())),
+      extras_(extra_columns.size()),
+      file_(path_) {
+  file_.write(log_header(counts, controller, extra_columns));
+}
+
+void LogWriter::append(const LogRow& row) {
+  if (row.value.size() != values_ || row.extra.size() != extras_) {
+    throw std::runtime_error(path_ + ": a row of " + std::to_string(row.value.size()) + " signals and " +
+                             std::to_string(row.extra.size()) + " further fields does not fit the header");
+  }
+  char text[max_log_row_text];
+  const std::size_t size = format_log_row(text, row, controller_);
+  if (size == 0) throw std::runtime_error(path_ + ": cannot be written: row too long");
+  file_.write({text, size});
+}
+
+}  // namespace airside::hal

@@ -1,0 +1,401 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <map>
+#include <optional>
+
+#include "hal/log/log_columns.hpp"
+#include "hal/log/log_csv.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/text/number_text.hpp"
+#include "hal/text/text_file.hpp"
+
+namespace airside::hal {
+namespace {
+
+std::string in_quotes(std::string_view text) {
+  std::string shown(text.substr(0, 60));
+  for (char& c : shown) {
+    if (static_cast<unsigned char>(c) < 0x20) c = '?';
+  }
+  return "`" + shown + (text.size() > 60 ? "..." : "") + "`";
+}
+
+/// Splits one line at commas; a field in double quotes may hold commas and doubled quotes.
+void split(std::string_view line, std::vector<std::string>& fields) {
+  fields.clear();
+  std::string field;
+  bool inside = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (c == '"' && inside && i + 1 < line.size() && line[i + 1] == '"') {
+      field += line[++i];
+    } else if (c == '"' && (inside || field.empty())) {
+      inside = !inside;
+    } else if (c == ',' && !inside) {
+      fields.push_back(std::move(field));
+      field.clear();
+    } else {
+      field += c;
+    }
+  }
+  fields.push_back(std::move(field));
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  return text;
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  double value = 0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// How many `base_1 .. base_n` columns a header has, whatever their unit; 0 when they do not run from 1 to n.
+int count_places(const std::vector<std::string>& header, const char* base) {
+  std::vector<int> places;
+  const std::string prefix = std::string(base) + "_";
+  for (const std::string& column : header) {
+    if (column.rfind(prefix, 0) != 0) continue;
+    int place = 0;
+    const char* begin = column.data() + prefix.size();
+    const auto result = std::from_chars(begin, column.data() + column.size(), place);
+    if (result.ec == std::errc{} && place > 0) places.push_back(place);
+  }
+  std::sort(places.begin(), places.end());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i] != static_cast<int>(i) + 1) return 0;
+  }
+  return static_cast<int>(places.size());
+}
+
+std::string shape_text(int vavs, int fcus, int powers) {
+  return std::to_string(vavs) + "vav-" + std::to_string(fcus) + "fcu-" + std::to_string(powers) + "power";
+}
+
+class Reader {
+ public:
+  Reader(std::string_view text, const std::string& name, const TopologyCounts& counts, const LogReadOptions& options)
+      : text_(text), name_(name), counts_(counts), options_(options) {}
+
+  Log read() {
+    check_text();
+    std::string_view line;
+    if (text_.rfind("\xEF\xBB\xBF", 0) == 0) text_.remove_prefix(3);
+    next_line(line);
+    read_header(line);
+    while (next_line(line)) {
+      if (trimmed(line).empty()) continue;
+      read_row(line);
+    }
+    finish();
+    return std::move(log_);
+  }
+
+ private:
+  std::string place() const { return name_ + ":" + std::to_string(line_); }
+  std::string place(std::string_view column) const { return place() + ": " + std::string(column); }
+
+  void check_text() const {
+    if (text_.find('\0') != std::string_view::npos || text_.substr(0, 2) == "PK") {
+      throw InputError(name_ + ":1", "bytes that are not text", "a CSV log in UTF-8 text",
+                       "export the log as plain CSV, not as a spreadsheet or database file");
+    }
+    if (text_.find_first_not_of(" \t\r\n") == std::string_view::npos) {
+      throw InputError(name_ + ":1", "an empty file", "a header line that starts with `time`",
+                       "check that the export finished and that this is the right file");
+    }
+  }
+
+  bool next_line(std::string_view& line) {
+    if (text_.empty()) return false;
+    const std::size_t end = text_.find('\n');
+    line = text_.substr(0, end);
+    text_.remove_prefix(end == std::string_view::npos ? text_.size() : end + 1);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    ++line_;
+    return true;
+  }
+
+  void read_header(std::string_view line) {
+    split(line, header_);
+    for (std::string& column : header_) column = std::string(trimmed(column));
+    if (header_.size() == 1 && line.find(';') != std::string_view::npos) {
+      throw InputError(place(), "columns separated by `;`", "columns separated by `,`",
+                       "export with comma as separator and point as decimal mark");
+    }
+    for (std::size_t i = 0; i < header_.size(); ++i) {
+      if (header_[i].empty()) {
+        throw InputError(place(), "no name for column " + std::to_string(i + 1), "a name for every column",
+                         "name the column or remove it");
+      }
+      if (!index_.emplace(header_[i], i).second) {
+        throw InputError(place(header_[i]), "the column twice", "each column once", "remove one of the two");
+      }
+    }
+    if (!index_.count("time")) {
+      throw InputError(place(), "no column `time` in " + in_quotes(line), "a header line that starts with `time`",
+                       "name the column of ISO local times `time`");
+    }
+    time_column_ = index_.at("time");
+    used_.assign(header_.size(), false);
+    used_[time_column_] = true;
+    check_shape();
+    for (int i = 0; i < counts_.signals(); ++i) signal_column_.push_back(require(counts_.signal(i)));
+    setpoint_column_ = require({SignalKind::setpoint, 0});
+    supply_column_ = optional_column("supply_temp_degc", "supply_temp");
+    for (const ControllerColumn& column : controller_columns) {
+      controller_column_.push_back(optional_column(column.name, column.name));
+      log_.has_controller = log_.has_controller || controller_column_.back().has_value();
+    }
+    for (std::size_t i = 0; i < header_.size(); ++i) {
+      if (!used_[i]) {
+        extra_column_.push_back(i);
+        log_.extra_columns.push_back(header_[i]);
+      }
+    }
+  }
+
+  /// A header that is complete for another room shape is another room's log, not a log with missing columns.
+  void check_shape() const {
+    const int vavs = count_places(header_, "room_temp"), fcus = count_places(header_, "fcu_temp");
+    const int powers = count_places(header_, "power");
+    if (vavs == counts_.vavs && fcus == counts_.fcus && powers == counts_.powers) return;
+    if (vavs == 0 || vavs != count_places(header_, "vav_on") || fcus != count_places(header_, "fcu_on")) return;
+    if (powers == 0 && counts_.powers > 0) return;
+    throw InputError(place(), "the columns of a " + shape_text(vavs, fcus, powers) + " room",
+                     "those of " + shape_text(counts_.vavs, counts_.fcus, counts_.powers),
+                     "give the log of this site, or change topology in [site] of the site file");
+  }
+
+  std::size_t require(SignalId id) {
+    const std::string column = column_of(id);
+    if (const auto found = index_.find(column); found != index_.end()) {
+      used_[found->second] = true;
+      return found->second;
+    }
+    std::string base = text_of(id.kind).name;
+    if (id.place > 0) base += "_" + std::to_string(id.place);
+    refuse_other_unit(column, base);
+    throw InputError(place(column), "no such column", "the column `" + column + "`",
+                     "add it, or rename the column that holds it");
+  }
+
+  std::optional<std::size_t> optional_column(const std::string& column, const std::string& base) {
+    if (const auto found = index_.find(column); found != index_.end()) {
+      used_[found->second] = true;
+      return found->second;
+    }
+    if (base != column) refuse_other_unit(column, base);
+    return std::nullopt;
+  }
+
+  void refuse_other_unit(const std::string& column, const std::string& base) const {
+    for (const std::string& other : header_) {
+      if (other != base && other.rfind(base + "_", 0) != 0) continue;
+      const bool none = other == base;
+      const std::string unit = column.size() > base.size() ? column.substr(base.size() + 1) : "0/1, without unit";
+      throw InputError(place(other),
+                       none ? "a column without unit" : "the unit `" + other.substr(base.size() + 1) + "`",
+                       "`" + unit + "` in the column `" + column + "`",
+                       none ? "rename the column if its values are in that unit, else convert them first"
+                            : "convert the values and rename the column");
+    }
+  }
+
+  void read_row(std::string_view line) {
+    split(line, fields_);
+    if (fields_.size() != header_.size()) {
+      throw InputError(place(), std::to_string(fields_.size()) + " fields",
+                       std::to_string(header_.size()) + " as in the header",
+                       text_.empty() ? "the last line looks cut off; remove it"
+                                     : "check for decimal commas, a missing field or a cut line");
+    }
+    LogRow row;
+    row.time = read_time();
+    row.value.reserve(signal_column_.size());
+    for (int i = 0; i < counts_.signals(); ++i) {
+      row.value.push_back(read_signal(signal_column_[static_cast<std::size_t>(i)], counts_.signal(i).kind));
+    }
+    row.setpoint_degc = read_signal(setpoint_column_, SignalKind::setpoint);
+    if (supply_column_) row.supply_temp_degc = read_optional(*supply_column_);
+    for (std::size_t i = 0; i < controller_columns.size(); ++i) {
+      if (!controller_column_[i]) continue;
+      const ControllerColumn& column = controller_columns[i];
+      if (column.number != nullptr)
+        row.controller.*column.number = read_optional(*controller_column_[i]);
+      else
+        row.controller.*column.text = fields_[*controller_column_[i]];
+    }
+    for (const std::size_t i : extra_column_) row.extra.push_back(fields_[i]);
+    check_order(row.time);
+    log_.rows.push_back(std::move(row));
+    previous_line_ = line_;
+  }
+
+  CivilTime read_time() const {
+    const std::string_view text = trimmed(fields_[time_column_]);
+    const auto time = parse_civil_text(text);
+    if (!time) {
+      const bool zone = text.size() > 10 && text.find_first_of("Z+", 10) != std::string_view::npos;
+      throw InputError(place("time"), in_quotes(text), "a time such as 2021-07-01T00:06:00",
+                       zone ? "write local standard time without a zone"
+                            : "write ISO dates: year-month-day, then T, then hour:minute:second");
+    }
+    return *time;
+  }
+
+  double read_signal(std::size_t column, SignalKind kind) {
+    const std::string_view text = trimmed(fields_[column]);
+    const auto value = text.empty() ? std::optional(ControllerColumns::none) : parse_number(text);
+    if (!value) refuse_number(column, text);
+    const LogLimits& limits = options_.limits[static_cast<std::size_t>(kind)];
+    if (*value >= limits.min && *value <= limits.max) return *value;
+    if (options_.keep_missing) {
+      ++log_.summary.missing_values;
+      return ControllerColumns::none;
+    }
+    const std::string expected =
+        "a number from " + number_text(limits.min) + " to " + number_text(limits.max) + " " + text_of(kind).unit;
+    throw InputError(place(header_[column]), text.empty() ? "an empty field" : in_quotes(text),
+                     std::string(trimmed(expected)),
+                     std::isfinite(*value) ? "correct the sensor's value or remove the row"
+                                           : "remove the row; gaps between rows are allowed");
+  }
+
+  double read_optional(std::size_t column) const {
+    const std::string_view text = trimmed(fields_[column]);
+    if (text.empty()) return ControllerColumns::none;
+    const auto value = parse_number(text);
+    if (!value) refuse_number(column, text);
+    return *value;
+  }
+
+  [[noreturn]] void refuse_number(std::size_t column, std::string_view text) const {
+    const bool comma = text.find(',') != std::string_view::npos;
+    throw InputError(place(header_[column]), in_quotes(text), "a number such as 25.3",
+                     comma ? "write the decimal mark as a point" : "correct the field or leave the row out");
+  }
+
+  void check_order(CivilTime time) {
+    if (time.second_of_day() % row_s != 0) {
+      std::string found = civil_text(time);
+      if (!log_.rows.empty()) {
+        const std::int64_t spacing = time.seconds - log_.rows.back().time.seconds;
+        found += ", " + std::to_string(spacing) + " s after line " + std::to_string(previous_line_);
+      }
+      throw InputError(place("time"), found, "rows at every 6 min, counted from midnight",
+                       "resample the log to 00:00, 00:06, 00:12 ...");
+    }
+    if (log_.rows.empty()) return;
+    const CivilTime last = log_.rows.back().time;
+    if (time == last) {
+      throw InputError(place("time"), civil_text(time) + ", the same as line " + std::to_string(previous_line_),
+                       "each time once", "remove one of the two rows");
+    }
+    if (time < last) {
+      throw InputError(
+          place("time"),
+          civil_text(time) + ", earlier than " + civil_text(last) + " of line " + std::to_string(previous_line_),
+          "times that grow from row to row",
+          "sort the rows; log in standard time so that no hour comes twice in autumn");
+    }
+    const std::int64_t missing = (time.seconds - last.seconds) / row_s - 1;
+    if (missing == 0) {
+      ++neighbours_;
+    } else {
+      log_.summary.missing_rows += static_cast<std::size_t>(missing);
+      log_.summary.gaps.push_back({last, time, line_});
+    }
+  }
+
+  void finish() {
+    if (log_.rows.empty()) {
+      throw InputError(place(), "a header without rows", "at least one row",
+                       "check that the export finished and covers the days that you want");
+    }
+    if (neighbours_ == 0 && log_.rows.size() >= 3) {
+      const std::int64_t spacing = log_.rows[1].time.seconds - log_.rows[0].time.seconds;
+      throw InputError(name_ + ": time", "rows every " + number_text(static_cast<double>(spacing) / 60) + " min",
+                       "rows every 6 min", "export the log with a 6-min interval");
+    }
+    log_.summary.rows = log_.rows.size();
+    log_.summary.first = log_.rows.front().time;
+    log_.summary.last = log_.rows.back().time;
+  }
+
+  std::string_view text_;
+  const std::string& name_;
+  const TopologyCounts& counts_;
+  const LogReadOptions& options_;
+  Log log_;
+  int line_ = 0, previous_line_ = 0;
+  std::size_t neighbours_ = 0;
+  std::vector<std::string> header_, fields_;
+  std::map<std::string, std::size_t, std::less<>> index_;
+  std::vector<bool> used_;
+  std::size_t time_column_ = 0, setpoint_column_ = 0;
+  std::optional<std::size_t> supply_column_;
+  std::vector<std::size_t> signal_column_, extra_column_;
+  std::vector<std::optional<std::size_t>> controller_column_;
+};
+
+void append_log(Log& all, Log&& part, const std::string& name) {
+  if (part.extra_columns != all.extra_columns || part.has_controller != all.has_controller) {
+    throw InputError(name + ":1", "other columns than in the files before", "the same header in every file",
+                     "read the files one by one");
+  }
+  const CivilTime last = all.summary.last, first = part.summary.first;
+  if (first <= last) {
+    throw InputError(name + ":2: time", civil_text(first),
+                     "a time after " + civil_text(last) + ", where the file before ends",
+                     "remove the rows that two files share");
+  }
+  const std::int64_t missing = (first.seconds - last.seconds) / row_s - 1;
+  if (missing > 0) {
+    all.summary.missing_rows += static_cast<std::size_t>(missing);
+    all.summary.gaps.push_back({last, first, 2});
+  }
+  std::move(part.rows.begin(), part.rows.end(), std::back_inserter(all.rows));
+  all.summary.gaps.insert(all.summary.gaps.end(), part.summary.gaps.begin(), part.summary.gaps.end());
+  all.summary.missing_rows += part.summary.missing_rows;
+  all.summary.missing_values += part.summary.missing_values;
+  all.summary.rows = all.rows.size();
+  all.summary.last = part.summary.last;
+}
+
+}  // namespace
+
+Log read_log_text(std::string_view text, const std::string& name, const TopologyCounts& counts,
+                  const LogReadOptions& options) {
+  return Reader(text, name, counts, options).read();
+}
+
+Log read_log(const std::string& path, const TopologyCounts& counts, const LogReadOptions& options) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return read_log_text(read_text_file(path, "a CSV log"), path, counts, options);
+  std::vector<std::string> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
+    if (entry.path().extension() == ".csv") files.push_back(entry.path().string());
+  }
+  std::sort(files.begin(), files.end());
+  if (files.empty()) {
+    throw InputError(path, "a directory without *.csv", "log files", "give the directory that the daemon logs to");
+  }
+  Log all = read_log_text(read_text_file(files.front(), "a CSV log"), files.front(), counts, options);
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    append_log(all, read_log_text(read_text_file(files[i], "a CSV log"), files[i], counts, options), files[i]);
+  }
+  return all;
+}
+
+}  // namespace airside::hal

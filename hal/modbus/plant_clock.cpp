@@ -1,0 +1,106 @@
+#include "hal/modbus/plant_clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "hal/points/register_codec.hpp"
+
+namespace airside::hal {
+namespace {
+
+constexpr std::int64_t slice_ns = 100'000'000;
+
+std::int64_t utc_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+}
+
+/// Of standard time, also while daylight saving is in force.
+int machine_utc_offset_s() {
+  tzset();
+  return static_cast<int>(-timezone);
+}
+
+}  // namespace
+
+bool sleep_until_ns(std::int64_t deadline_ns, const StopFlag& stop) {
+  while (!stop.raised()) {
+    const std::int64_t left = deadline_ns - monotonic_ns();
+    if (left <= 0) return true;
+    const timespec slice = {0, static_cast<long>(std::min(left, slice_ns))};
+    nanosleep(&slice, nullptr);
+  }
+  return false;
+}
+
+SystemClock::SystemClock(StopFlag stop, std::optional<int> utc_offset_s, double speed)
+    : stop_(stop),
+      utc_offset_s_(utc_offset_s ? *utc_offset_s : machine_utc_offset_s()),
+      speed_(speed),
+      began_wall_ns_(utc_ns()),
+      began_ns_(monotonic_ns()) {
+  constexpr std::int64_t day_ns = 86'400'000'000'000;
+  began_ns_ -= began_wall_ns_ % day_ns;  // hastens from the day's beginning: one that starts later agrees
+  began_wall_ns_ -= began_wall_ns_ % day_ns;
+}
+
+std::int64_t SystemClock::site_ns() const {
+  const std::int64_t offset_ns = std::int64_t{utc_offset_s_} * 1'000'000'000;
+  if (speed_ == 1.0) return utc_ns() + offset_ns;
+  return began_wall_ns_ + offset_ns + std::llround(static_cast<double>(monotonic_ns() - began_ns_) * speed_);
+}
+
+CivilTime SystemClock::now() const { return CivilTime{site_ns() / 1'000'000'000}; }
+
+ModbusPlantClock::ModbusPlantClock(const PointMap& map, ModbusLink& link, StopFlag stop, double stall_s)
+    : clock_(map.at("clock_s")), advance_(map.at("clock_advance_s")), link_(&link), stop_(stop), stall_s_(stall_s) {}
+
+bool ModbusPlantClock::read_clock() {
+  std::array<std::uint16_t, 2> words{};
+  if (!link_->read(clock_.fc, clock_.addr, words)) return false;
+  const Expected<double> seconds = decode(clock_, words);
+  if (!seconds) return false;
+  last_ = CivilTime{clock_epoch.seconds + std::llround(*seconds)};
+  return true;
+}
+
+bool ModbusPlantClock::request(CivilTime t) {
+  const auto registers = encode(advance_, static_cast<double>(t.seconds - clock_epoch.seconds));
+  return registers && link_->write(advance_.fc_write, advance_.addr, registers->used()).has_value();
+}
+
+CivilTime ModbusPlantClock::now() {
+  read_clock();
+  return last_;
+}
+
+bool ModbusPlantClock::sleep_until(CivilTime t) {
+  stalled_ = false;
+  CivilTime seen = last_;
+  std::int64_t give_up_ns = monotonic_ns() + to_ns(stall_s_);
+  std::int64_t pause_ns = 500'000;
+  bool requested = false;
+  std::uint64_t generation = link_->generation();
+  while (!stop_.raised()) {
+    if (!requested || generation != link_->generation()) {
+      requested = request(t);  // again after a reconnect: the server may be a new one
+      generation = link_->generation();
+    }
+    if (read_clock() && last_ >= t) return true;
+    if (last_ != seen) {
+      seen = last_;
+      give_up_ns = monotonic_ns() + to_ns(stall_s_);
+    }
+    if (monotonic_ns() >= give_up_ns) {
+      stalled_ = true;
+      return false;
+    }
+    if (!sleep_until_ns(monotonic_ns() + pause_ns, stop_)) return false;
+    pause_ns = std::min(2 * pause_ns, slice_ns);
+  }
+  return false;
+}
+
+}  // namespace airside::hal

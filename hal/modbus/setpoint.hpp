@@ -1,0 +1,60 @@
+#pragma once
+// Writes one point and finds out what the device made of it.
+
+#include <limits>
+
+#include "airside/fault.hpp"
+#include "hal/modbus/link.hpp"
+#include "hal/points/point_map.hpp"
+
+namespace airside::hal {
+
+class ModbusSetpoint {
+ public:
+  /// `settle_s`: how long the read-back may lag behind the write, s; [0, 10].
+  /// Errors: InputError where the map has no such writable point.
+  ModbusSetpoint(const PointMap& map, std::string_view name, double settle_s = 0.0);
+
+  /// Writes `value` unless the policy is on-change and the device already holds it, then reads back.
+  /// A value is chosen one step from what the caller believes to stand there: what the last write() returned, or what
+  /// saw() was told since. After neither, what stands is read and returned and nothing is written; where it cannot be
+  /// read, the last value that was sent is sent again in the place of `value`, so that each step begins at a known one.
+  /// What stood there without having been sent is never sent: it may lie outside all limits, or be a person's.
+  /// Nothing is written on another connection than `generation`.
+  /// Where the device refuses, the other function (6 or 16) is tried once, and kept where it works.
+  /// Returns the value read back, or the rounded value where nothing can be read back.
+  /// Errors: write_refused where the device answered with exception 1 to 4; not_applied for a value that the point
+  /// cannot hold or that is outside its limits, a lost link, or a read-back that is no number.
+  /// Cost: at most 4 exchanges and settle_s; no heap.
+  Expected<double> write(ModbusLink& link, double value, std::uint64_t generation);
+  /// What a reading has shown to stand there; NaN where it did not.
+  void saw(double standing);
+
+  /// Where the value taken is read; nullptr for a point that cannot be read back.
+  const Point* readback() const { return has_readback_ ? &readback_ : nullptr; }
+  const Point& point() const { return point_; }
+  /// Writes that reached the bus, for registers that wear out.
+  std::uint64_t writes() const { return writes_; }
+
+ private:
+  Expected<double> try_to_write(ModbusLink& link, double value, std::uint64_t generation);
+  Expected<double> read_back(ModbusLink& link) const;
+  LinkResult<void> send(ModbusLink& link, std::span<const std::uint16_t> words, std::uint64_t generation);
+  Expected<double> confirm(ModbusLink& link, double wish);
+  bool same(double a, double b) const;
+
+  Point point_, readback_;
+  bool has_readback_ = false;
+  double settle_s_;
+  int function_;
+  bool alternate_tried_ = false;
+  double last_written_ = std::numeric_limits<double>::quiet_NaN();
+  double sent_ = std::numeric_limits<double>::quiet_NaN();       ///< by write(), and stood there when last seen
+  double unsettled_ = std::numeric_limits<double>::quiet_NaN();  ///< sent since, and nobody knows whether it was taken
+  bool told_ = false;                                            ///< the last write() returned a value
+  bool seen_ = false;                                            ///< the last saw() did
+  std::uint64_t last_generation_ = 0;
+  std::uint64_t writes_ = 0;
+};
+
+}  // namespace airside::hal

@@ -1,0 +1,298 @@
+#include "hal/points/point_map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <optional>
+
+#include "hal/points/point_row.hpp"
+
+namespace airside::hal {
+namespace {
+
+constexpr std::size_t max_file_bytes = std::size_t{1} << 20;
+constexpr std::size_t max_points = 2000;
+
+constexpr std::array<SignalKind, 5> placed_kinds = {SignalKind::room_temp, SignalKind::fcu_temp, SignalKind::vav_on,
+                                                    SignalKind::fcu_on, SignalKind::power};
+
+/// Name and unit of the points that are no signals.
+struct KnownPoint {
+  const char* name;
+  const char* unit;
+};
+constexpr std::array<KnownPoint, 10> single_points = {{{"mau_temp", "degc"},
+                                                       {"outdoor_temp", "degc"},
+                                                       {"rain", ""},
+                                                       {"setpoint", "degc"},
+                                                       {"supply_temp", "degc"},
+                                                       {"clock_s", "s"},
+                                                       {"clock_advance_s", "s"},
+                                                       {"heartbeat", ""},
+                                                       {"device_heartbeat", ""},
+                                                       {"map_fingerprint", ""}}};
+
+struct PlacedName {
+  SignalKind kind;
+  int place;
+};
+
+/// `room_temp_3` as kind and place; nothing for names that are no placed signal.
+std::optional<PlacedName> placed(std::string_view name) {
+  for (const SignalKind kind : placed_kinds) {
+    const std::string stem = std::string(text_of(kind).name) + "_";
+    if (!name.starts_with(stem)) continue;
+    const std::string_view digits = name.substr(stem.size());
+    int place = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), place);
+    if (error == std::errc{} && end == digits.data() + digits.size()) return PlacedName{kind, place};
+  }
+  return std::nullopt;
+}
+
+/// The unit that lib expects of a point, nullptr where any will do.
+const char* expected_unit(std::string_view name) {
+  if (const auto p = placed(name)) return text_of(p->kind).unit;
+  for (const KnownPoint& known : single_points) {
+    if (name == known.name) return known.unit;
+  }
+  return nullptr;
+}
+
+void check_unit(const PointRow& row, const Point& p) {
+  const char* expected = expected_unit(p.name);
+  if (expected == nullptr || p.unit == expected) return;
+  const std::string remedy = "convert with scale and offset (0.5556 and -17.78 turn degF into degc)";
+  row.complain("unit", p.unit.empty() ? "an empty cell" : "\"" + p.unit + "\"",
+               expected[0] == '\0' ? "an empty cell, since " + p.name + " is a pure number"
+                                   : fmt::format("\"{}\" for {}", expected, p.name),
+               remedy);
+}
+
+void check_known_point(const PointRow& row, const Point& p) {
+  check_unit(row, p);
+  if (p.name == "setpoint" && !p.writable()) {
+    row.complain("fc_write", "an empty cell", "5, 6 or 16, since the setpoint is what gets written",
+                 "give fc_write and write_policy");
+  }
+  if (p.name == "clock_advance_s" && !p.writable()) {
+    row.complain("fc_write", "an empty cell", "16, since the clock request is written",
+                 "give fc_write and write_policy");
+  }
+  if ((p.name == "clock_s" || p.name == "clock_advance_s") && p.type != PointType::int32) {
+    row.complain("type", "\"" + row["type"] + "\"", "int32, seconds since 2000-01-01 00:00", "correct type");
+  }
+}
+
+void check_duplicates(const std::vector<Point>& points, std::string_view file) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Point &p = points[i], &q = points[j];
+      if (p.name == q.name) {
+        throw InputError(fmt::format("{}:{}, column name", file, p.line),
+                         fmt::format("\"{}\" again, first on line {}", p.name, q.line), "each name once",
+                         "rename or remove one of the two rows");
+      }
+      if (p.fc == q.fc && p.addr < q.addr + q.width() && q.addr < p.addr + p.width()) {
+        throw InputError(fmt::format("{}:{}, column addr", file, p.line),
+                         fmt::format("fc {} addr {}..{}, which overlaps {} at {}..{} (line {})", p.fc, p.addr,
+                                     p.addr + p.width() - 1, q.name, q.addr, q.addr + q.width() - 1, q.line),
+                         "each register in one point", "correct one of the two addresses or types");
+      }
+    }
+  }
+}
+
+void check_readbacks(const PointMap& map, const std::vector<Point>& points) {
+  for (const Point& p : points) {
+    if (p.readback == "self" || p.readback == "none") continue;
+    const Point* target = map.find(p.readback);
+    if (target != nullptr && target != &p && target->readable() && target->unit == p.unit) continue;
+    throw InputError(fmt::format("{}:{}, column readback", map.file(), p.line), "\"" + p.readback + "\"",
+                     "self, none, or another point of the map that can be read and has the same unit",
+                     "name the point that shows what the device took");
+  }
+}
+
+/// Position in the file of each of point_columns.
+std::array<std::size_t, point_columns.size()> read_header(const std::vector<std::string>& cells, std::string_view file,
+                                                          int line) {
+  std::array<std::size_t, point_columns.size()> position{};
+  position.fill(cells.size());
+  const std::string place = fmt::format("{}:{}, header", file, line);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const auto known = std::ranges::find_if(point_columns, [&](const char* name) { return cells[i] == name; });
+    if (known == point_columns.end()) {
+      throw InputError(place, "column \"" + cells[i].substr(0, 60) + "\"",
+                       fmt::format("only {}", fmt::join(point_columns, ", ")), "correct or remove the column");
+    }
+    std::size_t& at = position[static_cast<std::size_t>(known - point_columns.begin())];
+    if (at != cells.size())
+      throw InputError(place, "column \"" + cells[i] + "\" twice", "each column once", "remove one");
+    at = i;
+  }
+  for (std::size_t i = 0; i < point_columns.size(); ++i) {
+    if (position[i] == cells.size()) {
+      throw InputError(place, fmt::format("no column \"{}\"", point_columns[i]),
+                       fmt::format("all of {}", fmt::join(point_columns, ", ")),
+                       "add the column; its cells may be empty where nothing applies");
+    }
+  }
+  return position;
+}
+
+std::uint64_t fnv1a(std::uint64_t hash, std::string_view text) {
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3ULL;
+  return hash;
+}
+
+}  // namespace
+
+std::string point_name(SignalId id) {
+  const char* stem = text_of(id.kind).name;
+  return id.place == 0 ? std::string(stem) : fmt::format("{}_{}", stem, id.place);
+}
+
+PointMap PointMap::load(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) {
+    throw InputError(path, std::string("no readable file (") + std::strerror(errno) + ")", "a point map in CSV",
+                     "check the path, or start from the one that `airside init` writes");
+  }
+  std::string text(max_file_bytes + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.bad() || (in.fail() && !in.eof())) {
+    throw InputError(path, "a read error", "a regular file", "check the path and the disk");
+  }
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return parse(text, path);
+}
+
+PointMap PointMap::parse(std::string_view text, std::string file) {
+  if (text.size() > max_file_bytes) {
+    throw InputError(file, fmt::format("more than {} bytes", max_file_bytes), "a point map of at most 1 MiB",
+                     "check that this is the right file");
+  }
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  PointMap map;
+  map.file_ = std::move(file);
+  std::array<std::size_t, point_columns.size()> position{};
+  std::size_t columns = 0;
+  for (int line = 1; !text.empty(); ++line) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view content = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    while (!content.empty() && (content.back() == '\r' || content.back() == ' ')) content.remove_suffix(1);
+    if (content.empty() || content.front() == '#') continue;
+    if (content.find('\0') != std::string_view::npos) {
+      throw InputError(fmt::format("{}:{}", map.file_, line), "a NUL byte", "plain text", "save the file as UTF-8 CSV");
+    }
+    const std::vector<std::string> cells = split_csv_line(content, map.file_, line);
+    if (columns == 0) {
+      position = read_header(cells, map.file_, line);
+      columns = cells.size();
+      continue;
+    }
+    if (cells.size() != columns) {
+      throw InputError(fmt::format("{}:{}", map.file_, line), fmt::format("{} cells", cells.size()),
+                       fmt::format("{} as in the header", columns),
+                       "add the missing commas, quote cells that hold one");
+    }
+    if (map.points_.size() == max_points) {
+      throw InputError(fmt::format("{}:{}", map.file_, line), fmt::format("more than {} points", max_points),
+                       "a map of one AHU", "leave out what the controller does not use");
+    }
+    PointRow row{map.file_, line, {}};
+    for (std::size_t i = 0; i < row.cell.size(); ++i) row.cell[i] = cells[position[i]];
+    map.points_.push_back(parse_point(row));
+    check_known_point(row, map.points_.back());
+  }
+  if (map.points_.empty()) {
+    throw InputError(map.file_, columns == 0 ? "no header row" : "no points", "a header row and at least one point",
+                     "start from the one that `airside init` writes");
+  }
+  check_duplicates(map.points_, map.file_);
+  check_readbacks(map, map.points_);
+  return map;
+}
+
+int PointMap::index_of(std::string_view name) const {
+  const auto at = std::ranges::find(points_, name, &Point::name);
+  return at == points_.end() ? -1 : static_cast<int>(at - points_.begin());
+}
+
+const Point* PointMap::find(std::string_view name) const {
+  const int index = index_of(name);
+  return index < 0 ? nullptr : &points_[static_cast<std::size_t>(index)];
+}
+
+const Point& PointMap::at(std::string_view name) const {
+  const Point* point = find(name);
+  if (point == nullptr) {
+    throw InputError(file_, fmt::format("no point \"{}\"", name), "a row for it",
+                     "add the row with its address, type, scale and limits");
+  }
+  return *point;
+}
+
+std::vector<std::string> PointMap::extras() const {
+  std::vector<std::string> names;
+  for (const Point& p : points_) {
+    if (expected_unit(p.name) == nullptr) names.push_back(p.name);
+  }
+  return names;
+}
+
+std::uint64_t PointMap::fingerprint() const {
+  std::vector<const Point*> sorted;
+  for (const Point& p : points_) sorted.push_back(&p);
+  std::ranges::sort(sorted, {}, [](const Point* p) -> const std::string& { return p->name; });
+  std::uint64_t hash = 0xCBF29CE484222325ULL;
+  for (const Point* p : sorted) {
+    hash = fnv1a(
+        hash, fmt::format("{}|{}|{}|{}|{}|{}|{}|{:.17g}|{:.17g}|{:.17g}|{:.17g}|{:.17g}|{:.17g}|{:x}|{}|{}|"
+                          "{:.17g}|{}\n",
+                          p->name, p->unit, p->fc, p->addr, static_cast<int>(p->type), static_cast<int>(p->byte_order),
+                          static_cast<int>(p->word_order), p->scale, p->offset, p->min, p->max, p->max_rate_per_min,
+                          p->stale_s, fmt::join(p->sentinel.begin(), p->sentinel.begin() + p->sentinels, " "),
+                          static_cast<int>(p->write_policy), p->fc_write, p->default_value, p->readback));
+  }
+  return hash;
+}
+
+double PointMap::told_fingerprint() const {
+  const Point* point = find("map_fingerprint");
+  if (point != nullptr && std::isfinite(point->default_value)) return point->default_value;
+  return static_cast<double>(fingerprint() & 0xFFFFFFFFU);
+}
+
+void PointMap::check_topology(int vavs, int fcus, int powers) const {
+  const std::array<int, placed_kinds.size()> counts = {vavs, fcus, vavs, fcus, powers};
+  for (std::size_t k = 0; k < placed_kinds.size(); ++k) {
+    for (int place = 1; place <= counts[k]; ++place) at(point_name({placed_kinds[k], place}));
+  }
+  for (const char* name : {"mau_temp", "outdoor_temp", "rain", "setpoint"}) at(name);
+  if (const Point& setpoint = at("setpoint"); !setpoint.readable() && find("supply_temp") == nullptr) {
+    throw InputError(fmt::format("{}:{}, column readback", file_, setpoint.line),
+                     "a setpoint that cannot be read back, and no point supply_temp",
+                     "one of the two, so that somebody sees whether the AHU follows",
+                     "add supply_temp, or name the point that shows the setpoint taken");
+  }
+  for (const Point& p : points_) {
+    const auto name = placed(p.name);
+    if (!name) continue;
+    const auto k = static_cast<std::size_t>(std::ranges::find(placed_kinds, name->kind) - placed_kinds.begin());
+    if (name->place >= 1 && name->place <= counts[k]) continue;
+    throw InputError(fmt::format("{}:{}, column name", file_, p.line), "\"" + p.name + "\"",
+                     fmt::format("{}_1 to {}_{} in a room of {} VAV, {} FCU, {} power meters", text_of(name->kind).name,
+                                 text_of(name->kind).name, counts[k], vavs, fcus, powers),
+                     "choose the topology that fits the room, or remove the row");
+  }
+}
+
+}  // namespace airside::hal

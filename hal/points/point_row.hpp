@@ -1,0 +1,38 @@
+#pragma once
+// One row of points.csv on its way to a Point: cells by column name, each complaint with its place.
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/points/point_map.hpp"
+
+namespace airside::hal {
+
+/// The columns of points.csv; a file may order them as it likes.
+constexpr std::array<const char*, 18> point_columns = {
+    "name", "unit", "fc",       "addr",    "type",     "byte_order",   "word_order", "scale",   "offset",
+    "min",  "max",  "max_rate", "stale_s", "sentinel", "write_policy", "fc_write",   "default", "readback"};
+
+/// A row's cells in the order of point_columns, trimmed.
+struct PointRow {
+  std::string_view file;
+  int line = 0;
+  std::array<std::string, point_columns.size()> cell;
+
+  /// Errors: InputError at file:line, the column.
+  [[noreturn]] void complain(const char* column, std::string found, std::string expected, std::string remedy) const;
+  const std::string& operator[](std::string_view column) const;
+};
+
+/// Splits one line of CSV; quotes may enclose commas, a doubled quote is a quote.
+/// Errors: InputError where a quote is left open or text follows a closing quote.
+std::vector<std::string> split_csv_line(std::string_view line, std::string_view file, int line_number);
+
+/// Checks everything a row can say about itself and makes the Point.
+/// Errors: InputError at file:line, column.
+Point parse_point(const PointRow& row);
+
+}  // namespace airside::hal

@@ -1,0 +1,90 @@
+#include "hal/site/site_file.hpp"
+
+namespace airside::hal {
+
+std::string example_site_text(const std::string& topology) {
+  return "# Site file of one room with its air handling unit. Paths are relative to this file.\n"
+         "# `airside check site.toml` says whether it is right.\n"
+         "\n"
+         "[site]\n"
+         "name = \"Room 301\"\n"
+         "topology = \"" +
+         topology +
+         "\"  # how many VAV boxes, fan coil units, power meters\n"
+         "scope = \"Room 301\"              # weight blobs for this scope are taken\n"
+         R"(
+[target]
+room_temp_degc = 25.25   # mean of the rooms to hold, degC
+work_start = "07:00"     # local time; standard time unless daylight_saving is set
+work_end = "19:00"
+weekday_only = false     # true: Saturday and Sunday are days off
+
+[setpoint]               # supply-air temperature setpoint
+min_degc = 20.0          # the controller chooses from min to max
+max_degc = 26.0
+step_k = 0.1
+max_change_k = 4.5       # largest change from one 18-min cycle to the next
+round_k = 0.01           # resolution of what is written
+
+[expert]                 # the schedule that the room had before, and falls back to
+work_degc = 20.5         # in working hours
+off_degc = 25.0          # outside
+
+[controller]
+preset = "product"       # product, or paper: the printed method, but it acts before it learns, and ladder and safety limits stay
+seed = 1                 # of the random generator
+
+[controller.override]    # a controller setting that has no key above, by name, such as
+# move_penalty = 0.1
+
+[modbus]                 # leave this table out for a room that is only simulated
+transport = "tcp"        # tcp or rtu
+host = "127.0.0.1"       # tcp
+port = 502
+device = "/dev/ttyUSB0"  # rtu
+baud = 19200
+parity = "E"             # N, E or O
+unit_id = 1
+deadline_s = 5.0         # one exchange is over after so long
+heartbeat_s = 20.0       # between two beats; the AHU should take over after three that are missing
+points = "points.csv"    # the point map
+
+[clock]
+source = "system"        # system, or plant: the time that a simulated plant tells
+daylight_saving = "none" # none, eu or us: the schedule follows people's clocks; rows and logs never shift
+utc_offset_h = 0.0       # of standard time, hours east; "eu" needs it
+
+[state]
+dir = "state"            # what survives a power cut
+
+[log]
+dir = "log"              # one CSV file a day
+max_files = 40           # the oldest is removed
+max_file_mb = 8.0
+
+[history]
+log = ""                 # CSV log of days under the schedule, remembered when the box starts from a blob
+
+[weights]
+blob = ""                # weight blob to start with
+keys = "keys"            # folder of public keys (*.pub) whose pushed weights are taken
+
+[inbox]
+dir = "inbox"            # where `airside push`, a copied file or a stick's content arrive
+
+[page]                   # airside-page, a program of its own: status and weights over HTTP
+listen = "127.0.0.1"     # the address of a network card opens it to that network; then TLS is needed
+port = 8350
+names = []               # host names that people may call it by, such as ["ahu-3.example.org"]
+tls_cert = ""            # PEM files
+tls_key = ""
+
+# A model of the building, for training before anything is installed:
+# [twin]
+# model = "twin.epJSON"  # or "rc"
+# patches = ["room301.json"]
+# weather = "site.epw"
+)";
+}
+
+}  // namespace airside::hal

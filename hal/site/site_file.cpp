@@ -1,0 +1,308 @@
+#include "hal/site/site_file.hpp"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <regex>
+#include <span>
+
+#include "airside/crc32c.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/text/text_file.hpp"
+#include "hal/text/toml_section.hpp"
+
+namespace airside::hal {
+namespace {
+
+/// Settings that have a key of their own; an override of them would be a second truth.
+struct OwnKey {
+  const char* setting;
+  const char* key;
+};
+constexpr OwnKey own_keys[] = {
+    {"target_degc", "room_temp_degc in [target]"},
+    {"work_start_h", "work_start in [target]"},
+    {"work_end_h", "work_end in [target]"},
+    {"weekday_only", "weekday_only in [target]"},
+    {"daylight_saving", "daylight_saving in [clock]"},
+    {"utc_offset_h", "utc_offset_h in [clock]"},
+    {"action_min_degc", "min_degc in [setpoint]"},
+    {"action_max_degc", "max_degc in [setpoint]"},
+    {"action_step_k", "step_k in [setpoint]"},
+    {"limit_change_k", "max_change_k in [setpoint]"},
+    {"round_k", "round_k in [setpoint]"},
+    {"expert_work_degc", "work_degc in [expert]"},
+    {"expert_off_degc", "off_degc in [expert]"},
+};
+
+/// `path` as seen from the folder of the site file.
+std::string resolved(const std::string& path, const std::string& site_path) {
+  if (path.empty()) return path;
+  const std::filesystem::path p(path);
+  if (p.is_absolute()) return path;
+  return (std::filesystem::path(site_path).parent_path() / p).lexically_normal().string();
+}
+
+[[noreturn]] void refuse_topology(const TomlSection& site, const std::string& name, const SiteRules& rules) {
+  std::string known;
+  for (const std::string& topology : rules.topologies) known += (known.empty() ? "" : ", ") + topology;
+  static const std::regex shape_of(R"((\d{1,2})vav-(\d{1,2})fcu-(\d{1,2})power)");
+  std::smatch counts;
+  const bool shape = std::regex_match(name, counts, shape_of) && counts[1] != "0";
+  std::string remedy;
+  if (shape) {
+    const std::string vavs = counts[1], fcus = counts[2], powers = counts[3];
+    remedy = "for this room add `struct Room" + vavs + "x" + fcus + "x" + powers + "` with vavs = " + vavs +
+             ", fcus = " + fcus + ", powers = " + powers + ", name = \"" + name +
+             "\" to lib/airside/topology.hpp, and that struct's name to the CMake list AIRSIDE_TOPOLOGIES, then "
+             "build again";
+  } else {
+    const std::string near = nearest_name(name, rules.topologies);
+    remedy = (near.empty() ? std::string("choose one of them") : "did you mean \"" + near + "\"?") +
+             " A room of another shape is written like 6vav-2fcu-1power and needs an entry in the CMake list "
+             "AIRSIDE_TOPOLOGIES";
+  }
+  throw InputError(site.place("topology"), site.found("topology"), "one of " + known, remedy);
+}
+
+/// A name as a scope: one that is too long keeps its beginning and becomes its own by a checksum of the whole.
+std::string short_scope(const std::string& name, std::size_t most) {
+  if (name.size() <= most) return name;
+  return fmt::format("{}-{:08x}", name.substr(0, most - 9), crc32c(std::as_bytes(std::span(name))));
+}
+
+void read_site(TomlSection root, SiteFile& out, const SiteRules& rules) {
+  if (!root.present()) {
+    throw InputError(out.path + ": site", "nothing", "a table [site] with name and topology",
+                     "start from the file that `airside init` writes");
+  }
+  out.name = root.required_text("name", "Room 301");
+  for (const char c : out.name) {
+    const auto u = static_cast<unsigned char>(c);
+    if (u < 0x20 || c == '<' || c == '>' || c == '&' || c == '"') {
+      throw InputError(root.place("name"), root.found("name"), "a name without control characters, <, >, & and quotes",
+                       "use letters, digits, spaces and - . , _ / ( )");
+    }
+  }
+  if (out.name.size() > 64) {
+    throw InputError(root.place("name"), std::to_string(out.name.size()) + " bytes", "at most 64", "shorten the name");
+  }
+  out.topology = root.required_text("topology", rules.topologies.empty() ? "5vav-5fcu-2power" : rules.topologies[0]);
+  bool known = false;
+  for (const std::string& topology : rules.topologies) known = known || topology == out.topology;
+  if (!known) refuse_topology(root, out.topology, rules);
+  constexpr std::size_t scope_bytes = 32;  // as a blob's header has them
+  out.scope = root.text("scope", short_scope(out.name, scope_bytes));
+  if (out.scope.size() > scope_bytes) {
+    throw InputError(root.place("scope"), std::to_string(out.scope.size()) + " bytes",
+                     "at most " + std::to_string(scope_bytes), "shorten the scope");
+  }
+  root.refuse_unknown_keys();
+}
+
+void read_target(TomlSection root, SiteFile& out) {
+  out.room_temp_degc = root.number("room_temp_degc", out.room_temp_degc, 10, 40, "degC");
+  out.work_start_s = root.time_of_day("work_start", out.work_start_s);
+  out.work_end_s = root.time_of_day("work_end", out.work_end_s);
+  out.weekday_only = root.flag("weekday_only", out.weekday_only);
+  if (out.work_start_s >= out.work_end_s) {
+    const char* key = root.has("work_end") ? "work_end" : "work_start";
+    throw InputError(root.place(key), root.found(key), "work_start before work_end on the same day",
+                     "exchange the two, or split a night shift at midnight");
+  }
+  root.refuse_unknown_keys();
+}
+
+void read_setpoint(TomlSection root, SiteFile& out) {
+  out.setpoint_min_degc = root.number("min_degc", out.setpoint_min_degc, 5, 40, "degC");
+  out.setpoint_max_degc = root.number("max_degc", out.setpoint_max_degc, 5, 40, "degC");
+  out.setpoint_step_k = root.number("step_k", out.setpoint_step_k, 0.05, 2, "K");
+  out.setpoint_max_change_k = root.number("max_change_k", out.setpoint_max_change_k, 0.01, 20, "K");
+  out.setpoint_round_k = root.number("round_k", out.setpoint_round_k, 0.001, 1, "K");
+  if (out.setpoint_min_degc >= out.setpoint_max_degc) {
+    const char* key = root.has("max_degc") ? "max_degc" : "min_degc";
+    throw InputError(root.place(key), root.found(key), "min_degc below max_degc", "exchange the two values");
+  }
+  root.refuse_unknown_keys();
+}
+
+void read_expert(TomlSection root, SiteFile& out) {
+  out.expert_work_degc = root.number("work_degc", out.expert_work_degc, 5, 40, "degC");
+  out.expert_off_degc = root.number("off_degc", out.expert_off_degc, 5, 40, "degC");
+  root.refuse_unknown_keys();
+}
+
+void read_controller(TomlSection root, SiteFile& out, const SiteRules& rules) {
+  out.preset = static_cast<ControllerPreset>(root.choice("preset", {"product", "paper"}, 0));
+  out.seed = static_cast<std::uint64_t>(root.whole("seed", 1, 0, std::numeric_limits<std::int64_t>::max()));
+  TomlSection override_table = root.section("override");
+  std::vector<std::string> names;
+  for (const SettingRule& rule : rules.settings) names.push_back(rule.name);
+  for (const std::string& key : override_table.take_all_keys()) {
+    for (const OwnKey& own : own_keys) {
+      if (key != own.setting) continue;
+      throw InputError(override_table.place(key), "an override of `" + key + "`",
+                       std::string("only settings without a key of their own"), std::string("set ") + own.key);
+    }
+    const SettingRule* rule = nullptr;
+    for (const SettingRule& r : rules.settings) {
+      if (r.name == key) rule = &r;
+    }
+    if (rule == nullptr && !rules.settings.empty()) {
+      const std::string near = nearest_name(key, names);
+      throw InputError(override_table.place(key), "an unknown setting `" + key + "`", "a setting of the controller",
+                       near.empty() ? "remove it" : "did you mean `" + near + "`?");
+    }
+    constexpr double huge = std::numeric_limits<double>::max();
+    out.overrides[key] = override_table.number(key, rule ? rule->default_value : 0, rule ? rule->min : -huge,
+                                               rule ? rule->max : huge, "");
+  }
+  root.refuse_unknown_keys();
+}
+
+void read_modbus(TomlSection root, SiteFile& out) {
+  if (!root.present()) return;
+  ModbusSection m;
+  m.transport = static_cast<ModbusTransport>(root.choice("transport", {"tcp", "rtu"}, 0));
+  const bool tcp = m.transport == ModbusTransport::tcp;
+  m.host = tcp ? root.required_text("host", "192.168.1.20") : root.text("host", "");
+  m.port = static_cast<int>(root.whole("port", m.port, 1, 65535));
+  m.device = tcp ? root.text("device", "") : root.required_text("device", "/dev/ttyUSB0");
+  m.baud = static_cast<int>(root.whole("baud", m.baud, 1200, 921600));
+  m.parity = "NEO"[root.choice("parity", {"N", "E", "O"}, 1)];
+  m.unit_id = static_cast<int>(root.whole("unit_id", m.unit_id, tcp ? 0 : 1, 247));  // 0 is broadcast there
+  m.deadline_s = root.number("deadline_s", m.deadline_s, 0.1, 10, "s");
+  m.heartbeat_s = root.number("heartbeat_s", m.heartbeat_s, 5, 360, "s");
+  m.points = resolved(root.text("points", "points.csv"), out.path);
+  root.refuse_unknown_keys();
+  out.modbus = m;
+}
+
+void read_twin(TomlSection root, SiteFile& out) {
+  if (!root.present()) return;
+  TwinSection twin;
+  twin.model = root.required_text("model", "twin.epJSON");
+  if (twin.model != "rc") twin.model = resolved(twin.model, out.path);
+  for (const std::string& patch : root.text_list("patches")) twin.patches.push_back(resolved(patch, out.path));
+  twin.weather = resolved(root.text("weather", ""), out.path);
+  root.refuse_unknown_keys();
+  out.twin = twin;
+}
+
+void read_folders(TomlSection& root, SiteFile& out) {
+  TomlSection clock = root.section("clock");
+  out.clock = static_cast<ClockSource>(clock.choice("source", {"system", "plant"}, 0));
+  out.daylight_saving = static_cast<int>(clock.choice("daylight_saving", {"none", "eu", "us"}, 0));
+  out.utc_offset_h = clock.number("utc_offset_h", out.utc_offset_h, -12, 14, "h");
+  clock.refuse_unknown_keys();
+  TomlSection state = root.section("state");
+  out.state_dir = resolved(state.text("dir", "state"), out.path);
+  state.refuse_unknown_keys();
+  TomlSection log = root.section("log");
+  out.log_dir = resolved(log.text("dir", "log"), out.path);
+  out.log_max_files = static_cast<int>(log.whole("max_files", out.log_max_files, 2, 4000));
+  out.log_max_file_mb = log.number("max_file_mb", out.log_max_file_mb, 0.1, 1000, "MB");
+  log.refuse_unknown_keys();
+  TomlSection history = root.section("history");
+  out.history_log = resolved(history.text("log", ""), out.path);
+  history.refuse_unknown_keys();
+  TomlSection weights = root.section("weights");
+  out.weights_blob = resolved(weights.text("blob", ""), out.path);
+  out.keys_dir = resolved(weights.text("keys", "keys"), out.path);
+  weights.refuse_unknown_keys();
+  TomlSection inbox = root.section("inbox");
+  out.inbox_dir = resolved(inbox.text("dir", "inbox"), out.path);
+  inbox.refuse_unknown_keys();
+  if (out.inbox_dir == out.state_dir && !out.state_dir.empty()) {  // where weights.blob is given out, not pushed
+    throw InputError(inbox.place("dir"), inbox.found("dir") + ", which is [state] dir", "a folder of its own",
+                     "name another");
+  }
+}
+
+enum class Address : std::uint8_t { none, loopback, other };
+
+Address kind_of_address(const std::string& text) {
+  in_addr four{};
+  in6_addr six{};
+  if (::inet_pton(AF_INET, text.c_str(), &four) == 1) {
+    return ntohl(four.s_addr) >> 24 == 127 ? Address::loopback : Address::other;
+  }
+  if (::inet_pton(AF_INET6, text.c_str(), &six) != 1) return Address::none;
+  return IN6_IS_ADDR_LOOPBACK(&six) ? Address::loopback : Address::other;
+}
+
+bool is_host_name(const std::string& text) {
+  const bool letters = std::ranges::all_of(
+      text, [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '.'; });
+  return !text.empty() && text.size() <= 253 && letters && text.front() != '.' && text.back() != '.';
+}
+
+void read_page(TomlSection root, SiteFile& out) {
+  PageSection& page = out.page;
+  page.listen = root.text("listen", page.listen);
+  const Address kind = kind_of_address(page.listen);
+  if (kind == Address::none) {
+    throw InputError(root.place("listen"), root.found("listen"), "a numeric address such as 127.0.0.1 or 192.168.1.30",
+                     "give the address of the network card that people reach, or leave it out");
+  }
+  page.port = static_cast<int>(root.whole("port", page.port, 0, 65535));
+  page.names = root.text_list("names");
+  for (const std::string& name : page.names) {
+    if (is_host_name(name)) continue;
+    throw InputError(root.place("names"), "\"" + name.substr(0, 40) + "\"",
+                     "host names in small letters, such as \"ahu-3.example.org\"", "leave scheme and port out");
+  }
+  page.tls_cert = resolved(root.text("tls_cert", ""), out.path);
+  page.tls_key = resolved(root.text("tls_key", ""), out.path);
+  if (page.tls_cert.empty() != page.tls_key.empty()) {
+    const char* missing = page.tls_cert.empty() ? "tls_cert" : "tls_key";
+    throw InputError(root.place(missing), "nothing", "certificate and key together", "name both PEM files, or none");
+  }
+  if (kind == Address::other && page.tls_cert.empty()) {
+    throw InputError(root.place("listen"), root.found("listen"),
+                     "a loopback address, since without tls_cert and tls_key everybody on the way reads along",
+                     "name both PEM files, or listen on 127.0.0.1 and come by ssh -L");
+  }
+  root.refuse_unknown_keys();
+}
+
+}  // namespace
+
+SiteFile parse_site_text(std::string_view text, const std::string& path, const SiteRules& rules) {
+  if (text.find('\0') != std::string_view::npos) {
+    throw InputError(path + ":1:1", "bytes that are not text", "a site file in TOML", "give the site's .toml file");
+  }
+  toml::table table;
+  try {
+    table = toml::parse(text, path);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position at = error.source().begin;
+    throw InputError(path + ":" + std::to_string(at.line) + ":" + std::to_string(at.column),
+                     "text that is not TOML (" + std::string(error.description()) + ")", "lines such as key = value",
+                     "correct the line; texts and times stand in double quotes");
+  }
+  SiteFile out;
+  out.path = path;
+  TomlSection root(&table, "", path);
+  read_site(root.section("site"), out, rules);
+  read_target(root.section("target"), out);
+  read_setpoint(root.section("setpoint"), out);
+  read_expert(root.section("expert"), out);
+  read_controller(root.section("controller"), out, rules);
+  read_modbus(root.section("modbus"), out);
+  read_folders(root, out);
+  read_page(root.section("page"), out);
+  read_twin(root.section("twin"), out);
+  root.refuse_unknown_keys();
+  return out;
+}
+
+SiteFile read_site_file(const std::string& path, const SiteRules& rules) {
+  return parse_site_text(read_text_file(path, "a site file in TOML"), path, rules);
+}
+
+}  // namespace airside::hal

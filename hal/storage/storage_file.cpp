@@ -1,0 +1,123 @@
+#include "hal/storage/storage_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <utility>
+
+namespace airside::hal {
+namespace {
+
+auto failed(const char* step) { return tl::make_unexpected(store_error(errno, step)); }
+
+}  // namespace
+
+StorageFile& StorageFile::operator=(StorageFile&& other) noexcept {
+  if (this != &other) {
+    close();
+    descriptor_ = other.descriptor_;
+    other.descriptor_ = -1;
+  }
+  return *this;
+}
+
+void StorageFile::close() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
+}
+
+StoreResult<StorageFile> StorageFile::open(int dir_fd, const char* name, bool create, const char* step) {
+  const int fd = ::openat(dir_fd, name, O_RDWR | O_CLOEXEC | (create ? O_CREAT : 0), 0640);
+  if (fd < 0) return failed(step);
+  return StorageFile(fd);
+}
+
+StoreResult<StorageFile> StorageFile::open_to_read(int dir_fd, const char* name, const char* step) {
+  const int fd = ::openat(dir_fd, name, O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return failed(step);
+  return StorageFile(fd);
+}
+
+StoreResult<StorageFile> StorageFile::open_dir(const char* path) {
+  const bool made = ::mkdir(path, 0750) == 0;
+  if (!made && errno != EEXIST && errno != EROFS) return failed("make folder");
+  const int fd = ::open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return failed("open folder");
+  StorageFile folder(fd);
+  if (made) {
+    // A folder whose name is lost takes everything in it along, however often that was synced.
+    const StorageFile parent(::openat(fd, "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (parent.is_open()) (void)::fsync(parent.descriptor());
+  }
+  return folder;
+}
+
+bool StorageFile::is_nameless() const {
+  struct stat held {};
+  return ::fstat(descriptor_, &held) == 0 && held.st_nlink == 0;
+}
+
+bool StorageFile::is_away_from(const char* path) const {
+  struct stat held {
+  }, named{};
+  if (::fstat(descriptor_, &held) != 0) return false;
+  if (::stat(path, &named) != 0) return errno == ENOENT || held.st_nlink == 0;
+  return std::pair(held.st_dev, held.st_ino) != std::pair(named.st_dev, named.st_ino);
+}
+
+StoreResult<void> StorageFile::write_at(std::span<const std::byte> bytes, std::uint64_t offset,
+                                        const char* step) const {
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (written < 0) {
+      if (errno == EINTR) continue;
+      return failed(step);
+    }
+    if (written == 0) return tl::make_unexpected(StoreError{StoreFault::io, 0, step});
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+    offset += static_cast<std::uint64_t>(written);
+  }
+  return {};
+}
+
+StoreResult<std::size_t> StorageFile::read_at(std::span<std::byte> bytes, std::uint64_t offset,
+                                              const char* step) const {
+  std::size_t total = 0;
+  while (total < bytes.size()) {
+    const ssize_t got =
+        ::pread(descriptor_, bytes.data() + total, bytes.size() - total, static_cast<off_t>(offset + total));
+    if (got < 0) {
+      if (errno == EINTR) continue;
+      return failed(step);
+    }
+    if (got == 0) break;
+    total += static_cast<std::size_t>(got);
+  }
+  return total;
+}
+
+StoreResult<std::uint64_t> StorageFile::size(const char* step) const {
+  struct stat status {};
+  if (::fstat(descriptor_, &status) != 0) return failed(step);
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+StoreResult<void> StorageFile::truncate(std::uint64_t size, const char* step) const {
+  if (::ftruncate(descriptor_, static_cast<off_t>(size)) != 0) return failed(step);
+  return {};
+}
+
+StoreResult<void> StorageFile::reserve(std::uint64_t size, const char* step) const {
+  const int error = ::posix_fallocate(descriptor_, 0, static_cast<off_t>(size));
+  if (error != 0) return tl::make_unexpected(store_error(error, step));
+  return {};
+}
+
+StoreResult<void> StorageFile::sync(Sync mode, const char* step) const {
+  if (mode == Sync::full && ::fdatasync(descriptor_) != 0) return failed(step);
+  return {};
+}
+
+}  // namespace airside::hal

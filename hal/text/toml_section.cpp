@@ -1,0 +1,205 @@
+#include "hal/text/toml_section.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/text/number_text.hpp"
+
+namespace airside::hal {
+namespace {
+
+std::size_t edits_between(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replace = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({replace, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string join(const std::vector<std::string>& names) {
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+}  // namespace
+
+std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {
+  std::string nearest;
+  std::size_t fewest = std::max<std::size_t>(2, name.size() / 2) + 1;
+  for (const std::string& candidate : known) {
+    const std::size_t edits = edits_between(name, candidate);
+    if (edits < fewest) {
+      fewest = edits;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+TomlSection::TomlSection(const toml::table* table, std::string name, const std::string& file)
+    : table_(table), name_(std::move(name)), file_(file) {}
+
+std::string TomlSection::full_name(std::string_view key) const {
+  if (key.empty()) return name_;
+  return name_.empty() ? std::string(key) : name_ + "." + std::string(key);
+}
+
+std::string TomlSection::place(std::string_view key) const {
+  std::string place = file_;
+  if (table_ != nullptr) {
+    toml::source_position at = table_->source().begin;
+    const auto entry = table_->find(key);
+    if (entry != table_->end()) at = entry->first.source().begin;
+    if (at.line > 0) place += ":" + std::to_string(at.line) + ":" + std::to_string(at.column);
+  }
+  const std::string name = full_name(key);
+  return name.empty() ? place : place + ": " + name;
+}
+
+std::string TomlSection::found(std::string_view key) const {
+  const toml::node* node = table_ == nullptr ? nullptr : table_->get(key);
+  if (node == nullptr) return "nothing";
+  std::ostringstream text;
+  switch (node->type()) {
+    case toml::node_type::string: text << "the text \"" << node->ref<std::string>() << '"'; break;
+    case toml::node_type::integer: text << node->ref<std::int64_t>(); break;
+    case toml::node_type::floating_point: text << number_text(node->ref<double>()); break;
+    case toml::node_type::boolean: text << (node->ref<bool>() ? "true" : "false"); break;
+    case toml::node_type::table: text << "a table"; break;
+    case toml::node_type::array: text << "a list"; break;
+    default: text << "a date or time"; break;
+  }
+  return text.str();
+}
+
+void TomlSection::refuse(std::string_view key, const std::string& expected, const std::string& remedy) const {
+  throw InputError(place(key), found(key), expected, remedy);
+}
+
+const toml::node* TomlSection::take(std::string_view key) {
+  known_.emplace_back(key);
+  return table_ == nullptr ? nullptr : table_->get(key);
+}
+
+TomlSection TomlSection::section(std::string_view key) {
+  const toml::node* node = take(key);
+  if (node != nullptr && !node->is_table()) {
+    refuse(key, "a table", "write it as [" + full_name(key) + "] with its keys below");
+  }
+  return {node == nullptr ? nullptr : node->as_table(), full_name(key), file_};
+}
+
+std::string TomlSection::text(std::string_view key, std::string_view default_value) {
+  const toml::node* node = take(key);
+  if (node == nullptr) return std::string(default_value);
+  if (!node->is_string()) refuse(key, "a text in quotes", "put the value in double quotes");
+  return node->ref<std::string>();
+}
+
+std::string TomlSection::required_text(std::string_view key, std::string_view example) {
+  std::string value = text(key, "");
+  if (value.empty()) {
+    const std::string example_line = std::string(key) + " = \"" + std::string(example) + "\"";
+    refuse(key, "a text", "add " + example_line + (name_.empty() ? "" : " to [" + name_ + "]"));
+  }
+  return value;
+}
+
+double TomlSection::number(std::string_view key, double default_value, double min, double max, std::string_view unit) {
+  const toml::node* node = take(key);
+  if (node == nullptr) return default_value;
+  const std::string expected =
+      "a number from " + number_text(min) + " to " + number_text(max) + (unit.empty() ? "" : " " + std::string(unit));
+  const auto value = node->is_number() ? node->value<double>() : std::nullopt;
+  if (!value) {
+    refuse(key, expected,
+           node->is_string() ? "write the number without quotes and with a decimal point" : "write one number");
+  }
+  if (!(*value >= min && *value <= max)) {
+    refuse(key, expected, "use a value in that range; the default is " + number_text(default_value));
+  }
+  return *value;
+}
+
+std::int64_t TomlSection::whole(std::string_view key, std::int64_t default_value, std::int64_t min, std::int64_t max) {
+  const toml::node* node = take(key);
+  if (node == nullptr) return default_value;
+  const std::string expected = "a whole number from " + std::to_string(min) + " to " + std::to_string(max);
+  if (!node->is_integer()) refuse(key, expected, "write it without quotes and without a decimal point");
+  const std::int64_t value = node->ref<std::int64_t>();
+  if (value < min || value > max) {
+    refuse(key, expected, "use a value in that range; the default is " + std::to_string(default_value));
+  }
+  return value;
+}
+
+bool TomlSection::flag(std::string_view key, bool default_value) {
+  const toml::node* node = take(key);
+  if (node == nullptr) return default_value;
+  if (!node->is_boolean()) refuse(key, "true or false", "write true or false without quotes");
+  return node->ref<bool>();
+}
+
+std::size_t TomlSection::choice(std::string_view key, const std::vector<std::string>& choices,
+                                std::size_t default_index) {
+  const std::string value = text(key, choices[default_index]);
+  const auto at = std::find(choices.begin(), choices.end(), value);
+  if (at == choices.end()) {
+    const std::string near = nearest_name(value, choices);
+    refuse(key, "one of " + join(choices), near.empty() ? "choose one of them" : "did you mean \"" + near + "\"?");
+  }
+  return static_cast<std::size_t>(at - choices.begin());
+}
+
+int TomlSection::time_of_day(std::string_view key, int default_value_s) {
+  const toml::node* node = take(key);
+  if (node == nullptr) return default_value_s;
+  if (const auto time = node->value<toml::time>()) return time->hour * 3600 + time->minute * 60 + time->second;
+  const auto seconds = node->is_string() ? parse_time_of_day(node->ref<std::string>()) : std::nullopt;
+  if (!seconds) refuse(key, "a time of day from 00:00 to 24:00", "write hours and minutes, such as \"07:00\"");
+  return *seconds;
+}
+
+std::vector<std::string> TomlSection::text_list(std::string_view key) {
+  const toml::node* node = take(key);
+  std::vector<std::string> list;
+  if (node == nullptr) return list;
+  if (!node->is_array()) refuse(key, "a list of texts", "write it as [\"first\", \"second\"]");
+  for (const toml::node& item : *node->as_array()) {
+    if (!item.is_string()) refuse(key, "a list of texts", "put every item in double quotes");
+    list.push_back(item.ref<std::string>());
+  }
+  return list;
+}
+
+std::vector<std::string> TomlSection::take_all_keys() {
+  if (table_ == nullptr) return {};
+  std::vector<std::string> keys;
+  for (const auto& [key, node] : *table_) keys.emplace_back(key.str());
+  known_.insert(known_.end(), keys.begin(), keys.end());
+  return keys;
+}
+
+void TomlSection::refuse_unknown_keys() const {
+  if (table_ == nullptr) return;
+  for (const auto& [key, node] : *table_) {
+    const std::string_view name = key.str();
+    if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+    const std::string near = nearest_name(name, known_);
+    throw InputError(place(name), "an unknown key `" + std::string(name) + "`", "one of " + join(known_),
+                     near.empty() ? "remove it" : "did you mean `" + near + "`?");
+  }
+}
+
+}  // namespace airside::hal
