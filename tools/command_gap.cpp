@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "hal/text/input_error.hpp"
-#include "sim/merge_patch.hpp"
+#include "sim/json/merge_patch.hpp"
 #include "tools/command.hpp"
 #include "tools/command_gap.hpp"
 #include "tools/gap/blind_cases.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/effect.hpp"
+#include "sim/effects/effect.hpp"
 
 namespace airside::tools {
 

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "hal/text/input_error.hpp"
-#include "sim/merge_patch.hpp"
+#include "sim/json/merge_patch.hpp"
 #include "tools/command.hpp"
 #include "tools/command_gap.hpp"
 #include "tools/gap/gap_run.hpp"
@@ -305,7 +305,7 @@ struct SiteCommand : GapOptions {
 GapOptions::GapOptions() : jobs(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {}
 
 void GapOptions::add_effects(CLI::App& c) {
-  c.add_option("--effects", effects_dir, "folder of effect files (default: sim/effects)");
+  c.add_option("--effects", effects_dir, "folder of effect files (default: sim/effects/library)");
 }
 
 void GapOptions::add_jobs(CLI::App& c) {

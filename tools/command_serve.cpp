@@ -9,7 +9,7 @@
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/text/staged_file.hpp"
-#include "sim/faulty_model.hpp"
+#include "sim/faults/faulty_model.hpp"
 #include "tools/command.hpp"
 #include "tools/plant_choice.hpp"
 #include "tools/served_plant.hpp"

@@ -10,7 +10,7 @@
 #include "airside/fault.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/text/input_error.hpp"
-#include "sim/merge_patch.hpp"
+#include "sim/json/merge_patch.hpp"
 #include "tools/command.hpp"
 
 namespace airside::tools {

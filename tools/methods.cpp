@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "hal/text/input_error.hpp"
-#include "sim/energyplus_plant.hpp"
-#include "sim/rc_floor.hpp"
-#include "sim/rc_plant.hpp"
+#include "sim/energyplus/plant.hpp"
+#include "sim/rc/rc_floor.hpp"
+#include "sim/rc/rc_plant.hpp"
 
 namespace airside::tools {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/faulty_model.hpp"
+#include "sim/faults/faulty_model.hpp"
 #include "tools/plant_choice.hpp"
 #include "tools/session.hpp"
 

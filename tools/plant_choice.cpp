@@ -7,15 +7,15 @@
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
-#include "sim/energyplus_install.hpp"
-#include "sim/energyplus_options.hpp"
-#include "sim/energyplus_plant.hpp"
-#include "sim/energyplus_rooms.hpp"
-#include "sim/epw.hpp"
-#include "sim/merge_patch.hpp"
-#include "sim/rc_plant.hpp"
-#include "sim/rc_room_file.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/energyplus/install.hpp"
+#include "sim/energyplus/options.hpp"
+#include "sim/energyplus/plant.hpp"
+#include "sim/energyplus/rooms.hpp"
+#include "sim/json/merge_patch.hpp"
+#include "sim/rc/rc_plant.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/epw.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 
 namespace airside::tools {
 

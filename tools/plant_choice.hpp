@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "airside/civil_time.hpp"
-#include "sim/effect.hpp"
+#include "sim/effects/effect.hpp"
 #include "sim/plant_model.hpp"
 #include "tools/site.hpp"
 

@@ -11,7 +11,7 @@ foreach(room_file ${room_files})
 endforeach()
 set(generated ${CMAKE_CURRENT_BINARY_DIR}/embedded_rooms.cpp)
 file(CONFIGURE OUTPUT ${generated} @ONLY CONTENT "// Made from sim/rooms/*.json at configure time.
-#include \"sim/rc_room_file.hpp\"
+#include \"sim/rc/rc_room_file.hpp\"
 
 namespace airside::sim {
 namespace {

@@ -64,10 +64,10 @@ TEST(Arrows, NoBuildFileGivesUpNanChecks) {
 
 TEST(Arrows, RefuseWhatPointsBackwards) {
   EXPECT_EQ(include_breaches("lib", "x.hpp", "#include \"hal/clock.hpp\"\n").size(), 1u);
-  EXPECT_EQ(include_breaches("hal", "x.hpp", "#pragma once\n  # include \"sim/rc_plant.hpp\"\n").front(),
-            "x.hpp:2: hal includes sim/rc_plant.hpp");
+  EXPECT_EQ(include_breaches("hal", "x.hpp", "#pragma once\n  # include \"sim/rc/rc_plant.hpp\"\n").front(),
+            "x.hpp:2: hal includes sim/rc/rc_plant.hpp");
   EXPECT_EQ(include_breaches("sim", "x.hpp", "#include \"tools/report.hpp\"\n").size(), 1u);
-  EXPECT_EQ(include_breaches("firmware", "x.hpp", "#include \"sim/weather.hpp\"\n").size(), 1u);
+  EXPECT_EQ(include_breaches("firmware", "x.hpp", "#include \"sim/weather/weather.hpp\"\n").size(), 1u);
   EXPECT_EQ(include_breaches("tools", "x.hpp", "#include \"tests/golden.hpp\"\n").size(), 1u);
   EXPECT_EQ(include_breaches("hal", "x.hpp", "#include \"../sim/weather.hpp\"\n").size(), 1u);
   EXPECT_EQ(target_breaches("hal", "x", "target_link_libraries(airside_hal PUBLIC airside_sim)").size(), 1u);
@@ -85,7 +85,8 @@ TEST(Arrows, RefuseHeadersThatAllocateOrDoIo) {
 
 TEST(Arrows, AcceptWhatPointsForwards) {
   EXPECT_EQ(joined(include_breaches("lib", "x.hpp", "#include <Eigen/Core>\n#include \"airside/reading.hpp\"\n")), "");
-  EXPECT_EQ(joined(include_breaches("tools", "x.cpp", "#include \"sim/weather.hpp\"\n#include <vector>\n")), "");
+  EXPECT_EQ(joined(include_breaches("tools", "x.cpp", "#include \"sim/weather/weather.hpp\"\n#include <vector>\n")),
+            "");
   EXPECT_EQ(joined(target_breaches("sim", "x", "target_link_libraries(airside_sim PUBLIC airside_hal)")), "");
 }
 

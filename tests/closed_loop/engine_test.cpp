@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "closed_loop/bench.hpp"
-#include "sim/energyplus_install.hpp"
+#include "sim/energyplus/install.hpp"
 
 namespace airside::closed_loop {
 namespace {

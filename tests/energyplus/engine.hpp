@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/energyplus_install.hpp"
-#include "sim/energyplus_plant.hpp"
+#include "sim/energyplus/install.hpp"
+#include "sim/energyplus/plant.hpp"
 
 #define AIRSIDE_NEEDS_ENGINE()                                                                  \
   if (!airside::sim::have_energyplus())                                                         \

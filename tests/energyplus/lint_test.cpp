@@ -3,8 +3,8 @@
 #include <fstream>
 
 #include "energyplus/engine.hpp"
-#include "sim/epjson_lint.hpp"
-#include "sim/merge_patch.hpp"
+#include "sim/energyplus/epjson_lint.hpp"
+#include "sim/json/merge_patch.hpp"
 
 namespace airside::sim {
 namespace {

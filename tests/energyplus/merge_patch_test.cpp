@@ -1,4 +1,4 @@
-#include "sim/merge_patch.hpp"
+#include "sim/json/merge_patch.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/energyplus_rooms.hpp"
+#include "sim/energyplus/rooms.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/energyplus_weather.hpp"
+#include "sim/energyplus/weather.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -7,8 +7,8 @@
 
 #include "energyplus/engine.hpp"
 #include "hal/text/input_error.hpp"
-#include "sim/energyplus_install.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/energyplus/install.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 
 namespace airside::sim {
 namespace {

@@ -15,8 +15,8 @@
 #include "airside/controller/instances.hpp"
 #include "firmware/edge/weights_trial.hpp"
 #include "power_loss/test_folder.hpp"
-#include "sim/faulty_model.hpp"
-#include "sim/rc_plant.hpp"
+#include "sim/faults/faulty_model.hpp"
+#include "sim/rc/rc_plant.hpp"
 #include "sim/simulated_plant.hpp"
 #include "tools/methods.hpp"
 

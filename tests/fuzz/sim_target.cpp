@@ -5,9 +5,9 @@
 
 #include "fuzz/target.hpp"
 #include "hal/text/text_file.hpp"
-#include "sim/epw.hpp"
-#include "sim/merge_patch.hpp"
-#include "sim/rc_room_file.hpp"
+#include "sim/json/merge_patch.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/epw.hpp"
 
 namespace airside::fuzz {
 namespace {

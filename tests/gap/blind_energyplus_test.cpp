@@ -8,11 +8,11 @@
 
 #include "gap/needs_engine.hpp"
 #include "power_loss/test_folder.hpp"
-#include "sim/energyplus_install.hpp"
-#include "sim/energyplus_plant.hpp"
-#include "sim/epjson_lint.hpp"
-#include "sim/epw.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/energyplus/epjson_lint.hpp"
+#include "sim/energyplus/install.hpp"
+#include "sim/energyplus/plant.hpp"
+#include "sim/weather/epw.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/blind_energyplus.hpp"
 
 namespace airside::tools::gap {

@@ -15,8 +15,8 @@
 
 #include "gap/needs_engine.hpp"
 #include "power_loss/test_folder.hpp"
-#include "sim/energyplus_install.hpp"
-#include "sim/merge_patch.hpp"
+#include "sim/energyplus/install.hpp"
+#include "sim/json/merge_patch.hpp"
 #include "tools/gap/blind_cases.hpp"
 #include "tools/gap/case_file.hpp"
 #include "tools/gap/shared_responses.hpp"

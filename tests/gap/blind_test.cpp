@@ -11,9 +11,9 @@
 
 #include "hal/text/input_error.hpp"
 #include "power_loss/test_folder.hpp"
-#include "sim/rc_plant.hpp"
-#include "sim/rc_room_file.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/rc/rc_plant.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/blind_cases.hpp"
 #include "tools/gap/case_file.hpp"
 

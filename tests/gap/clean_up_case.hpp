@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "hal/text/civil_text.hpp"
-#include "sim/rc_room_file.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/blind.hpp"
 #include "tools/gap/clean_up.hpp"
 

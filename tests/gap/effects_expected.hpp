@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "airside/signals.hpp"
-#include "sim/effect.hpp"
-#include "sim/recording.hpp"
+#include "sim/effects/effect.hpp"
+#include "sim/weather/recording.hpp"
 
 namespace airside::sim {
 

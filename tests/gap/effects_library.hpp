@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/rc_replay.hpp"
-#include "sim/rc_room_file.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/rc/rc_replay.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/engine.hpp"
 
 namespace airside::sim {

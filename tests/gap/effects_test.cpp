@@ -16,8 +16,8 @@
 #include "gap/effects_expected.hpp"
 #include "gap/effects_library.hpp"
 #include "hal/text/input_error.hpp"
-#include "sim/energyplus_process.hpp"
-#include "sim/merge_patch.hpp"
+#include "sim/energyplus/process.hpp"
+#include "sim/json/merge_patch.hpp"
 #include "tools/gap/responses.hpp"
 
 namespace airside::sim {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "gap/gap_desk.hpp"
-#include "sim/rc_room_file.hpp"
+#include "sim/rc/rc_room_file.hpp"
 
 namespace airside::tools::gap {
 namespace {

@@ -9,9 +9,9 @@
 #include <cstdlib>
 
 #include "hal/text/input_error.hpp"
-#include "sim/rc_replay.hpp"
-#include "sim/rc_room_file.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/rc/rc_replay.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/blind.hpp"
 #include "tools/gap/log_window.hpp"
 

@@ -8,9 +8,9 @@
 #include <cstdio>
 #include <functional>
 
-#include "sim/rc_plant.hpp"
-#include "sim/rc_replay.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/rc/rc_plant.hpp"
+#include "sim/rc/rc_replay.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/blind.hpp"
 #include "tools/gap/log_window.hpp"
 

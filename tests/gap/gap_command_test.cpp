@@ -9,8 +9,8 @@
 
 #include "gap/gap_desk.hpp"
 #include "hal/text/input_error.hpp"
-#include "sim/energyplus_install.hpp"
-#include "sim/rc_room_file.hpp"
+#include "sim/energyplus/install.hpp"
+#include "sim/rc/rc_room_file.hpp"
 #include "tools/gap/patched_model.hpp"
 
 namespace airside::tools::gap {

@@ -13,9 +13,9 @@
 
 #include "hal/log/log_csv.hpp"
 #include "input/program.hpp"
-#include "sim/epw.hpp"
-#include "sim/merge_patch.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/json/merge_patch.hpp"
+#include "sim/weather/epw.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/blind.hpp"
 
 namespace airside::tools::gap {

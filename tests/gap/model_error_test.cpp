@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/synthetic_weather.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 
 namespace airside::tools::gap {
 namespace {

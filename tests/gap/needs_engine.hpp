@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/energyplus_install.hpp"
+#include "sim/energyplus/install.hpp"
 
 #define AIRSIDE_NEEDS_ENGINE()                                                                  \
   if (!airside::sim::have_energyplus())                                                         \

@@ -1,6 +1,6 @@
 // A recording of the twin, replayed on the twin, is what the twin did; and plain energyplus repeats the replay.
 
-#include "sim/energyplus_replay.hpp"
+#include "sim/energyplus/replay.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,14 +14,14 @@
 #include <thread>
 
 #include "gap/needs_engine.hpp"
-#include "sim/energyplus_install.hpp"
-#include "sim/energyplus_plant.hpp"
-#include "sim/energyplus_process.hpp"
-#include "sim/energyplus_replay_cache.hpp"
-#include "sim/energyplus_replay_files.hpp"
-#include "sim/epw.hpp"
-#include "sim/eso.hpp"
-#include "sim/merge_patch.hpp"
+#include "sim/energyplus/eso.hpp"
+#include "sim/energyplus/install.hpp"
+#include "sim/energyplus/plant.hpp"
+#include "sim/energyplus/process.hpp"
+#include "sim/energyplus/replay_cache.hpp"
+#include "sim/energyplus/replay_files.hpp"
+#include "sim/json/merge_patch.hpp"
+#include "sim/weather/epw.hpp"
 
 namespace airside::sim {
 namespace {

@@ -9,8 +9,8 @@
 #include <cstdio>
 #include <set>
 
-#include "sim/rc_room_file.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/blind.hpp"
 #include "tools/gap/log_window.hpp"
 #include "tools/gap/shared_responses.hpp"

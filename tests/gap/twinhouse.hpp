@@ -1,7 +1,7 @@
 #pragma once
 // The Twin Houses at Holzkirchen (IEA EBC Annex 58) as an engine of the gap workflow: measured heaters, ventilation,
 // attic, cellar and weather act on a network of two zones whose numbers are fields of sim::RcRoom, so that the files of
-// sim/effects change this house as they change an office. The measurements are not part of the project.
+// sim/effects/library change this house as they change an office. The measurements are not part of the project.
 
 #include <filesystem>
 #include <map>

@@ -9,8 +9,8 @@
 
 #include "hal/text/input_error.hpp"
 #include "power_loss/test_folder.hpp"
-#include "sim/rc_room_file.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/blind.hpp"
 #include "tools/gap/case_file.hpp"
 #include "tools/gap/log_window.hpp"

@@ -8,8 +8,8 @@
 #include "airside/controller/instances.hpp"
 #include "input/complaint.hpp"
 #include "input/program.hpp"
-#include "sim/epw.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/weather/epw.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 
 namespace airside {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "input/program_desk.hpp"
-#include "sim/energyplus_install.hpp"
+#include "sim/energyplus/install.hpp"
 
 namespace airside {
 namespace {

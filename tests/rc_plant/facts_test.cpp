@@ -7,8 +7,8 @@
 #include <cstdio>
 
 #include "rc_plant/rc_fixture.hpp"
-#include "sim/rc_floor.hpp"
-#include "sim/rc_room_file.hpp"
+#include "sim/rc/rc_floor.hpp"
+#include "sim/rc/rc_room_file.hpp"
 
 namespace airside::sim::test {
 namespace {

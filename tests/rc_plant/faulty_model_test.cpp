@@ -1,6 +1,6 @@
 // A fault script does what it says to what is shown, to nothing else, and only while it lasts.
 
-#include "sim/faulty_model.hpp"
+#include "sim/faults/faulty_model.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include "hal/text/input_error.hpp"
 #include "rc_plant/rc_fixture.hpp"
-#include "sim/rc_floor.hpp"
+#include "sim/rc/rc_floor.hpp"
 
 namespace airside::sim::test {
 namespace {

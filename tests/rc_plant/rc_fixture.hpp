@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "sim/rc_plant.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/rc/rc_plant.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 
 namespace airside::sim::test {
 

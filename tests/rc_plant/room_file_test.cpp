@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "hal/text/input_error.hpp"
-#include "sim/rc_room_file.hpp"
+#include "sim/rc/rc_room_file.hpp"
 
 namespace airside::sim {
 namespace {

@@ -16,7 +16,7 @@
 #include "closed_loop/bench.hpp"
 #include "hal/points/register_codec.hpp"
 #include "sanitized.hpp"
-#include "sim/faulty_model.hpp"
+#include "sim/faults/faulty_model.hpp"
 #include "tools/chaos/chaos_proxy.hpp"
 #include "tools/served_plant.hpp"
 

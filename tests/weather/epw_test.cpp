@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "hal/text/input_error.hpp"
-#include "sim/epw.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/weather/epw.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 
 namespace airside::sim {
 namespace {

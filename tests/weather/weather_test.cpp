@@ -5,8 +5,8 @@
 #include <cstdio>
 
 #include "hal/text/input_error.hpp"
-#include "sim/synthetic_weather.hpp"
-#include "sim/weather.hpp"
+#include "sim/weather/synthetic_weather.hpp"
+#include "sim/weather/weather.hpp"
 
 namespace airside::sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "sim/rc_plant.hpp"
+#include "sim/rc/rc_plant.hpp"
 #include "sim/stateless_draw.hpp"
 
 namespace airside::tools::gap {

@@ -9,21 +9,21 @@
 #include <vector>
 
 #include "hal/log/log_csv.hpp"
-#include "sim/effect.hpp"
+#include "sim/effects/effect.hpp"
 #include "sim/plant_model.hpp"
-#include "sim/rc_room.hpp"
-#include "sim/weather.hpp"
+#include "sim/rc/rc_room.hpp"
+#include "sim/weather/weather.hpp"
 
 namespace airside::tools::gap {
 
 /// What is hidden.
 struct Hidden {
-  std::string effect;  ///< name of a file of sim/effects, or of something that the library does not have
+  std::string effect;  ///< name of a file of sim/effects/library, or of something that the library does not have
   int place = 0;       ///< -1: outside the library, and at no place
   double magnitude = 0;
 };
 
-/// Names of what no file of sim/effects can express, one a kind:
+/// Names of what no file of sim/effects/library can express, one a kind:
 ///   fcu_dial              the dial of a fan coil's thermostat, K
 ///   odd_heater            a heater in one zone that switches by itself in the evening and at night, W
 ///   escape_door           a door of one zone to the outside stands open for some hours of some days, 1/h

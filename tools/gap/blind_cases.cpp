@@ -15,9 +15,9 @@
 #include <set>
 
 #include "hal/text/input_error.hpp"
-#include "sim/epw.hpp"
 #include "sim/stateless_draw.hpp"
-#include "sim/synthetic_weather.hpp"
+#include "sim/weather/epw.hpp"
+#include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/blind_site.hpp"
 #include "tools/gap/case_file.hpp"
 #include "tools/gap/parallel.hpp"

@@ -7,9 +7,9 @@
 #include <functional>
 #include <stdexcept>
 
-#include "sim/energyplus_plant.hpp"
-#include "sim/energyplus_replay.hpp"
-#include "sim/merge_patch.hpp"
+#include "sim/energyplus/plant.hpp"
+#include "sim/energyplus/replay.hpp"
+#include "sim/json/merge_patch.hpp"
 #include "sim/stateless_draw.hpp"
 #include "tools/gap/blind_energyplus_objects.hpp"
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "sim/energyplus_options.hpp"
+#include "sim/energyplus/options.hpp"
 #include "tools/gap/blind.hpp"
 
 namespace airside::tools::gap {

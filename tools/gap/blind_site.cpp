@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/epw.hpp"
-#include "sim/rc_replay.hpp"
-#include "sim/rc_room_file.hpp"
+#include "sim/rc/rc_replay.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/epw.hpp"
 #include "tools/gap/log_window.hpp"
 #include "tools/gap/parallel.hpp"
 

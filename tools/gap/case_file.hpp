@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "hal/text/input_error.hpp"
-#include "sim/energyplus_options.hpp"
+#include "sim/energyplus/options.hpp"
 #include "tools/gap/clean_up.hpp"
 #include "tools/gap/workflow.hpp"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "hal/log/log_csv.hpp"
-#include "sim/weather.hpp"
+#include "sim/weather/weather.hpp"
 
 namespace airside::tools::gap {
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "sim/merge_patch.hpp"
+#include "sim/json/merge_patch.hpp"
 
 namespace airside::tools::gap {
 

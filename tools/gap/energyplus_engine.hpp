@@ -1,8 +1,8 @@
 #pragma once
 // The EnergyPlus twin as an engine of the gap workflow.
 
-#include "sim/energyplus_replay.hpp"
-#include "sim/energyplus_replay_cache.hpp"
+#include "sim/energyplus/replay.hpp"
+#include "sim/energyplus/replay_cache.hpp"
 #include "tools/gap/engine.hpp"
 
 namespace airside::tools::gap {

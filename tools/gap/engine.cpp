@@ -4,7 +4,7 @@
 #include <mutex>
 #include <numeric>
 
-#include "sim/rc_replay.hpp"
+#include "sim/rc/rc_replay.hpp"
 #include "tools/gap/parallel.hpp"
 
 namespace airside::tools::gap {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/effect.hpp"
-#include "sim/rc_room.hpp"
-#include "sim/recording.hpp"
+#include "sim/effects/effect.hpp"
+#include "sim/rc/rc_room.hpp"
+#include "sim/weather/recording.hpp"
 
 namespace airside::tools::gap {
 

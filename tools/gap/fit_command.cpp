@@ -10,8 +10,8 @@
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
-#include "sim/epw.hpp"
-#include "sim/rc_room_file.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/epw.hpp"
 #include "tools/command.hpp"
 #include "tools/gap/clean_up.hpp"
 #include "tools/gap/fit_room.hpp"

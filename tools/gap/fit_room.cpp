@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/text/input_error.hpp"
-#include "sim/rc_replay.hpp"
+#include "sim/rc/rc_replay.hpp"
 #include "tools/gap/engine.hpp"
 #include "tools/gap/reference_fit.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/rc_room.hpp"
+#include "sim/rc/rc_room.hpp"
 #include "tools/gap/parameter_fit.hpp"
 #include "tools/gap/responses.hpp"
 

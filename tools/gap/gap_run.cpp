@@ -7,8 +7,8 @@
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
-#include "sim/epw.hpp"
-#include "sim/merge_patch.hpp"
+#include "sim/json/merge_patch.hpp"
+#include "sim/weather/epw.hpp"
 #include "tools/gap/energyplus_engine.hpp"
 #include "tools/gap/verdict_json.hpp"
 #include "tools/progress.hpp"

@@ -7,9 +7,9 @@
 #include "hal/storage/digest64.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/text/staged_file.hpp"
-#include "sim/energyplus_install.hpp"
-#include "sim/epjson_lint.hpp"
-#include "sim/merge_patch.hpp"
+#include "sim/energyplus/epjson_lint.hpp"
+#include "sim/energyplus/install.hpp"
+#include "sim/json/merge_patch.hpp"
 
 namespace airside::tools::gap {
 

@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "sim/recording.hpp"
+#include "sim/weather/recording.hpp"
 
 namespace airside::tools::gap {
 

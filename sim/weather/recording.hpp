@@ -1,0 +1,64 @@
+#pragma once
+// What a site recorded, in the form in which a model can live through it again: the commands of its boxes and fan
+// coils, the setpoint, and the weather that was measured. And what came out: one column a sensor.
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "airside/civil_time.hpp"
+#include "airside/signals.hpp"
+#include "sim/weather/weather.hpp"
+
+namespace airside::sim {
+
+/// One row: commands that hold for 6 min from its time, and the weather sensors' reading at its time.
+struct RecordedRow {
+  double setpoint_degc = 0;
+  std::vector<double> vav_on;  ///< 0/1, one a VAV
+  std::vector<double> fcu_on;  ///< 0/1, one an FCU
+  double outdoor_temp_degc = 0;
+  double rain = 0;
+  std::vector<double> zone_heat_kw = {};  ///< zone, VAV zones first; heat into the air that no model has; empty: none
+};
+
+/// A stretch without gaps.  Row i is at from + i * row_s, by the site's clock.
+struct Recording {
+  CivilTime from;
+  std::vector<RecordedRow> rows;
+  std::shared_ptr<const Weather> station;  ///< for what the site does not measure: sun, humidity, wind
+
+  CivilTime time(std::size_t row) const { return {from.seconds + static_cast<std::int64_t>(row) * row_s}; }
+  CivilTime to() const { return time(rows.size()); }
+  /// The row that holds at t; before `from` those of the first day, repeated; after the end the last.
+  const RecordedRow& at(CivilTime t) const;
+};
+
+/// Days that a replay lives through before the recording begins, so that walls and masses do not remember the start.
+constexpr int lead_days = 4;
+
+/// The columns of a replay. Order: room temperatures, FCU temperatures, MAU outlet, supply, powers, FCU duties.
+struct Channels {
+  int rooms = 0, fcus = 0, powers = 0;
+  int fcu_temp() const { return rooms; }
+  int mau_temp() const { return rooms + fcus; }
+  int supply_temp() const { return mau_temp() + 1; }
+  int power() const { return supply_temp() + 1; }
+  int fcu_duty() const { return power() + powers; }
+  int count() const { return fcu_duty() + fcus; }
+  /// "room_temp_1_degc", "power_2_kw", "fcu_duty_3".
+  std::string name(int column) const;
+  /// "K", "kW" or "-": of a difference.
+  const char* unit(int column) const;
+};
+
+/// Shape: rows of the recording x Channels::count(). Units: degC, kW, 0..1. NaN: not measured.
+using ChannelTable = Eigen::MatrixXd;
+
+/// The station's weather with the measured outdoor temperature and rain in its place, from lead_days before the stretch
+/// to its end; before it, the first day is repeated.  Interval: 3 min.
+/// Errors: hal::InputError if the station does not cover the stretch.
+std::shared_ptr<const Weather> measured_weather(const Recording& recording);
+
+}  // namespace airside::sim
