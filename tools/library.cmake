@@ -3,12 +3,11 @@ find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(CURL REQUIRED)
-file(GLOB AIRSIDE_TOOLS_SOURCES CONFIGURE_DEPENDS
-  ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp
-  ${CMAKE_CURRENT_SOURCE_DIR}/baselines/*.cpp
-  ${CMAKE_CURRENT_SOURCE_DIR}/gap/*.cpp
-  ${CMAKE_CURRENT_SOURCE_DIR}/report/*.cpp)
-list(FILTER AIRSIDE_TOOLS_SOURCES EXCLUDE REGEX "/tools/(main|command_[^/]*)\\.cpp$")
+file(GLOB_RECURSE AIRSIDE_TOOLS_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+list(FILTER AIRSIDE_TOOLS_SOURCES EXCLUDE REGEX "/tools/(cli|chaos|bench|box)/")
+# What several subcommands share, and tests ask for.
+list(TRANSFORM AIRSIDE_CLI_SHARED PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/cli/ OUTPUT_VARIABLE cli_shared)
+list(APPEND AIRSIDE_TOOLS_SOURCES ${cli_shared})
 
 # The page of a report is built into the program: a report needs no installed file and no network.
 set(page_parts ${CMAKE_CURRENT_BINARY_DIR}/page_parts.cpp)
@@ -28,4 +27,4 @@ target_include_directories(airside_tools PUBLIC ${PROJECT_SOURCE_DIR})
 target_link_libraries(airside_tools PUBLIC airside_sim nlohmann_json::nlohmann_json fmt::fmt PRIVATE Ceres::ceres CURL::libcurl)
 target_precompile_headers(airside_tools REUSE_FROM airside_precompiled_host)
 # Ceres brings glog's macros; they must not reach other files of a unity build.
-set_source_files_properties(${CMAKE_CURRENT_SOURCE_DIR}/gap/parameter_fit.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+set_source_files_properties(${CMAKE_CURRENT_SOURCE_DIR}/gap/inference/parameter_fit.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)

@@ -9,7 +9,7 @@
 #include "tools/baselines/arx.hpp"
 #include "tools/baselines/pid.hpp"
 #include "tools/baselines/schedule.hpp"
-#include "tools/metrics.hpp"
+#include "tools/run/metrics.hpp"
 
 namespace airside::tools {
 namespace {

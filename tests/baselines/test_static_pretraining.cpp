@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "input/program.hpp"
-#include "tools/plant_choice.hpp"
-#include "tools/session.hpp"
+#include "tools/run/plant_choice.hpp"
+#include "tools/run/session.hpp"
 
 namespace airside::tools {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "closed_loop/child.hpp"
-#include "tools/methods.hpp"
+#include "tools/study/methods.hpp"
 
 namespace airside::closed_loop {
 

@@ -18,7 +18,7 @@
 #include "sim/faults/faulty_model.hpp"
 #include "sim/rc/rc_plant.hpp"
 #include "sim/simulated_plant.hpp"
-#include "tools/methods.hpp"
+#include "tools/study/methods.hpp"
 
 namespace airside::fault_matrix {
 

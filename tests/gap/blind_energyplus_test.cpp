@@ -13,7 +13,7 @@
 #include "sim/energyplus/plant.hpp"
 #include "sim/weather/epw.hpp"
 #include "sim/weather/synthetic_weather.hpp"
-#include "tools/gap/blind_energyplus.hpp"
+#include "tools/gap/blind/blind_energyplus.hpp"
 
 namespace airside::tools::gap {
 namespace {

@@ -17,9 +17,9 @@
 #include "power_loss/test_folder.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/json/merge_patch.hpp"
-#include "tools/gap/blind_cases.hpp"
+#include "tools/gap/blind/blind_cases.hpp"
 #include "tools/gap/case_file.hpp"
-#include "tools/gap/shared_responses.hpp"
+#include "tools/gap/verdict/shared_responses.hpp"
 
 namespace airside::tools::gap {
 namespace {

@@ -14,7 +14,7 @@
 #include "sim/rc/rc_plant.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
-#include "tools/gap/blind_cases.hpp"
+#include "tools/gap/blind/blind_cases.hpp"
 #include "tools/gap/case_file.hpp"
 
 namespace airside::tools::gap {

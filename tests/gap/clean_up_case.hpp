@@ -13,8 +13,8 @@
 #include "hal/text/civil_text.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
-#include "tools/gap/blind.hpp"
-#include "tools/gap/clean_up.hpp"
+#include "tools/gap/blind/blind.hpp"
+#include "tools/gap/clean_up/clean_up.hpp"
 
 namespace airside::tools::gap {
 

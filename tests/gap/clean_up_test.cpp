@@ -1,4 +1,4 @@
-#include "tools/gap/clean_up.hpp"
+#include "tools/gap/clean_up/clean_up.hpp"
 
 #include <algorithm>
 #include <cmath>

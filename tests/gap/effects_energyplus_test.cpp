@@ -19,9 +19,9 @@
 #include "sim/json/merge_patch.hpp"
 #include "sim/weather/epw.hpp"
 #include "sim/weather/synthetic_weather.hpp"
-#include "tools/gap/energyplus_engine.hpp"
-#include "tools/gap/residual.hpp"
-#include "tools/gap/responses.hpp"
+#include "tools/gap/model/energyplus_engine.hpp"
+#include "tools/gap/model/residual.hpp"
+#include "tools/gap/model/responses.hpp"
 
 namespace airside::sim {
 namespace {

@@ -12,7 +12,7 @@
 #include "sim/rc/rc_replay.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
-#include "tools/gap/engine.hpp"
+#include "tools/gap/model/engine.hpp"
 
 namespace airside::sim {
 

@@ -6,7 +6,7 @@
 
 #include "gap/effects_expected.hpp"
 #include "gap/effects_library.hpp"
-#include "tools/gap/responses.hpp"
+#include "tools/gap/model/responses.hpp"
 
 namespace airside::sim {
 namespace {

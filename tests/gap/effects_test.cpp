@@ -18,7 +18,7 @@
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/process.hpp"
 #include "sim/json/merge_patch.hpp"
-#include "tools/gap/responses.hpp"
+#include "tools/gap/model/responses.hpp"
 
 namespace airside::sim {
 namespace {

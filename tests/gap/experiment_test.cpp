@@ -1,6 +1,6 @@
 // Two effects that a log cannot tell apart: the proposed test must, on a room that is not the model.
-#include "tools/gap/experiment.hpp"
-#include "tools/gap/null_blocks.hpp"
+#include "tools/gap/verdict/experiment.hpp"
+#include "tools/gap/inference/null_blocks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 #include "sim/rc/rc_plant.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
-#include "tools/gap/blind.hpp"
-#include "tools/gap/log_window.hpp"
+#include "tools/gap/blind/blind.hpp"
+#include "tools/gap/model/log_window.hpp"
 
 namespace airside::tools::gap {
 namespace {

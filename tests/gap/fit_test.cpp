@@ -1,6 +1,6 @@
 // Rooms whose numbers are known, found again from what they logged.
 
-#include "tools/gap/fit_room.hpp"
+#include "tools/gap/fit/fit_room.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 #include "sim/rc/rc_replay.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
-#include "tools/gap/blind.hpp"
-#include "tools/gap/log_window.hpp"
+#include "tools/gap/blind/blind.hpp"
+#include "tools/gap/model/log_window.hpp"
 
 namespace airside::tools::gap {
 namespace {

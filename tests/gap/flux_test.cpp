@@ -1,5 +1,5 @@
 // Heat that no effect explains, hidden in a room that is not the model: found in its zone and hours, and nowhere else.
-#include "tools/gap/flux.hpp"
+#include "tools/gap/verdict/flux.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include "sim/rc/rc_plant.hpp"
 #include "sim/rc/rc_replay.hpp"
 #include "sim/weather/synthetic_weather.hpp"
-#include "tools/gap/blind.hpp"
-#include "tools/gap/log_window.hpp"
+#include "tools/gap/blind/blind.hpp"
+#include "tools/gap/model/log_window.hpp"
 
 namespace airside::tools::gap {
 namespace {

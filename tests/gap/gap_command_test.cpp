@@ -11,7 +11,7 @@
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/rc/rc_room_file.hpp"
-#include "tools/gap/patched_model.hpp"
+#include "tools/gap/model/patched_model.hpp"
 
 namespace airside::tools::gap {
 namespace {

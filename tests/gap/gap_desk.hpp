@@ -16,7 +16,7 @@
 #include "sim/json/merge_patch.hpp"
 #include "sim/weather/epw.hpp"
 #include "sim/weather/synthetic_weather.hpp"
-#include "tools/gap/blind.hpp"
+#include "tools/gap/blind/blind.hpp"
 
 namespace airside::tools::gap {
 

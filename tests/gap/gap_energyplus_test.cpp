@@ -12,7 +12,7 @@
 #include "sim/energyplus/eso.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/replay_files.hpp"
-#include "tools/gap/blind_energyplus.hpp"
+#include "tools/gap/blind/blind_energyplus.hpp"
 
 namespace airside::tools::gap {
 namespace {

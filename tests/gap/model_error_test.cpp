@@ -1,6 +1,6 @@
 // Errors by hour, day and weather, and the usual figures, counted by hand.
 
-#include "tools/gap/model_error.hpp"
+#include "tools/gap/model/model_error.hpp"
 
 #include <gtest/gtest.h>
 

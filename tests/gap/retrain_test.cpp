@@ -1,6 +1,6 @@
 // airside gap retrain and airside gap --retrain as a person runs them: what a patched twin is worth to the controller.
 
-#include "tools/gap/retrain.hpp"
+#include "tools/gap/retrain/retrain.hpp"
 
 #include <cmath>
 

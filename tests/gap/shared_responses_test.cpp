@@ -11,9 +11,9 @@
 
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
-#include "tools/gap/blind.hpp"
-#include "tools/gap/log_window.hpp"
-#include "tools/gap/shared_responses.hpp"
+#include "tools/gap/blind/blind.hpp"
+#include "tools/gap/model/log_window.hpp"
+#include "tools/gap/verdict/shared_responses.hpp"
 
 namespace airside::tools::gap {
 namespace {

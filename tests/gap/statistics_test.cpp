@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "tools/gap/selection.hpp"
+#include "tools/gap/inference/selection.hpp"
 
 namespace airside::tools::gap {
 namespace {

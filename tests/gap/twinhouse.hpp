@@ -7,8 +7,8 @@
 #include <map>
 #include <string>
 
-#include "tools/gap/parameter_fit.hpp"
-#include "tools/gap/workflow.hpp"
+#include "tools/gap/inference/parameter_fit.hpp"
+#include "tools/gap/verdict/workflow.hpp"
 
 namespace airside::tools::gap {
 

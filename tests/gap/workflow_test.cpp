@@ -11,10 +11,10 @@
 #include "power_loss/test_folder.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
-#include "tools/gap/blind.hpp"
+#include "tools/gap/blind/blind.hpp"
 #include "tools/gap/case_file.hpp"
-#include "tools/gap/log_window.hpp"
-#include "tools/gap/refit.hpp"
+#include "tools/gap/inference/refit.hpp"
+#include "tools/gap/model/log_window.hpp"
 
 namespace airside::tools::gap {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "hal/text/input_error.hpp"
-#include "tools/metrics.hpp"
+#include "tools/run/metrics.hpp"
 
 namespace airside::tools {
 namespace {

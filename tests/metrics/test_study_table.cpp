@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <sstream>
 
-#include "tools/command.hpp"
-#include "tools/methods.hpp"
-#include "tools/study_table.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/study/methods.hpp"
+#include "tools/study/table.hpp"
 
 namespace airside::tools {
 namespace {

@@ -18,7 +18,7 @@
 #include "sanitized.hpp"
 #include "sim/faults/faulty_model.hpp"
 #include "tools/chaos/chaos_proxy.hpp"
-#include "tools/served_plant.hpp"
+#include "tools/run/served_plant.hpp"
 
 namespace airside::soak {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
-#include "tools/command.hpp"
-#include "tools/finish_output.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/cli/finish_output.hpp"
 
 int main(int argc, char** argv) {
   using namespace airside;

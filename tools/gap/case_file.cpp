@@ -12,9 +12,9 @@
 #include "sim/json/merge_patch.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/epw.hpp"
-#include "tools/gap/energyplus_engine.hpp"
-#include "tools/gap/log_window.hpp"
-#include "tools/site.hpp"
+#include "tools/gap/model/energyplus_engine.hpp"
+#include "tools/gap/model/log_window.hpp"
+#include "tools/run/site.hpp"
 
 namespace airside::tools::gap {
 

@@ -10,8 +10,8 @@
 
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/options.hpp"
-#include "tools/gap/clean_up.hpp"
-#include "tools/gap/workflow.hpp"
+#include "tools/gap/clean_up/clean_up.hpp"
+#include "tools/gap/verdict/workflow.hpp"
 
 namespace airside::tools::gap {
 

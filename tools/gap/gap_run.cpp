@@ -9,9 +9,9 @@
 #include "hal/text/input_error.hpp"
 #include "sim/json/merge_patch.hpp"
 #include "sim/weather/epw.hpp"
-#include "tools/gap/energyplus_engine.hpp"
-#include "tools/gap/verdict_json.hpp"
-#include "tools/progress.hpp"
+#include "tools/gap/model/energyplus_engine.hpp"
+#include "tools/gap/verdict/verdict_json.hpp"
+#include "tools/run/progress.hpp"
 
 namespace airside::tools::gap {
 

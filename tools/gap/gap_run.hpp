@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "tools/gap/case_file.hpp"
-#include "tools/gap/experiment.hpp"
-#include "tools/gap/flux.hpp"
-#include "tools/gap/model_error.hpp"
-#include "tools/gap/patched_model.hpp"
-#include "tools/gap/retrain.hpp"
+#include "tools/gap/model/model_error.hpp"
+#include "tools/gap/model/patched_model.hpp"
+#include "tools/gap/retrain/retrain.hpp"
+#include "tools/gap/verdict/experiment.hpp"
+#include "tools/gap/verdict/flux.hpp"
 
 namespace airside::tools::gap {
 

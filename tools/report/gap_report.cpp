@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "hal/text/civil_text.hpp"
-#include "tools/gap/verdict_json.hpp"
+#include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/report/gap_charts.hpp"
 #include "tools/report/report_text.hpp"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "airside/civil_time.hpp"
-#include "tools/metrics.hpp"
 #include "tools/report/report_input.hpp"
+#include "tools/run/metrics.hpp"
 
 namespace airside::tools {
 

@@ -1,0 +1,155 @@
+#include "tools/cli/blob_facts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "airside/controller/instances.hpp"
+#include "hal/log/log_csv.hpp"
+#include "hal/weights/blob_file.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+constexpr const char* layer_names[layer_count] = {"enc_s.0", "enc_s.1", "enc_a.0", "enc_a.1", "share.0", "share.1",
+                                                  "share.2", "strb.0",  "strb.1",  "tdb.0",   "tdb.1",   "dec"};
+
+/// Zero-padded text with what a terminal must not see replaced.
+std::string plain_text(std::span<const char> bytes) {
+  std::string text(bytes.begin(), std::find(bytes.begin(), bytes.end(), '\0'));
+  for (char& c : text) {
+    const auto u = static_cast<unsigned char>(c);
+    if (u < 0x20 || u == 0x7F) c = '?';
+  }
+  return text;
+}
+
+template <Topology T>
+void read_payload(std::span<const std::byte> file, BlobFacts& out) {
+  constexpr int parameters = NetworkWeights<T, float>::count;
+  using Payload = BlobPayload<T, parameters>;
+  BlobHeader header = out.header;
+  constexpr auto one = static_cast<std::uint32_t>(RoomHead<T>::regressors + RoomHead<T>::slots);
+  if (header.head_states != one && header.head_states != RoomHead<T>::states) header.head_states = 0;
+  const std::size_t wanted = Payload::bytes(header.head_states);
+  // All bits set is NaN for floats and doubles: what the file lacks shows as not finite.
+  std::vector<std::byte> bytes(wanted, std::byte{0xFF});
+  const std::size_t there = std::min(wanted, file.size() - sizeof header);
+  std::copy_n(file.begin() + sizeof header, there, bytes.begin());
+  auto payload = std::make_unique<Payload>();
+  WeightBlob<T>::read_payload(header, bytes, *payload);
+
+  out.topology = T::name;
+  out.missing_bytes = wanted - there;
+  for (int i = 0; i < Layout<T>::inputs; ++i) {
+    const SignalId id = signal_id<T>(i);
+    const SignalText text = text_of(id.kind);
+    const std::string place = id.place == 0 ? "" : '_' + std::to_string(id.place);
+    out.signals.push_back({text.name + place, text.unit, payload->scaler.mean(i), payload->scaler.scale(i)});
+  }
+  out.weights.assign(payload->weights.begin(), payload->weights.end());
+  for (int i = 0; i < layer_count; ++i) {
+    const LayerShape& shape = NetworkWeights<T, float>::layers[static_cast<std::size_t>(i)];
+    out.layers.push_back(
+        {layer_names[i], shape.outputs, shape.inputs, shape.weight, shape.bias, shape.bias + shape.outputs});
+  }
+  out.head_states = header.head_states;
+  if (header.head_states != 0) {
+    constexpr int g = HeadFeatures::setpoint_change;
+    out.head_updates = payload->head_updates;
+    out.head_gain = payload->head_theta(g);
+    out.head_gain_sd = std::sqrt(payload->head_covariance[static_cast<std::size_t>(g * RoomHead<T>::states + g)]);
+  }
+  if (out.missing_bytes == 0) out.provenance = plain_text(payload->provenance);
+}
+
+template <Topology T>
+std::optional<BlobError> refusal_of(std::span<const std::byte> file, const BlobHeader& header) {
+  auto payload = std::make_unique<BlobPayload<T, NetworkWeights<T, float>::count>>();
+  const auto decoded = WeightBlob<T>::decode(file, header.site_scope, *payload);
+  if (decoded) return {};
+  return decoded.error();
+}
+
+}  // namespace
+
+ValueStatistics statistics_of(std::span<const float> values) {
+  ValueStatistics s;
+  s.count = values.size();
+  double sum = 0, square = 0;
+  std::size_t finite = 0;
+  for (const float value : values) {
+    const double v = static_cast<double>(value);
+    if (!std::isfinite(v)) {
+      ++s.not_finite;
+      continue;
+    }
+    s.min = finite == 0 ? v : std::min(s.min, v);
+    s.max = finite == 0 ? v : std::max(s.max, v);
+    ++finite;
+    sum += v;
+    square += v * v;
+  }
+  if (finite > 0) {
+    s.mean = sum / static_cast<double>(finite);
+    s.rms = std::sqrt(square / static_cast<double>(finite));
+  }
+  return s;
+}
+
+BlobFacts read_blob_facts(const std::string& path) { return facts_of_blob(hal::read_blob_file(path), path); }
+
+BlobFacts facts_of_blob(std::span<const std::byte> file, const std::string& path) {
+  BlobFacts out;
+  out.path = path;
+  out.bytes = file.size();
+  out.digest = fmt::format("{:08x}", crc32c(file));
+  if (file.size() < sizeof out.header) hal::throw_blob_error({Fault::blob_truncated, "header"}, path);
+  std::memcpy(&out.header, file.data(), sizeof out.header);
+  const BlobHeader& header = out.header;
+  if (header.magic != BlobHeader{}.magic) hal::throw_blob_error({Fault::blob_magic, "magic"}, path);
+
+  std::optional<BlobError> error;
+  bool known = false;
+  for_each_topology([&]<class T>(T) {
+    constexpr int parameters = NetworkWeights<T, float>::count;
+    // A damaged hash does not hide the shape: the number of weights tells it too.
+    const bool fits = header.topology_hash == topology_hash<T>(parameters) || header.parameters == parameters;
+    if (known || !fits) return;
+    known = true;
+    error = refusal_of<T>(file, header);
+    read_payload<T>(file, out);
+  });
+  if (!known) for_each_topology([&]<class T>(T) { error = refusal_of<T>(file, header); });
+  const std::size_t payload = std::min<std::size_t>(header.payload_bytes, file.size() - sizeof header);
+  std::uint32_t crc = 0;
+  std::memcpy(&crc, header.digest.data(), sizeof crc);
+  const auto body = file.subspan(sizeof header, payload);
+  // The checksum is the same for every topology; any one that is compiled in will do.
+  for_each_topology(
+      [&]<class T>(T) { out.digest_ok = payload == header.payload_bytes && crc == blob_digest(header, body); });
+  if (error) {
+    try {
+      hal::throw_blob_error(*error, path);
+    } catch (const hal::InputError& complaint) {
+      out.refusal = complaint;
+    }
+  }
+  return out;
+}
+
+std::string scope_text(const BlobHeader& header) {
+  const std::string scope = plain_text(header.site_scope);
+  return scope.empty() ? "any site" : scope;
+}
+
+std::string key_text(const BlobHeader& header) {
+  std::string hex;
+  for (const std::uint8_t byte : header.key_id) hex += fmt::format("{:02x}", byte);
+  return hex.find_first_not_of('0') == std::string::npos ? "unsigned" : hex;
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,296 @@
+// airside check: everything a site names, read and checked before it is needed.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "airside/topologies.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/weights/key_ring.hpp"
+#include "sim/energyplus/epjson_lint.hpp"
+#include "sim/energyplus/install.hpp"
+#include "sim/json/merge_patch.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/epw.hpp"
+#include "tools/cli/blob_facts.hpp"
+#include "tools/cli/command.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+using nlohmann::json;
+
+/// One thing that was looked at: in order with its key facts, or the complaint.
+struct Finding {
+  std::string what, file, facts;
+  std::optional<hal::InputError> complaint;
+};
+
+class Findings {
+ public:
+  /// Runs `look`, which returns the key facts, and remembers what came of it.
+  template <class Look>
+  void check(const std::string& what, const std::string& file, Look&& look) {
+    try {
+      add({what, file, look(), {}});
+    } catch (const hal::InputError& e) {
+      add({what, file, "", e});
+    } catch (const std::exception& e) {
+      add({what, file, "",
+           hal::InputError(file, e.what(), "a readable " + what, "correct the file or its permissions")});
+    }
+  }
+  void refuse(const std::string& what, const std::string& file, const hal::InputError& e) { add({what, file, "", e}); }
+
+  std::size_t failed() const {
+    return static_cast<std::size_t>(
+        std::count_if(all_.begin(), all_.end(), [](const Finding& f) { return f.complaint.has_value(); }));
+  }
+  const std::vector<Finding>& all() const { return all_; }
+
+ private:
+  void add(Finding f) { all_.push_back(std::move(f)); }
+  std::vector<Finding> all_;
+};
+
+std::string clock_text(int second) { return fmt::format("{:02}:{:02}", second / 3600, second / 60 % 60); }
+
+std::string site_facts(const hal::SiteFile& f) {
+  const ControllerSettings s = hal::controller_settings(f);
+  const int candidates = static_cast<int>(std::lround((s.action_max_degc - s.action_min_degc) / s.action_step_k)) + 1;
+  return fmt::format(
+      "\"{}\", scope of its weights \"{}\", topology {}, holds {} degC from {} to {}{}, preset {} with {} overrides, "
+      "{} candidate setpoints "
+      "from {} to {} degC, {}",
+      f.name, f.scope, f.topology, f.room_temp_degc, clock_text(f.work_start_s), clock_text(f.work_end_s),
+      f.weekday_only ? " on weekdays" : "", f.preset == hal::ControllerPreset::paper ? "paper" : "product",
+      f.overrides.size(), candidates, s.action_min_degc, s.action_max_degc,
+      f.modbus ? "Modbus " + (f.modbus->transport == hal::ModbusTransport::tcp
+                                  ? fmt::format("TCP {}:{}", f.modbus->host, f.modbus->port)
+                                  : fmt::format("RTU {}", f.modbus->device))
+               : "simulated only (no [modbus])");
+}
+
+std::string points_facts(const std::string& path, const hal::TopologyCounts& counts) {
+  const hal::PointMap map = hal::PointMap::load(path);
+  map.check_topology(counts.vavs, counts.fcus, counts.powers);
+  const auto writable =
+      std::count_if(map.points().begin(), map.points().end(), [](const auto& p) { return p.writable(); });
+  const std::string warning = hal::warning_of(map);
+  return fmt::format("{} points for {}, {} of them writable, {} beyond the topology, fingerprint {:016x}{}",
+                     map.points().size(), counts.name, writable, map.extras().size(), map.fingerprint(),
+                     warning.empty() ? "" : "; " + warning);
+}
+
+std::string log_facts(const std::string& path, const hal::TopologyCounts& counts) {
+  const hal::Log log = hal::read_log(path, counts);
+  const hal::LogSummary& s = log.summary;
+  std::string text = fmt::format("{} rows from {} to {}", s.rows, hal::civil_text(s.first), hal::civil_text(s.last));
+  if (s.gaps.empty()) return text + ", no gap";
+  return text + fmt::format(", {} gaps with {} rows missing, the first after {} (line {})", s.gaps.size(),
+                            s.missing_rows, hal::civil_text(s.gaps.front().from), s.gaps.front().line);
+}
+
+/// A blob as the daemon would take it: topology and scope of the site, if there is one.
+std::string blob_facts(const std::string& path, const hal::TopologyCounts& counts, const std::string& scope) {
+  const BlobFacts f = read_blob_facts(path);
+  if (f.refusal) throw *f.refusal;
+  if (f.topology != counts.name) {
+    throw hal::InputError(path + ": topology_hash", "weights of topology " + f.topology, "the site's " + counts.name,
+                          "pretrain with this site file, or correct `topology` in it");
+  }
+  const std::string own = scope_text(f.header);
+  if (f.header.site_scope[0] != '\0' && !scope.empty() && own != scope) {
+    throw hal::InputError(path + ": site_scope", "a blob for \"" + own + '"',
+                          "this site's scope \"" + scope + "\" or none",
+                          "transfer it to this site, or correct `scope` in the site file");
+  }
+  return fmt::format("{} bytes, digest {}, {} weights for {}, {}, made by: {}", f.bytes, f.digest, f.weights.size(),
+                     f.topology, key_text(f.header), f.provenance.empty() ? "unknown" : f.provenance);
+}
+
+std::string weather_facts(const std::string& path) {
+  const auto weather = sim::read_epw(path);
+  const auto hours = weather->records().size() * static_cast<std::size_t>(weather->interval_s()) / 3600;
+  return fmt::format("{} hours of {}{}", hours, weather->location().name,
+                     weather->covers_year() ? ", a whole year" : "");
+}
+
+std::string room_facts(const std::string& path, const hal::TopologyCounts& counts) {
+  const sim::RcRoom room = sim::load_room(path);
+  if (room.vavs != counts.vavs || room.fcus != counts.fcus || room.powers != counts.powers) {
+    throw hal::InputError(
+        path + ": vavs, fcus, powers", fmt::format("{}vav-{}fcu-{}power", room.vavs, room.fcus, room.powers),
+        "the site's topology " + counts.name, "choose a room of the site's shape, or another topology");
+  }
+  return fmt::format("room \"{}\", {} VAVs, {} FCUs, {} power meters, {:.0f} m2", room.name, room.vavs, room.fcus,
+                     room.powers, std::accumulate(room.floor_area_m2.begin(), room.floor_area_m2.end(), 0.0));
+}
+
+std::size_t objects_in(const json& model) {
+  std::size_t n = 0;
+  for (const auto& type : model) n += type.is_object() ? type.size() : 0;
+  return n;
+}
+
+/// The keys whose weights the box takes; their ids are what `revoked` wants.
+struct CheckCommand {
+  std::string site, topology = "5vav-5fcu-2power", points, twin, weather, room;
+  std::vector<std::string> patches, logs, weights;
+  bool as_json = false;
+
+  bool nothing_named() const {
+    return points.empty() && twin.empty() && weather.empty() && room.empty() && patches.empty() && logs.empty() &&
+           weights.empty();
+  }
+
+  /// A model or patch against the engine's schema; what it says if there is no engine.
+  static std::string lint(Findings& out, const std::string& what, const std::string& path, const json& model,
+                          sim::LintScope scope) {
+    if (!sim::have_energyplus()) return "not compared with the schema: EnergyPlus is not installed";
+    const auto complaints = sim::epjson_complaints(model, sim::find_energyplus().schema, {path, scope});
+    if (complaints.empty()) return "fits the schema";
+    const std::size_t shown = std::min<std::size_t>(complaints.size(), 20);
+    for (std::size_t i = 0; i + 1 < shown; ++i) out.refuse(what, path, complaints[i]);
+    throw complaints[shown - 1];
+  }
+
+  static void check_twin(Findings& out, const std::string& model_path, const std::vector<std::string>& patch_paths) {
+    json model;
+    if (!model_path.empty()) {
+      out.check("twin", model_path, [&] {
+        model = sim::read_json(model_path);
+        const std::string result = lint(out, "twin", model_path, model, sim::LintScope::whole);
+        return fmt::format("{} objects of {} types; {}", objects_in(model), model.size(), result);
+      });
+    }
+    for (const std::string& path : patch_paths) {
+      out.check("patch", path, [&] {
+        const json patch = sim::read_json(path);
+        json base = model.is_object() ? model : json::object();
+        base = sim::merge_patched(std::move(base), patch, path);
+        const std::string result = lint(out, "patch", path, patch, sim::LintScope::patch);
+        if (model.is_object()) model = std::move(base);
+        return fmt::format("{} objects of {} types changed; {}", objects_in(patch), patch.size(), result);
+      });
+    }
+    if (!model_path.empty() && !patch_paths.empty() && out.failed() == 0) {
+      out.check("twin", model_path + " with its patches", [&] {
+        const std::string result = lint(out, "twin", model_path + " with its patches", model, sim::LintScope::whole);
+        return fmt::format("{} objects; {}", objects_in(model), result);
+      });
+    }
+  }
+
+  Findings look() const {
+    Findings out;
+    hal::TopologyCounts counts = built_in_site(topology).counts;
+    std::string scope;
+    std::optional<hal::SiteFile> file;
+    const std::string site_path = site.empty() && nothing_named() ? "site.toml" : site;
+    if (!site_path.empty()) {
+      out.check("site", site_path, [&] {
+        file = hal::read_site_file(site_path, hal::site_rules());
+        with_topology(file->topology.c_str(), [&counts]<class T>(T) { counts = hal::counts_of<T>(); });
+        scope = file->scope;
+        return site_facts(*file);
+      });
+    }
+    const auto check_points = [&](const std::string& p) {
+      out.check("points", p, [&] { return points_facts(p, counts); });
+    };
+    const auto check_log = [&](const char* what, const std::string& p) {
+      out.check(what, p, [&] { return log_facts(p, counts); });
+    };
+    const auto check_blob = [&](const std::string& p) {
+      out.check("weights", p, [&] { return blob_facts(p, counts, scope); });
+    };
+    const auto check_weather = [&](const std::string& p) { out.check("weather", p, [&] { return weather_facts(p); }); };
+    if (file) {
+      if (file->modbus) {
+        out.check("points", file->modbus->points, [&] {
+          std::string facts = points_facts(file->modbus->points, counts);
+          hal::refuse_contradiction(*file, hal::PointMap::load(file->modbus->points));
+          return facts;
+        });
+      }
+      if (!file->weights_blob.empty()) check_blob(file->weights_blob);
+      out.check("keys", file->keys_dir, [&] { return hal::describe(hal::KeyRing::load(file->keys_dir)); });
+      if (!file->history_log.empty()) check_log("history", file->history_log);
+      if (file->twin) {
+        if (file->twin->model != "rc") check_twin(out, file->twin->model, file->twin->patches);
+        if (!file->twin->weather.empty()) check_weather(file->twin->weather);
+      }
+    }
+    if (!points.empty()) check_points(points);
+    for (const std::string& p : weights) check_blob(p);
+    for (const std::string& p : logs) check_log("log", p);
+    check_twin(out, twin, patches);
+    if (!weather.empty()) check_weather(weather);
+    if (!room.empty()) out.check("room", room, [&] { return room_facts(room, counts); });
+    return out;
+  }
+
+  void run() const {
+    const Findings found = look();
+    if (as_json) {
+      json list = json::array();
+      for (const Finding& f : found.all()) {
+        json entry = {{"what", f.what}, {"file", f.file}, {"ok", !f.complaint}};
+        if (f.complaint) {
+          entry["place"] = f.complaint->place();
+          entry["found"] = f.complaint->found();
+          entry["expected"] = f.complaint->expected();
+          entry["remedy"] = f.complaint->remedy();
+        } else {
+          entry["facts"] = f.facts;
+        }
+        list.push_back(entry);
+      }
+      const json all = {{"ok", found.failed() == 0}, {"checked", list}};
+      fmt::print("{}\n", all.dump(-1, ' ', false, json::error_handler_t::replace));
+    } else {
+      for (const Finding& f : found.all()) {
+        if (f.complaint) {
+          fmt::print("WRONG  {:<8} {}\n", f.what, f.complaint->what());
+        } else {
+          fmt::print("ok     {:<8} {}: {}\n", f.what, f.file, f.facts);
+        }
+      }
+    }
+    std::fflush(stdout);
+    if (found.failed() != 0) {
+      throw std::runtime_error(
+          fmt::format("{} of {} checked things are not in order", found.failed(), found.all().size()));
+    }
+  }
+};
+
+}  // namespace
+
+void add_check(CLI::App& app) {
+  auto self = std::make_shared<CheckCommand>();
+  CLI::App* c =
+      app.add_subcommand("check",
+                         "read everything that a site file names, and anything else given, and say what is in "
+                         "order and what is not");
+  c->add_option("site", self->site, "site file (default: site.toml, if nothing else is given)");
+  c->add_option("--topology", self->topology, "room shape where no site file says it")
+      ->check(CLI::IsMember(hal::site_rules().topologies))
+      ->capture_default_str();
+  c->add_option("--points", self->points, "a point map");
+  c->add_option("--weights", self->weights, "weight blobs")->allow_extra_args(false);
+  c->add_option("--log", self->logs, "CSV logs, or folders of them")->allow_extra_args(false);
+  c->add_option("--twin", self->twin, "an epJSON model");
+  c->add_option("--patch", self->patches, "merge patches on the model, in order")->allow_extra_args(false);
+  c->add_option("--weather", self->weather, "an EPW file");
+  c->add_option("--room-file", self->room, "a room of the RC plant (.json)");
+  c->add_flag("--json", self->as_json, "print one JSON object and nothing else on standard output");
+  c->callback([self] { self->run(); });
+}
+
+}  // namespace airside::tools

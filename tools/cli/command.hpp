@@ -1,0 +1,65 @@
+#pragma once
+// The subcommands of `airside`: each file adds one, with its options and what it does.
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+
+#include "tools/run/metrics.hpp"
+#include "tools/run/progress.hpp"
+#include "tools/run/session.hpp"
+#include "tools/run/site.hpp"
+
+namespace airside::tools {
+
+void add_chaos(CLI::App& app);
+void add_check(CLI::App& app);
+void add_init(CLI::App& app);
+void add_pretrain(CLI::App& app);
+void add_transfer(CLI::App& app);
+void add_simulate(CLI::App& app);
+void add_serve(CLI::App& app);
+void add_study(CLI::App& app);
+void add_blob(CLI::App& app);
+void add_report(CLI::App& app);
+void add_footprint(CLI::App& app);
+void add_status(CLI::App& app);
+void add_probe(CLI::App& app);
+void add_gap(CLI::App& app);
+void add_pull(CLI::App& app);
+
+/// Sends a blob to a web address, with certificates to trust; returns what is to be told of it.
+using SendBlob = nlohmann::json (*)(const std::string& address, std::span<const std::byte> blob, const std::string& ca);
+nlohmann::json send_over_http(const std::string& address, std::span<const std::byte> blob, const std::string& ca);
+/// `over_http`: none on the box, which has its inbox at hand.
+void add_weights(CLI::App& app, SendBlob over_http = nullptr);
+
+/// --site, --preset and --topology, shared by all commands on a room.
+struct SiteOptions {
+  std::string path;                           ///< empty: the built-in site
+  std::string preset;                         ///< empty: the site's
+  std::string topology = "5vav-5fcu-2power";  ///< of the built-in site
+};
+void add_site_options(CLI::App& command, SiteOptions& options);
+/// Errors: hal::InputError.
+Site make_site(const SiteOptions& options);
+
+/// The site options as they must be typed again, each after a space; "" for the built-in site as it is.
+std::string command_text(const SiteOptions& options);
+
+/// Progress to standard error as a share of the work; pass on to session functions.
+OnProgress show_progress(Progress& bar);
+constexpr std::uint64_t progress_steps = 1000;
+
+/// The figures of a run, units in the names: dae_degc, me_degc, darv_degc, cdh_degch, hdh_degch, hvac_kwh, ...
+nlohmann::json json_of(const Metrics& metrics);
+
+/// One line of a table on standard output: name and the usual figures.
+void print_figures(const std::string& name, const Metrics& metrics);
+void print_figures_header();
+
+/// CRC-32C of a blob as eight hex digits, its short name in reports.
+std::string digest_text(const BlobBytes& blob);
+
+}  // namespace airside::tools

@@ -1,0 +1,337 @@
+// airside gap: where simulation and measurement disagree, which effect is missing, and how sure that is.
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <map>
+#include <mutex>
+#include <optional>
+
+#include "hal/text/input_error.hpp"
+#include "sim/json/merge_patch.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/cli/gap.hpp"
+#include "tools/cli/gap_fit.hpp"
+#include "tools/gap/blind/blind_cases.hpp"
+#include "tools/gap/blind/score.hpp"
+#include "tools/gap/case_file.hpp"
+#include "tools/gap/model/parallel.hpp"
+#include "tools/gap/model/patched_model.hpp"
+#include "tools/gap/verdict/shared_responses.hpp"
+#include "tools/gap/verdict/verdict_json.hpp"
+#include "tools/report/confusion_svg.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct EffectsCommand : GapOptions {
+  void run() const {
+    const auto list = effects();
+    nlohmann::json j = nlohmann::json::array();
+    constexpr const char* places[] = {"floor", "facade", "zone", "vav", "fcu", "vav_pair"};
+    for (const sim::Effect& e : list) {
+      const char* engines = e.on_rc && e.on_energyplus ? "both" : e.on_rc ? "rc" : "energyplus";
+      j.push_back({{"name", e.name},
+                   {"title", e.title},
+                   {"place", places[static_cast<int>(e.place)]},
+                   {"unit", e.unit},
+                   {"null", e.null_value},
+                   {"low", e.low},
+                   {"high", e.high},
+                   {"least", e.least},
+                   {"prior_sd", e.prior_sd},
+                   {"engines", engines},
+                   {"looks_like", e.looks_like},
+                   {"confirm", e.confirm}});
+      if (json) continue;
+      fmt::print("{} ({}, {}; {} to {} {}, nothing at {})\n  {}\n  looks like: {}\n  on site: {}\n", e.name,
+                 places[static_cast<int>(e.place)], engines, e.low, e.high, e.unit, e.null_value, e.title, e.looks_like,
+                 e.confirm);
+    }
+    if (json) fmt::print("{}\n", nlohmann::json{{"effects", j}}.dump());
+  }
+};
+
+struct RunCasesCommand : GapOptions {
+  std::string folder, out = "verdicts.json", cache;
+  bool all_own = false, go_on = false;
+
+  using Done = std::function<void(const fs::path&, nlohmann::json)>;
+  using Found = std::map<fs::path, nlohmann::json>;
+
+  /// Verdicts of an earlier run on these cases.
+  Found found_before(const std::vector<fs::path>& folders) const {
+    Found found;
+    if (!go_on || !fs::exists(out)) return found;
+    const nlohmann::json before = sim::read_json(out);
+    const auto list = before.find("verdicts");
+    if (list == before.end() || !list->is_array())
+      throw hal::InputError(out, "no list of verdicts", "what run-cases wrote",
+                            "leave --continue out, or name another -o");
+    for (const nlohmann::json& one : *list) {
+      const auto at = std::find_if(folders.begin(), folders.end(), [&one](const fs::path& path) {
+        return one.is_object() && one.value("case", "") == path.filename().string();
+      });
+      if (at == folders.end())
+        throw hal::InputError(out, "a verdict on " + one.value("case", "no case"), "one of the cases in " + folder,
+                              "leave --continue out, or name another -o");
+      found[*at] = one;
+    }
+    return found;
+  }
+
+  /// What effects would do in both windows of a case, by its own commands alone.
+  static gap::WindowResponses responses_of(const gap::LoadedCase& c, const std::vector<sim::Effect>& list, int threads,
+                                           const std::function<void()>& advance) {
+    const gap::Library library = gap::library_of(*c.engine, list);
+    const auto responses = [&](const gap::Window& window) {
+      return gap::simulate_responses(*c.engine, library, window.recording, true, threads, advance);
+    };
+    return {responses(c.data.reference), responses(c.data.test)};
+  }
+
+  /// One bad log among hundreds of cases is a verdict too.
+  std::optional<gap::LoadedCase> load(const fs::path& path, const Done& done) const {
+    const std::string name = path.filename().string();
+    try {
+      return gap::load_case(gap::read_case(path), name, cache);
+    } catch (const gap::RefusedLog& e) {
+      fmt::print(stderr, "{}: refused: {}\n", name, e.what());
+      done(path, gap::refused_json(name, e.what()));
+      return std::nullopt;
+    }
+  }
+
+  static void judge(const fs::path& path, const gap::LoadedCase& c, const gap::WindowResponses& responses,
+                    const Done& done) {
+    const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses);
+    done(path, gap::json_of(verdict, c.name, responses.test, c.engine->channels()));
+  }
+
+  /// Cases of one window and model share what their recordings allow.
+  void judge_window(const std::vector<fs::path>& paths, const std::vector<sim::Effect>& list, const Found& before,
+                    const Done& done) const {
+    if (std::all_of(paths.begin(), paths.end(), [&](const fs::path& path) { return before.contains(path); })) return;
+    std::vector<std::pair<fs::path, gap::LoadedCase>> cases;
+    for (const fs::path& path : paths) {
+      if (auto c = load(path, done)) cases.emplace_back(path, std::move(*c));
+    }
+    if (cases.empty()) return;
+    std::vector<const gap::CaseData*> data;
+    for (const auto& [path, c] : cases) data.push_back(&c.data);
+    const gap::LoadedCase& usual = cases[gap::most_usual(data)].second;
+    const gap::Library library = gap::library_of(*usual.engine, list);
+    Progress bar("responses of " + usual.engine->description(), 2 * gap::runs_of(library, true));
+    const gap::SharedWindows shared(*usual.engine, library, usual.data, jobs, [&bar] { bar.advance(); });
+    bar.finish();
+    gap::in_parallel(cases.size(), jobs, [&](std::size_t i) {
+      const auto& [path, c] = cases[i];
+      if (!before.contains(path)) judge(path, c, shared.of(*c.engine, c.data, {}, 1), done);
+    });
+  }
+
+  void run() const {
+    require_writable("--out", out, false);
+    const auto list = effects();
+    const auto folders = gap::case_folders(folder);
+    std::map<std::string, std::vector<fs::path>> windows;
+    std::vector<fs::path> alone;
+    const Found before = found_before(folders);
+    for (const fs::path& path : folders) {
+      const gap::CaseDescription c = gap::read_case(path);
+      // What a window shares depends on all of its cases, those that are done too.
+      if (before.contains(path) && !gap::shares_responses(c)) continue;
+      (gap::shares_responses(c) && !all_own ? windows[gap::shared_window_of(c)] : alone).push_back(path);
+    }
+    Found found = before;
+    std::mutex mutex;
+    Progress bar(fmt::format("{} cases", folders.size() - before.size()), folders.size() - before.size());
+    const Done done = [&](const fs::path& path, nlohmann::json verdict) {
+      const std::lock_guard lock(mutex);
+      if (before.contains(path)) return;
+      found[path] = std::move(verdict);
+      // What is known is kept if the run is ended.
+      nlohmann::json verdicts = nlohmann::json::array();
+      for (const auto& [name, one] : found) verdicts.push_back(one);
+      gap::write_whole_file(out, nlohmann::json{{"format", 1}, {"verdicts", verdicts}}.dump(1) + "\n");
+      bar.advance();
+    };
+    for (const auto& [window, cases] : windows) judge_window(cases, list, before, done);
+    gap::in_parallel(alone.size(), jobs, [&](std::size_t i) {
+      if (const auto c = load(alone[i], done)) judge(alone[i], *c, responses_of(*c, list, 1, {}), done);
+    });
+    bar.finish();
+    std::map<std::string, int> count;
+    for (const auto& [path, verdict] : found) ++count[verdict.value("verdict", "")];
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"cases", folders.size()}, {"verdicts", out}, {"count", count}}.dump());
+      return;
+    }
+    for (const auto& [kind, n] : count) fmt::print("{:>5} {}\n", n, kind);
+    fmt::print("verdicts: {}\n", out);
+  }
+};
+
+struct BlindCommand : GapOptions {
+  int cases = 20;
+  std::uint64_t seed = 1;
+  std::string folder = "blind", key = "blind-key.json", room = "301", engine = "rc", cache;
+  int days = 14, window = 0;
+  double ratio = 0;
+  std::string only;
+  std::vector<std::string> kinds;
+  bool rough = false;
+
+  void run() const {
+    const auto list = effects();
+    gap::BlindPlan plan = gap::plan_of(cases, seed);
+    if (!only.empty()) {
+      const std::map<std::string, int gap::BlindPlan::*> sets{{"single", &gap::BlindPlan::single},
+                                                              {"null", &gap::BlindPlan::null},
+                                                              {"outside", &gap::BlindPlan::outside},
+                                                              {"pair", &gap::BlindPlan::pairs}};
+      for (const auto& [set, count] : sets) plan.*count = set == only ? cases : 0;
+    }
+    plan.window = window;
+    plan.ratio = ratio;
+    plan.kinds = kinds;
+    plan.twin = room;
+    plan.days = days;
+    plan.jobs = jobs;
+    plan.engine = engine == "rc"           ? gap::BlindEngine::rc
+                  : engine == "energyplus" ? gap::BlindEngine::energyplus
+                                           : gap::BlindEngine::mixed;
+    plan.rough = rough;
+    plan.cache = cache;
+    Progress bar(fmt::format("hiding effects in {} cases", plan.total()),
+                 static_cast<std::uint64_t>(gap::blind_steps(plan)));
+    gap::make_blind_cases(plan, list, folder, key, [&bar] { bar.advance(); });
+    bar.finish();
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"cases", plan.total()},
+                                        {"folder", folder},
+                                        {"key", key},
+                                        {"engine", engine},
+                                        {"seeds", {seed}},
+                                        {"single", plan.single},
+                                        {"null", plan.null},
+                                        {"outside", plan.outside},
+                                        {"pairs", plan.pairs}}
+                             .dump());
+      return;
+    }
+    fmt::print(
+        "{} cases in {}, the key in {}\nnext: airside gap run-cases {} -o verdicts.json; airside gap score "
+        "verdicts.json {}\n",
+        plan.total(), folder, key, folder, key);
+  }
+};
+
+struct ScoreCommand : GapOptions {
+  std::string verdicts, key, picture;
+
+  void run() const {
+    std::map<std::string, double> null_of;
+    for (const sim::Effect& e : effects()) null_of[e.name] = e.null_value;
+    const gap::ScoreTable table = gap::score(sim::read_json(verdicts), sim::read_json(key), null_of);
+    if (!picture.empty()) gap::write_whole_file(picture, gap::confusion_svg(table.confusion, "hidden and said"));
+    if (json) {
+      fmt::print("{}\n", gap::json_of(table).dump());
+    } else {
+      fmt::print("{}", gap::text_of(table));
+    }
+  }
+};
+
+struct RevertCommand {
+  std::string ledger, model, out;
+  bool json = false;
+
+  void run() const {
+    const nlohmann::json back = gap::reverted_model(sim::read_json(model), sim::read_json(ledger), model, ledger);
+    gap::write_whole_file(out, back.dump(1) + "\n");
+    if (json)
+      fmt::print("{}\n", nlohmann::json{{"model", out}, {"digest", gap::model_digest(back)}}.dump());
+    else
+      fmt::print("{}: the model as it was before\n", out);
+  }
+};
+
+}  // namespace
+
+void add_gap(CLI::App& app) {
+  CLI::App* gap = app.add_subcommand(
+      "gap", "find where simulation and measurement disagree, name the missing effect, show the gap shrink");
+  gap->require_subcommand(0, 1);
+
+  auto list = std::make_shared<EffectsCommand>();
+  CLI::App* c = gap->add_subcommand("effects", "every effect that can be found, with how to confirm it on site");
+  list->add_effects(*c);
+  list->add_json(*c);
+  c->callback([list] { list->run(); });
+
+  auto blind = std::make_shared<BlindCommand>();
+  c = gap->add_subcommand("blind", "make sealed cases in which something is hidden, and their key apart");
+  c->add_option("--cases", blind->cases, "how many in all")->check(CLI::Range(1, 10000))->capture_default_str();
+  c->add_option("--seed", blind->seed, "of rooms, effects and noise")->capture_default_str();
+  c->add_option("--room", blind->room, "the workflow's room")->capture_default_str();
+  c->add_option("--days", blind->days, "of the reference, and again of the measured period")
+      ->check(CLI::Range(4, 60))
+      ->capture_default_str();
+  c->add_option("-o,--out", blind->folder, "folder for the cases; new or empty")->capture_default_str();
+  c->add_option("--engine", blind->engine,
+                "what measures: rc, energyplus, or mixed: every fourth case of each set by EnergyPlus")
+      ->check(CLI::IsMember({"rc", "energyplus", "mixed"}))
+      ->capture_default_str();
+  c->add_option("--only", blind->only, "one set alone: single, null, outside or pair")
+      ->check(CLI::IsMember({"single", "null", "outside", "pair"}));
+  c->add_option("--hide", blind->kinds, "effects that are hidden, by turns; else all")->delimiter(',');
+  c->add_option("--ratio", blind->ratio, "of every single effect to the noise; else 0.5, 1 and 3 by turns")
+      ->check(CLI::Range(0.1, 20.0));
+  c->add_option("--window", blind->window, "all cases in this stretch of weather, 1 to 5; else in all by turns")
+      ->check(CLI::Range(1, 5));
+  c->add_flag("--rough", blind->rough, "sizes by a table of noise instead of fits: quick, not exact");
+  c->add_option("--cache", blind->cache, "folder of finished EnergyPlus runs, used again");
+  c->add_option("--key", blind->key, "file for the answers, outside that folder")->capture_default_str();
+  blind->add_effects(*c);
+  blind->add_jobs(*c);
+  blind->add_json(*c);
+  c->callback([blind] { blind->run(); });
+
+  auto cases = std::make_shared<RunCasesCommand>();
+  c = gap->add_subcommand("run-cases", "a verdict for every case of a folder");
+  c->add_option("folder", cases->folder, "folder of cases")->required();
+  c->add_option("-o,--out", cases->out, "file for the verdicts")->capture_default_str();
+  c->add_option("--cache", cases->cache, "folder of finished EnergyPlus runs, used again");
+  c->add_flag("--all-own", cases->all_own, "share nothing: every response under the case's own commands");
+  c->add_flag("--continue", cases->go_on, "keep the verdicts in --out, judge the other cases");
+  cases->add_effects(*c);
+  cases->add_jobs(*c);
+  cases->add_json(*c);
+  c->callback([cases] { cases->run(); });
+
+  auto score = std::make_shared<ScoreCommand>();
+  c = gap->add_subcommand("score", "compare verdicts with the key");
+  c->add_option("verdicts", score->verdicts, "from run-cases")->required();
+  c->add_option("key", score->key, "from blind")->required();
+  c->add_option("--picture", score->picture, "SVG file with the confusion matrix");
+  score->add_effects(*c);
+  score->add_json(*c);
+  c->callback([score] { score->run(); });
+
+  auto revert = std::make_shared<RevertCommand>();
+  c = gap->add_subcommand("revert", "the model as it was before a patch");
+  c->add_option("ledger", revert->ledger, "ledger.json of the patch")->required();
+  c->add_option("model", revert->model, "the patched model")->required();
+  c->add_option("-o,--out", revert->out, "file for the model before")->required();
+  c->add_flag("--json", revert->json, "print one JSON object and nothing else on standard output");
+  c->callback([revert] { revert->run(); });
+  add_gap_fit(*gap);
+  add_gap_retrain(*gap);
+  add_gap_run(*gap);
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,352 @@
+// airside gap run: one site's log against its model, from clean-up to patched twin and report.
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "hal/text/input_error.hpp"
+#include "sim/json/merge_patch.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/cli/gap.hpp"
+#include "tools/gap/gap_run.hpp"
+#include "tools/gap/verdict/verdict_json.hpp"
+#include "tools/report/gap_report.hpp"
+#include "tools/report/report.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The workflow on one site, with report.
+struct SiteCommand : GapOptions {
+  std::string site_path, measured, reference, twin, plant, room, weather, out = "gap-report", apply, keep_run, cache;
+  std::vector<std::string> patches;
+  std::string measured_room;
+  int reference_days = 0, seeds = 5, pretrain_days = 31, control_days = 7;
+  bool best_guess = false, findings_only = false, no_duties = false, sun_on_site = false, retrain = false;
+
+  /// All options, so that a subcommand can refuse them.
+  std::vector<CLI::Option*> add_to(CLI::App& c) {
+    add_effects(c);
+    add_jobs(c);
+    add_json(c);
+    c.add_option("--site", site_path, "site file: topology, and [twin] with model, patches and weather");
+    c.add_option("--measured", measured, "log to judge: a CSV file, or a folder of daily ones");
+    c.add_option("--reference", reference, "log of days on which plant and room were as the twin describes");
+    c.add_option("--reference-days", reference_days, "the first days of --measured are the reference")
+        ->check(CLI::Range(2, 366));
+    c.add_option("--twin", twin, "epJSON model of the room (default: the site's)");
+    c.add_option("--patch", patches, "merge patches on the twin, in order (default: the site's)");
+    c.add_option("--plant", plant, "rc or energyplus: the kind of model where no --twin is given")
+        ->check(CLI::IsMember({"rc", "energyplus"}));
+    c.add_option("--room", room, "built-in room or, for rc, a room file; without --twin");
+    c.add_option("--weather", weather, "EPW of the site or its station (default: the site's)");
+    c.add_option("-o,--out", out, "folder for the report, gap.json and the patch")->capture_default_str();
+    c.add_option("--apply", apply, "write the patched twin to this file");
+    c.add_flag("--best-guess", best_guess, "patch the twin with an ambiguous verdict too");
+    c.add_flag("--findings-only", findings_only, "the twin keeps its own parameters: add only what was found");
+    c.add_flag("--no-duties", no_duties, "leave the fan coils' duties out, which need a second run each on EnergyPlus");
+    c.add_flag("--sun-on-site", sun_on_site, "the weather file's sun was measured on the site: it is not in doubt");
+    c.add_option("--keep-run", keep_run, "folder for the patched twin's run, which plain energyplus repeats");
+    CLI::Option* retrains = c.add_flag("--retrain", retrain,
+                                       "pretrain on the twin and on the patched twin, and run both sets of weights on "
+                                       "the measured room: what the patch is worth to the controller");
+    c.add_option("--measured-room", measured_room,
+                 "with --retrain: the simulated room that plays the measured one, since a log cannot answer to other "
+                 "setpoints: a name, a file, or 301+patch.json (default: the patched twin, and labelled so)")
+        ->needs(retrains);
+    c.add_option("--seeds", seeds, "with --retrain: how many")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str()
+        ->needs(retrains);
+    c.add_option("--pretrain-days", pretrain_days, "with --retrain: on each twin")
+        ->check(CLI::Range(2, 364))
+        ->capture_default_str()
+        ->needs(retrains);
+    c.add_option("--control-days", control_days, "with --retrain: days controlled in the measured room")
+        ->check(CLI::Range(1, 60))
+        ->capture_default_str()
+        ->needs(retrains);
+    c.add_option("--cache", cache, "folder of finished EnergyPlus runs (default: OUT/runs)");
+    std::vector<CLI::Option*> options;
+    for (CLI::Option* o : c.get_options()) {
+      if (o != c.get_help_ptr()) options.push_back(o);
+    }
+    return options;
+  }
+
+  std::string again() const {
+    std::string text = "airside gap run";
+    const auto add = [&text](const char* name, const std::string& value) {
+      if (!value.empty()) text += fmt::format(" {} {}", name, value);
+    };
+    add("--site", site_path);
+    add("--measured", measured);
+    add("--reference", reference);
+    add("--reference-days", reference_days > 0 ? std::to_string(reference_days) : "");
+    add("--twin", twin);
+    for (const std::string& patch : patches) add("--patch", patch);
+    add("--plant", plant);
+    add("--room", room);
+    add("--weather", weather);
+    add("--effects", effects_dir);
+    if (findings_only) text += " --findings-only";
+    if (best_guess) text += " --best-guess";
+    if (no_duties) text += " --no-duties";
+    if (sun_on_site) text += " --sun-on-site";
+    if (retrain) {
+      text += " --retrain";
+      add("--measured-room", measured_room);
+      add("--seeds", std::to_string(seeds));
+      add("--pretrain-days", std::to_string(pretrain_days));
+      add("--control-days", std::to_string(control_days));
+    }
+    add("--out", out);
+    return text;
+  }
+
+  /// The model: --twin, else --plant and --room, else the site's.
+  void choose_model(gap::CaseDescription& c, const Site& site) const {
+    if (!twin.empty() && (plant == "rc" || !room.empty())) {
+      throw hal::InputError("--twin " + twin, room.empty() ? "--plant rc beside it" : "--room " + room + " beside it",
+                            "one model", "leave one of the two out");
+    }
+    if (!twin.empty() && !twin.ends_with(".epJSON")) {
+      throw hal::InputError(
+          "--twin " + twin, "a name that does not end in .epJSON", "an EnergyPlus model in epJSON",
+          "convert an IDF with energyplus --convert-only; for a room file use --plant rc --room FILE");
+    }
+    const auto& section = site.file.twin;
+    c.patches = patches;
+    if (!twin.empty()) {
+      c.engine = "energyplus";
+      c.model = twin;
+    } else if (!plant.empty() || !room.empty()) {
+      c.engine = plant.empty() ? "rc" : plant;
+      c.model = !room.empty() ? room : c.engine == "rc" ? "rc" : "twin";
+    } else if (section) {
+      c.engine = section->model == "rc" ? "rc" : "energyplus";
+      c.model = section->model;
+      if (patches.empty()) c.patches = section->patches;
+    } else {
+      throw hal::InputError("--twin", "no model", "a model of the room to compare the log with",
+                            "give --twin FILE.epJSON, or --plant rc with --room, or [twin] in the site file");
+    }
+    if (c.engine == "energyplus" && twin.empty() && !c.model.ends_with(".epJSON")) {
+      std::replace(c.model.begin(), c.model.end(), '-', '_');
+    }
+    c.weather = !weather.empty() ? weather : section ? section->weather : "";
+    if (c.weather.empty()) {
+      throw hal::InputError("--weather", "no weather", "an EPW file of the site or its station over the logged days",
+                            "give --weather FILE.epw, or weather in [twin] of the site file: sun, humidity and wind "
+                            "are not in the log");
+    }
+  }
+
+  Site the_site() const { return site_path.empty() ? built_in_site() : load_site(site_path); }
+
+  gap::RetrainRequest retrain_request() const {
+    gap::RetrainRequest r;
+    r.site = the_site();
+    if (!measured_room.empty()) r.measured = gap::parse_retrain_room(measured_room);
+    r.seeds = seeds;
+    r.pretrain_days = pretrain_days;
+    r.days = control_days;
+    r.jobs = jobs;
+    return r;
+  }
+
+  /// Before an hour of simulations ends with a room that does not exist.
+  void check_rooms(const gap::GapRequest& asked) const {
+    const gap::RetrainPlan plan = gap::retrain_plan(asked.source, retrain_request());
+    gap::check_retrain_room(plan, plan.twin);
+    if (plan.measured.room.empty()) return;
+    try {
+      gap::check_retrain_room(plan, plan.measured);
+    } catch (const hal::InputError& e) {
+      throw hal::InputError(e.place() == "--room" ? "--measured-room " + measured_room : e.place(), e.found(),
+                            e.expected(), e.remedy());
+    }
+  }
+
+  gap::GapRequest request() const {
+    const Site site = the_site();
+    gap::GapRequest r;
+    r.site = site.file.name;
+    r.command = again();
+    r.jobs = jobs;
+    r.best_guess = best_guess;
+    r.findings_only = findings_only;
+    r.cache = cache.empty() ? fs::path(out) / "runs" : fs::path(cache);
+    gap::CaseDescription& c = r.source;
+    c.topology = site.file.topology;
+    c.measured_log = measured;
+    c.reference_log = reference;
+    c.reference_days = reference_days;
+    c.duties = !no_duties;
+    choose_model(c, site);
+    if (!keep_run.empty() && c.engine == "rc") {
+      throw hal::InputError("--keep-run " + keep_run, "an RC room", "an EnergyPlus twin",
+                            "leave the option out: plain energyplus cannot run an RC room");
+    }
+    if (reference.empty() == (reference_days == 0)) {
+      throw hal::InputError(
+          "--reference", reference.empty() ? "no reference period" : "--reference-days beside it",
+          "one reference period: days on which plant and room were as the twin describes",
+          "give --reference LOG, or --reference-days N if the first N days of --measured are such days; without them "
+          "the workflow cannot tell a wrong parameter from a missing effect");
+    }
+    return r;
+  }
+
+  static void say_log(std::FILE* to, const gap::CleanLog& log) { fmt::print(to, "{}", gap::text_of(log)); }
+
+  void run() const {
+    if (measured.empty()) throw CLI::RequiredError("--measured (or a subcommand)");
+    const gap::GapRequest asked = request();
+    require_writable("--out", out, true);
+    if (!apply.empty()) require_writable("--apply", apply, false);
+    if (retrain) check_rooms(asked);
+    const auto list = sun_on_site ? sim::with_sun_on_site(effects()) : effects();
+    try {
+      finish(gap::run_gap(asked, list));
+    } catch (const gap::RefusedLog& e) {
+      say_log(stderr, e.logs().reference);
+      say_log(stderr, e.logs().measured);
+      throw;
+    }
+  }
+
+  void finish(gap::GapRun run) const {
+    const fs::path folder = out;
+    nlohmann::json j;
+    j["report"] = (folder / "index.html").string();
+    std::vector<std::string> files{j["report"], (folder / "gap.json").string()};
+    fs::path patched_file = folder / "twin-patch.json";
+    if (run.patched) {
+      const std::string ledger = gap::ledger_of(run).dump(1) + "\n";
+      const auto write = [&files](const fs::path& file, const std::string& text) {
+        gap::write_whole_file(file, text);
+        files.push_back(file.string());
+        return file.string();
+      };
+      j["patch"] = write(folder / "twin-patch.json", run.patched->patch.dump(1) + "\n");
+      j["ledger"] = write(folder / "ledger.json", ledger);
+      if (!apply.empty()) {
+        j["applied"] = write(apply, run.patched->after.dump(1) + "\n");
+        write(apply + ".ledger.json", ledger);
+      }
+      if (retrain && run.request.source.engine == "rc") {
+        patched_file = apply;
+        if (apply.empty()) patched_file = write(folder / "patched-room.json", run.patched->after.dump(1) + "\n");
+      }
+    }
+    if (!keep_run.empty()) gap::keep_patched_run(run, keep_run);
+    j["files"] = files;
+    const auto write_findings = [&] {
+      j.update(gap::json_of(run));
+      gap::write_whole_file(folder / "gap.json", gap::readable_text(j));
+      write_report(folder / "index.html", make_gap_report(run));
+    };
+    write_findings();
+    if (retrain && run.patched) {  // a pretraining that dies leaves the verdict
+      gap::RetrainRequest r = retrain_request();
+      r.patched_file = std::move(patched_file);
+      gap::retrain_patched(run, r);
+      write_findings();
+    }
+    if (json)
+      fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    else
+      say(run, j);
+    if (!apply.empty() && !run.patched) {
+      throw hal::InputError("--apply " + apply, fmt::format("the verdict {}", gap::text_of(run.verdict.kind)),
+                            "a named effect to patch the twin with",
+                            run.verdict.findings.empty()
+                                ? "the twin was left as it is"
+                                : "the twin was left as it is; --best-guess patches it anyway");
+    }
+    if (retrain && !run.patched) {
+      throw hal::InputError("--retrain", fmt::format("the verdict {}", gap::text_of(run.verdict.kind)),
+                            "a patched twin to pretrain on",
+                            !run.verdict.findings.empty()                ? "--best-guess patches the twin anyway"
+                            : run.verdict.kind == gap::VerdictKind::none ? "nothing has to be learned again"
+                                                                         : "what is missing has no name yet");
+    }
+  }
+
+  static void say(const gap::GapRun& run, const nlohmann::json& j) {
+    if (!run.request.source.reference_log.empty()) say_log(stdout, run.loaded.logs.reference);
+    say_log(stdout, run.loaded.logs.measured);
+    fmt::print("{}\n", gap::sentence_of(run));
+    for (const gap::Finding& f : run.verdict.findings) {
+      fmt::print("  {}: gain {:.0f} (limit {:.0f}), {:.1f} x the next; on site: {}\n", f.at.id(), f.gain, f.gain_limit,
+                 std::min(f.margin, 999.0), f.at.effect->confirm);
+    }
+    const auto& days = j["locked_days"];
+    const auto figure = [&days](const char* when, const char* what) { return days[when][what].get<double>(); };
+    fmt::print(
+        "locked days ({}): temperatures {:.2f} -> {:.2f} K, powers {:.2f} -> {:.2f} kW (the twin as given: "
+        "{:.2f} K, {:.2f} kW)\n",
+        days["days"].get<int>(), figure("before", "temp_rmse_k"), figure("after", "temp_rmse_k"),
+        figure("before", "power_rmse_kw"), figure("after", "power_rmse_kw"), figure("given", "temp_rmse_k"),
+        figure("given", "power_rmse_kw"));
+    if (run.retraining) fmt::print("{}{}\n", gap::text_of(*run.retraining), gap::sentence_of(*run.retraining));
+    for (const auto& file : j["files"]) fmt::print("{}\n", file.get<std::string>());
+  }
+};
+
+}  // namespace
+
+GapOptions::GapOptions() : jobs(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {}
+
+void GapOptions::add_effects(CLI::App& c) {
+  c.add_option("--effects", effects_dir, "folder of effect files (default: sim/effects/library)");
+}
+
+void GapOptions::add_jobs(CLI::App& c) {
+  c.add_option("--jobs", jobs, "simulations at a time")->check(CLI::Range(1, 256))->capture_default_str();
+}
+
+void GapOptions::add_json(CLI::App& c) {
+  c.add_flag("--json", json, "print one JSON object and nothing else on standard output");
+}
+
+std::vector<sim::Effect> GapOptions::effects() const {
+  return sim::load_effects(effects_dir.empty() ? sim::find_effects() : fs::path(effects_dir));
+}
+
+void require_writable(const std::string& option, const fs::path& path, bool folder) {
+  std::error_code ignored;
+  fs::path there = fs::absolute(path).lexically_normal();
+  if (!there.has_filename()) there = there.parent_path();
+  const bool wrong_kind = fs::exists(there, ignored) && fs::is_directory(there, ignored) != folder;
+  if (!folder) there = there.parent_path();
+  while (!fs::exists(there, ignored) && there.has_relative_path()) there = there.parent_path();
+  if (!wrong_kind && fs::is_directory(there, ignored) && access(there.c_str(), W_OK | X_OK) == 0) return;
+  throw hal::InputError(
+      option + " " + path.string(), wrong_kind ? (folder ? "a file" : "a folder") : "no writable place",
+      folder ? "a folder that can be made or written" : "a file that can be written", "choose another");
+}
+
+void add_gap_run(CLI::App& gap) {
+  auto whole = std::make_shared<SiteCommand>();
+  const std::vector<CLI::Option*> alone = whole->add_to(gap);
+  for (CLI::App* part : gap.get_subcommands([](CLI::App*) { return true; })) {
+    for (CLI::Option* option : alone) part->excludes(option);
+  }
+  gap.callback([&gap, whole] {
+    if (gap.get_subcommands().empty()) whole->run();
+  });
+  auto same = std::make_shared<SiteCommand>();
+  CLI::App* c = gap.add_subcommand("run", "the same as airside gap with these options and no subcommand");
+  same->add_to(*c);
+  for (CLI::Option* option : alone) c->excludes(option);
+  c->callback([same] { same->run(); });
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,87 @@
+// airside init: a site file and a point map to start from, complete and already in order.
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "hal/site/site_settings.hpp"
+#include "hal/storage/atomic_file.hpp"
+#include "hal/text/input_error.hpp"
+#include "tools/cli/command.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void write(const fs::path& path, const std::string& text) {
+  const auto written = hal::write_file_atomically(path.string(), std::as_bytes(std::span(text)));
+  if (!written) {
+    throw hal::InputError(path.string(), hal::describe(written.error()), "a folder that can be written",
+                          "choose another folder");
+  }
+}
+
+struct InitCommand {
+  std::string folder, topology = "5vav-5fcu-2power", name = "Room 301";
+  bool force = false, json = false;
+
+  std::string site_text() const {
+    std::string text = hal::example_site_text(topology);
+    const std::string standard = "\"Room 301\"", own = '"' + name + '"';
+    for (std::size_t at = text.find(standard); at != std::string::npos; at = text.find(standard, at + own.size())) {
+      text.replace(at, standard.size(), own);
+    }
+    return text;
+  }
+
+  void run() const {
+    if (name.empty() || name.find_first_of("\"\\\n\r") != std::string::npos) {
+      throw hal::InputError("--name", "'" + name + "'", "a name without quotes, backslashes and line ends",
+                            "use letters, digits, spaces and - . , _ / ( )");
+    }
+    const fs::path site = fs::path(folder) / "site.toml", points = fs::path(folder) / "points.csv";
+    const std::string text = site_text();
+    static_cast<void>(hal::parse_site_text(text, site.string(), hal::site_rules()));
+    for (const fs::path& path : {site, points}) {
+      if (fs::exists(path) && !force) {
+        throw hal::InputError(path.string(), "a file that is already there",
+                              "a folder without site.toml and points.csv",
+                              "choose another folder, or give --force to overwrite both");
+      }
+    }
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) {
+      throw hal::InputError(folder, error.message(), "a folder that can be made", "choose another folder");
+    }
+    write(site, text);
+    const hal::TopologyCounts counts = built_in_site(topology).counts;
+    write(points, hal::default_point_map(counts.vavs, counts.fcus, counts.powers));
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"site", site.string()}, {"points", points.string()}}.dump());
+      return;
+    }
+    fmt::print("wrote {} and {}\n", site.string(), points.string());
+    fmt::print("Edit both to match the room: targets and schedule in the first, registers in the second. Then:\n");
+    fmt::print("  airside check {}\n", site.string());
+  }
+};
+
+}  // namespace
+
+void add_init(CLI::App& app) {
+  auto self = std::make_shared<InitCommand>();
+  CLI::App* c = app.add_subcommand("init", "write a site file and a point map to start from");
+  c->add_option("folder", self->folder, "where; it is made if it is not there")->required();
+  c->add_option("--topology", self->topology, "VAV boxes, fan coil units, power meters")
+      ->check(CLI::IsMember(hal::site_rules().topologies))
+      ->capture_default_str();
+  c->add_option("--name", self->name, "of the room")->capture_default_str();
+  c->add_flag("--force", self->force, "overwrite what is there");
+  c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
+  c->callback([self] { self->run(); });
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,199 @@
+// airside report: from logs, of the box or of simulations, to the page that people look at.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <thread>
+
+#include "airside/supervision/schedule.hpp"
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/report/report.hpp"
+#include "tools/report/run_record.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A log with its name, read and judged.
+struct LoggedMethod {
+  std::string name, path;
+  hal::Log log;
+  ControlRun run;
+  Metrics metrics;
+};
+
+/// Whether every applied setpoint is the schedule's.
+bool follows_schedule(const Site& site, const ControlRun& run) {
+  for (const CycleSample& c : run.cycles) {
+    if (std::abs(c.setpoint_degc - expert_setpoint_degc(site.settings, c.time)) > site.settings.round_k) return false;
+  }
+  return true;
+}
+
+MethodResult::Kind kind_of(const Site& site, const LoggedMethod& m, bool charted) {
+  if (charted) return MethodResult::Kind::ours;
+  if (m.name.starts_with("floor-")) return MethodResult::Kind::floor;
+  return follows_schedule(site, m.run) ? MethodResult::Kind::schedule : MethodResult::Kind::peer;
+}
+
+std::string period_text(const hal::Log& log) {
+  return fmt::format("{} to {}, {} rows, {} missing", hal::civil_text(log.summary.first),
+                     hal::civil_text(log.summary.last), log.summary.rows, log.summary.missing_rows);
+}
+
+/// The page as a picture, by an installed browser. Returns what hindered it, or "".
+std::string picture_of(const fs::path& page, const fs::path& png) {
+  const std::string shot = "--screenshot=" + png.string(), url = "file://" + fs::absolute(page).string();
+  for (const char* browser : {"chromium", "chromium-browser", "google-chrome"}) {
+    std::vector<std::string> words = {browser,
+                                      "--headless",
+                                      "--no-sandbox",
+                                      "--disable-gpu",
+                                      "--hide-scrollbars",
+                                      "--window-size=1280,4500",
+                                      "--virtual-time-budget=4000",
+                                      shot,
+                                      url};
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t quiet;
+    posix_spawn_file_actions_init(&quiet);
+    posix_spawn_file_actions_addopen(&quiet, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(&quiet, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    pid_t child = 0;
+    const int failed = posix_spawnp(&child, browser, &quiet, nullptr, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&quiet);
+    if (failed != 0) continue;
+    int status = -1;
+    for (int tenths = 0; waitpid(child, &status, WNOHANG) == 0; ++tenths) {
+      if (tenths == 600) kill(child, SIGKILL);
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    std::error_code ignored;
+    if (status == 0 && fs::exists(png, ignored)) return "";
+    return fmt::format("{} did not draw the page", browser);
+  }
+  return "no browser is installed; apt-get install chromium";
+}
+
+struct ReportCommand {
+  SiteOptions site;
+  std::vector<std::string> logs, names;
+  std::string out = "report";
+  bool png = false, json = false;
+
+  std::vector<LoggedMethod> read(const Site& s) const {
+    if (names.size() > logs.size()) {
+      throw hal::InputError("--name", fmt::format("{} names for {} logs", names.size(), logs.size()),
+                            "at most one name a log, in the order of the logs", "leave the last names out");
+    }
+    std::vector<LoggedMethod> methods;
+    std::set<std::string> seen;
+    hal::LogReadOptions options;
+    options.keep_missing = true;  // a box's log has holes where a sensor failed
+    for (std::size_t i = 0; i < logs.size(); ++i) {
+      const fs::path path = fs::path(logs[i]).lexically_normal();
+      const fs::path last = path.has_filename() ? path : path.parent_path();
+      LoggedMethod m{i < names.size() ? names[i] : last.stem().string(), logs[i], {}, {}, {}};
+      if (!seen.insert(m.name).second) {
+        throw hal::InputError(logs[i], "a second method named \"" + m.name + '"', "one name a method",
+                              "name them with --name, once for each log");
+      }
+      m.log = hal::read_log(logs[i], s.counts, options);
+      m.run = run_of_log(s, m.log, logs[i]);
+      try {
+        m.metrics = metrics_of(s, m.run);
+      } catch (const hal::InputError& e) {
+        throw hal::InputError(logs[i] + ": " + e.place(), e.found(), e.expected(), e.remedy());
+      }
+      methods.push_back(std::move(m));
+    }
+    return methods;
+  }
+
+  std::string again() const {
+    std::string text = fmt::format("airside report {} -o {}", fmt::join(logs, " "), out);
+    for (const std::string& name : names) text += fmt::format(" --name \"{}\"", name);
+    if (!site.path.empty()) text += " --site " + site.path;
+    if (!site.preset.empty()) text += " --preset " + site.preset;
+    if (site.path.empty()) text += " --topology " + site.topology;
+    return text;
+  }
+
+  void run() const {
+    const Site s = make_site(site);
+    const std::vector<LoggedMethod> methods = read(s);
+    const LoggedMethod& charted = methods.front();
+    RunRecord record = make_run_record(s, charted.run);
+    record.plant = "as logged in " + charted.path;
+    record.versions = "airside 0.1.0";
+    record.command = again();
+    std::vector<std::string> other_days;
+    for (const LoggedMethod& m : methods) {
+      record.methods.push_back({m.name, kind_of(s, m, &m == &charted), {m.metrics}});
+      record.more_facts.push_back({"log of " + m.name, m.path + ": " + period_text(m.log)});
+      const hal::LogSummary &a = charted.log.summary, &b = m.log.summary;
+      if (a.first.day() != b.first.day() || a.last.day() != b.last.day()) other_days.push_back(m.name);
+    }
+    if (!other_days.empty()) {
+      const std::string note = fmt::format("{} on other days than {}", fmt::join(other_days, ", "), charted.name);
+      record.more_facts.push_back({"not on the same days", note});
+      fmt::print(stderr, "note: {}; the table compares unlike weather\n", note);
+    }
+    const fs::path page = fs::path(out) / "index.html";
+    const std::vector<fs::path> files = write_report(page, make_run_report(record));
+    std::string picture, hindrance;
+    if (png) {
+      picture = (fs::path(out) / "report.png").string();
+      hindrance = picture_of(page, picture);
+      if (!hindrance.empty()) fmt::print(stderr, "no picture: {}\n", hindrance);
+    }
+    if (json) {
+      nlohmann::json j = {{"page", page.string()}, {"files", files.size()}};
+      for (const LoggedMethod& m : methods) {
+        nlohmann::json figures = json_of(m.metrics);
+        figures["log"] = m.path;
+        figures["rows"] = m.log.summary.rows;
+        figures["missing_rows"] = m.log.summary.missing_rows;
+        j["methods"][m.name] = figures;
+      }
+      if (png) j["picture"] = hindrance.empty() ? nlohmann::json(picture) : nlohmann::json();
+      fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+      return;
+    }
+    print_figures_header();
+    for (const LoggedMethod& m : methods) print_figures(m.name, m.metrics);
+    fmt::print("report: {} and {} charts beside it\n", page.string(), files.size() - 1);
+    if (png && hindrance.empty()) fmt::print("picture: {}\n", picture);
+  }
+};
+
+}  // namespace
+
+void add_report(CLI::App& app) {
+  auto self = std::make_shared<ReportCommand>();
+  CLI::App* c = app.add_subcommand("report",
+                                   "draw logs as one HTML page with charts and a table.\n"
+                                   "The first log is charted; the others are compared with it in the table.");
+  c->add_option("logs", self->logs, "CSV logs, or folders of daily ones")->required();
+  c->add_option("-o,--out", self->out, "folder for index.html and its SVG charts")->capture_default_str();
+  c->add_option("--name", self->names, "name of a method, once for each log in order (default: the file's)")
+      ->allow_extra_args(false);
+  add_site_options(*c, self->site);
+  c->add_flag("--png", self->png, "also a picture of the page, by an installed chromium");
+  c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
+  c->callback([self] { self->run(); });
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,249 @@
+// airside status: the box's status.json in plain sentences.
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "airside/fault.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/text/input_error.hpp"
+#include "sim/json/merge_patch.hpp"
+#include "tools/cli/command.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr double old_after_s = 900;  ///< the box writes every 6 min
+
+/// status.json of a file, a state folder or a site file.
+fs::path snapshot_of(const std::string& given) {
+  fs::path path = given;
+  if (path.extension() == ".toml") path = hal::read_site_file(given, hal::site_rules()).state_dir;
+  std::error_code ignored;
+  if (path.extension() != ".json" || fs::is_directory(path, ignored)) path /= "status.json";
+  if (!fs::exists(path, ignored)) {
+    throw hal::InputError(path.string(), "no such file", "the status that airsided writes every 6 min",
+                          "give its state folder or site file, and see that airsided runs (systemctl status airsided)");
+  }
+  return path;
+}
+
+/// The object's members, with a complaint instead of an exception of the JSON library.
+class Snapshot {
+ public:
+  explicit Snapshot(const fs::path& path) : path_(path.string()), object_(sim::read_json(path)) {
+    if (!object_.is_object()) refuse("", object_.dump().substr(0, 40), "one JSON object");
+    for (const char* name : {"time", "site", "state", "fault", "storage"}) text(name);
+    for (const char* name : {"cycles", "rejected_updates", "replay_transitions", "generation"}) count(name);
+  }
+
+  std::string text(const char* name) const {
+    const json& v = member(name);
+    if (!v.is_string()) refuse(name, v.dump(), "a text");
+    return v.get<std::string>();
+  }
+  /// Nothing for null.
+  std::optional<double> number(const char* name) const { return number(name, member(name)); }
+  std::uint64_t count(const char* name) const {
+    const json& v = member(name);
+    if (!v.is_number_unsigned()) refuse(name, v.dump(), "a count");
+    return v.get<std::uint64_t>();
+  }
+  bool flag(const char* name) const {
+    const json& v = member(name);
+    if (!v.is_boolean()) refuse(name, v.dump(), "true or false");
+    return v.get<bool>();
+  }
+  std::vector<std::optional<double>> numbers(const char* name) const {
+    const json& v = member(name);
+    if (!v.is_array()) refuse(name, v.dump(), "a list of numbers");
+    std::vector<std::optional<double>> out;
+    for (const json& entry : v) out.push_back(number(name, entry));
+    return out;
+  }
+  const json& object() const { return object_; }
+
+ private:
+  [[noreturn]] void refuse(const char* name, const std::string& found, const char* expected) const {
+    throw hal::InputError(*name == '\0' ? path_ : path_ + ": " + name, found, expected,
+                          "wait for airsided to write it anew, within 6 min; it replaces the file whole");
+  }
+  const json& member(const char* name) const {
+    const auto at = object_.find(name);
+    if (at == object_.end()) refuse(name, "nothing", "a status of airsided with this member");
+    return *at;
+  }
+  std::optional<double> number(const char* name, const json& v) const {
+    if (v.is_null()) return {};
+    if (!v.is_number()) refuse(name, v.dump(), "a number or null");
+    return v.get<double>();
+  }
+
+  std::string path_;
+  json object_;
+};
+
+std::string span_text(double seconds) {
+  if (seconds < 120) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 7200) return fmt::format("{:.0f} min", seconds / 60);
+  if (seconds < 172800) return fmt::format("{:.0f} h", seconds / 3600);
+  return fmt::format("{:.0f} days", seconds / 86400);
+}
+
+double age_s(const fs::path& path) {
+  return std::chrono::duration<double>(fs::file_time_type::clock::now() - fs::last_write_time(path)).count();
+}
+
+std::string state_text(const Snapshot& s) {
+  const std::string state = s.text("state"), fault = s.text("fault"), signal = s.text("fault_signal");
+  std::string text = state == "learn"     ? "It controls and goes on learning"
+                     : state == "run"     ? "It controls with frozen weights"
+                     : state == "expert"  ? "It follows the expert's schedule"
+                     : state == "release" ? "It writes nothing: the AHU is released to its own control"
+                                          : "Its state is \"" + state + '"';
+  if (s.text("reason") != "none") text += ": " + s.text("why") + " (" + s.text("way_out") + ")";
+  if (fault != "none") return text + ". Fault: " + fault + (signal.empty() ? "." : " at " + signal + '.');
+  return text + "; no fault.";
+}
+
+/// Every alarm that is up, with the time since when; empty without any.
+std::string alarms_text(const Snapshot& s) {
+  std::string text;
+  for (const json& alarm : s.object().value("alarms", json::array())) {
+    if (!alarm.is_object() || !alarm.contains("reason") || !alarm.contains("since")) continue;
+    text += (text.empty() ? "Alarms: " : "; ") + alarm.value("reason", "") + " since " + alarm.value("since", "");
+  }
+  return text.empty() ? text : text + '.';
+}
+
+std::string shadows_text(const Snapshot& s) {
+  const auto expert = s.number("expert_setpoint_degc"), g36 = s.number("g36_setpoint_degc");
+  if (!expert || !g36) return "";
+  std::string text = fmt::format("Now the schedule would set {:.2f} degC, Guideline 36 {:.2f} degC.", *expert, *g36);
+  const auto ours = s.number("mean_error_k"), schedule = s.number("schedule_mean_error_k");
+  if (ours && schedule && *schedule > 0) {
+    text += fmt::format(
+        " In the last working hours the rooms' mean was {:.2f} K off; under the schedule it would have been {:.2f} K.",
+        *ours, *schedule);
+  }
+  return text;
+}
+
+std::string pushed_text(const Snapshot& s) {
+  const std::string state = s.text("pushed_weights"), refusal = s.text("pushed_refusal");
+  std::string text =
+      state == "none" ? "No weights have been pushed" : "Pushed weights " + s.text("pushed_crc") + ": " + state;
+  const bool waits = refusal == text_of(Fault::state_invalid);  // no copy of the weights before can be written
+  if (refusal == text_of(Fault::no_way_back)) {
+    text += "; the weights before cannot be read, so there is no way back to them";
+  } else if (refusal != "none") {
+    text += waits ? "; a blob waits in the inbox: " : "; the last blob was refused: ";
+    text += refusal + " (" + s.text("pushed_refusal_field") + ")";
+  }
+  return text + '.';
+}
+
+std::string rooms_text(const Snapshot& s) {
+  std::string rooms;
+  for (const auto& value : s.numbers("room_temp_degc")) {
+    rooms += (rooms.empty() ? "" : ", ") + (value ? fmt::format("{:.2f}", *value) : std::string("no value"));
+  }
+  const auto mean = s.number("room_mean_degc"), target = s.number("target_degc");
+  if (rooms.empty()) return "No room temperature is known now.";
+  if (!mean || !target) return fmt::format("Rooms: {} degC; their mean is not known.", rooms);
+  const double off = *mean - *target;
+  const std::string side = std::abs(off) < 0.005
+                               ? std::string("on the target")
+                               : fmt::format("{:.2f} K {} the target", std::abs(off), off > 0 ? "above" : "below");
+  return fmt::format("The rooms' mean is {:.2f} degC, {} of {:.2f} degC (rooms: {}).", *mean, side, *target, rooms);
+}
+
+std::string setpoint_text(const Snapshot& s) {
+  const auto applied = s.number("setpoint_degc"), network = s.number("network_setpoint_degc");
+  const auto head = s.number("head_setpoint_degc"), expert = s.number("expert_setpoint_degc");
+  if (!applied) return "The supply-air setpoint is not known.";
+  std::string wishes;
+  const auto wish = [&wishes](const char* who, const std::optional<double>& value) {
+    if (value) wishes += fmt::format("{}{} {:.2f}", wishes.empty() ? "" : ", ", who, *value);
+  };
+  wish("network", network);
+  wish("room head", head);
+  wish("schedule", expert);
+  std::string text = fmt::format("The supply-air setpoint is {:.2f} degC", *applied);
+  if (!wishes.empty()) text += " (proposed: " + wishes + ')';
+  if (const auto expected = s.number("expected_room_mean_degc")) {
+    text += fmt::format("; it expects the rooms at {:.2f} degC by the end of the cycle", *expected);
+  }
+  return text + '.';
+}
+
+std::string learning_text(const Snapshot& s) {
+  std::string text;
+  if (const auto confidence = s.number("confidence")) {
+    text = fmt::format("Confidence in its own forecast is {:.2f} of 1. ", *confidence);
+  }
+  return text +
+         fmt::format("{} decisions so far; {} transitions remembered; {} updates refused by the acceptance gate.",
+                     s.count("cycles"), s.count("replay_transitions"), s.count("rejected_updates"));
+}
+
+std::string link_text(const Snapshot& s) {
+  const std::uint64_t timeouts = s.count("link_timeouts"), frames = s.count("link_bad_frames");
+  const std::uint64_t ids = s.count("link_wrong_ids"), exceptions = s.count("link_exceptions");
+  if (timeouts + frames + ids + exceptions == 0) return "The link to the AHU has had no error.";
+  return fmt::format("The link to the AHU has had {} timeouts, {} damaged frames, {} foreign answers, {} refusals.",
+                     timeouts, frames, ids, exceptions);
+}
+
+/// The whole text at once, so that a damaged snapshot prints nothing but the complaint.
+std::string sentences(const Snapshot& s, double age) {
+  const std::string storage = s.text("storage");
+  const std::uint64_t generation = s.count("generation");
+  std::string text = fmt::format("{} ({})\n", s.text("site"), s.text("topology"));
+  for (const std::string& line : {state_text(s), alarms_text(s), rooms_text(s), setpoint_text(s), shadows_text(s),
+                                  learning_text(s), pushed_text(s)}) {
+    if (!line.empty()) text += line + '\n';
+  }
+  text += storage == "ok" ? fmt::format("Storage is in order, generation {}.\n", generation)
+                          : fmt::format("Storage: {} (generation {}).\n", storage, generation);
+  text += link_text(s);
+  text += fmt::format("\nWritten {} ago, at {} of the site's clock.\n", span_text(std::max(0.0, age)), s.text("time"));
+  if (age > old_after_s) {
+    text += "This is old: airsided writes every 6 min, so it is not running or cannot write.\n";
+  }
+  return text;
+}
+
+struct StatusCommand {
+  std::string path = "/var/lib/airside";
+  bool as_json = false;
+
+  void run() const {
+    const fs::path file = snapshot_of(path);
+    const Snapshot snapshot(file);
+    if (as_json) {
+      fmt::print("{}\n", snapshot.object().dump(-1, ' ', false, json::error_handler_t::replace));
+    } else {
+      fmt::print("{}", sentences(snapshot, age_s(file)));
+    }
+  }
+};
+
+}  // namespace
+
+void add_status(CLI::App& app) {
+  auto self = std::make_shared<StatusCommand>();
+  CLI::App* c = app.add_subcommand("status", "what the box is doing, in plain sentences");
+  c->add_option("path", self->path, "status.json, a state folder, or a site file")->capture_default_str();
+  c->add_flag("--json", self->as_json, "print the status as it is, one JSON object, and nothing else");
+  c->callback([self] { self->run(); });
+}
+
+}  // namespace airside::tools

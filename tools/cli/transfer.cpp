@@ -1,0 +1,78 @@
+// airside transfer: a source room's weights, made to fit another room from a few days of its log.
+
+#include <fmt/format.h>
+
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/weights/blob_file.hpp"
+#include "tools/cli/command.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+struct TransferCommand {
+  SiteOptions site;
+  std::string from, log, out = "transferred.blob";
+  FineTuneOptions options;
+  bool json = false;
+
+  void run() {
+    const Site s = make_site(site);
+    hal::check_blob_place(out);
+    const BlobBytes source = from.empty() ? BlobBytes{} : read_blob(from, s);
+    const hal::Log rows = hal::read_log(log, s.counts);
+    constexpr std::size_t day_rows = 86400 / row_s;
+    if (rows.rows.size() < day_rows) {
+      throw hal::InputError(log, fmt::format("{} rows, less than a day", rows.rows.size()),
+                            fmt::format("at least {} rows, one day; five days are better", day_rows),
+                            "let the schedule run longer and export that log");
+    }
+    Progress bar(from.empty() ? "training from scratch" : "fine-tuning", progress_steps);
+    options.provenance =
+        fmt::format("airside transfer{} --log {} --steps {} --seed {}{}{}", from.empty() ? "" : " --from " + from, log,
+                    options.steps, options.seed, command_text(site),
+                    from.empty() ? "" : fmt::format(" (source digest {})", digest_text(source)));
+    const BlobBytes blob = fine_tune(s, source, rows.rows, options, show_progress(bar));
+    bar.finish();
+    write_blob(out, blob);
+    if (json) {
+      const nlohmann::json j = {{"blob", out},
+                                {"blob_bytes", blob.size()},
+                                {"digest", digest_text(blob)},
+                                {"source_digest", from.empty() ? "" : digest_text(source)},
+                                {"rows", rows.rows.size()},
+                                {"missing_rows", rows.summary.missing_rows},
+                                {"steps", options.steps},
+                                {"seeds", {options.seed}}};
+      fmt::print("{}\n", j.dump());
+      return;
+    }
+    fmt::print("{} rows from {} to {}; weights: {} ({} bytes, digest {})\n", rows.rows.size(),
+               hal::civil_text(rows.summary.first), hal::civil_text(rows.summary.last), out, blob.size(),
+               digest_text(blob));
+    if (!rows.summary.gaps.empty()) {
+      fmt::print("the log has {} gaps ({} rows missing); learning skipped them\n", rows.summary.gaps.size(),
+                 rows.summary.missing_rows);
+    }
+  }
+};
+
+}  // namespace
+
+void add_transfer(CLI::App& app) {
+  auto self = std::make_shared<TransferCommand>();
+  CLI::App* c = app.add_subcommand("transfer", "fit a source room's weights to another room's log");
+  add_site_options(*c, self->site);
+  c->add_option("--from", self->from, "source blob (none: train from scratch)");
+  c->add_option("--log", self->log, "CSV log of the target room under the schedule, 5 days or so")->required();
+  c->add_option("--steps", self->options.steps, "optimiser steps")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  c->add_option("--seed", self->options.seed, "of sampling")->capture_default_str();
+  c->add_option("-o,--out", self->out, "blob to write")->capture_default_str();
+  c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
+  c->callback([self] { self->run(); });
+}
+
+}  // namespace airside::tools

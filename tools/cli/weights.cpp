@@ -1,0 +1,267 @@
+// airside keygen, sign, push, rollback, hand-back, release: how weights, and an operator's word, get to a box.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <regex>
+
+#include "hal/site/site_settings.hpp"
+#include "hal/storage/atomic_file.hpp"
+#include "hal/storage/storage_file.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/weights/blob_file.hpp"
+#include "hal/weights/mailbox.hpp"
+#include "hal/weights/signature.hpp"
+#include "tools/cli/command.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Writes a file that must not exist yet, with just these permissions from its first byte on.
+void write_new(const fs::path& path, const std::string& text, mode_t mode) {
+  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+  if (fd < 0) {
+    throw hal::InputError(path.string(), std::strerror(errno), "a new file", "choose another name with -o");
+  }
+  const hal::StorageFile file(fd);
+  const auto bytes = std::as_bytes(std::span(text));
+  hal::StoreResult<void> done = file.write_at(bytes, 0, "write key");
+  if (done) done = file.sync(hal::Sync::full, "sync key");
+  if (!done) {
+    ::unlink(path.c_str());
+    throw hal::InputError(path.string(), hal::describe(done.error()), "a disk with room for a key", "make room");
+  }
+}
+
+struct KeygenCommand {
+  std::string out = "airside", name;
+  bool json = false;
+
+  void run() const {
+    const fs::path secret = out + ".key", open = out + ".pub";
+    for (const fs::path& path : {secret, open}) {
+      if (!fs::exists(path)) continue;
+      throw hal::InputError(path.string(), "a file that is already there", "a new name", "choose another with -o");
+    }
+    const hal::SecretKey key = hal::make_key(name.empty() ? fs::path(out).filename().string() : name);
+    write_new(secret, hal::secret_key_text(key), 0600);
+    write_new(open, hal::public_key_text(key.open), 0644);
+    const std::string id = hal::hex_of(key.open.id);
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"secret", secret.string()}, {"public", open.string()}, {"key_id", id}}.dump());
+      return;
+    }
+    fmt::print("wrote {} (keep it on this host) and {} (id {})\n", secret.string(), open.string(), id);
+    fmt::print("Copy {} to /etc/airside/keys/ of every box that shall take your weights.\n", open.filename().string());
+  }
+};
+
+struct SignCommand {
+  std::string blob, key, out;
+  std::optional<std::string> scope;
+  std::optional<std::int64_t> counter;
+  bool json = false;
+
+  /// For which site the blob is; weights from a box or a twin are for any.
+  void set_scope(std::span<std::byte> bytes) const {
+    BlobHeader header;
+    std::memcpy(&header, bytes.data(), sizeof header);
+    if (scope->size() > header.site_scope.size()) {
+      throw hal::InputError("--scope", fmt::format("{} bytes", scope->size()),
+                            fmt::format("at most {}", header.site_scope.size()), "shorten [site] scope of the box");
+    }
+    header.site_scope = {};
+    scope->copy(header.site_scope.data(), header.site_scope.size());
+    std::memcpy(bytes.data(), &header, sizeof header);
+  }
+
+  void run() const {
+    std::vector<std::byte> bytes = hal::read_blob_file(blob);
+    const hal::SecretKey secret = hal::read_secret_key(key);
+    // Seconds since 1970 rise by themselves on every host that signs; a box takes only what is newer.
+    const auto count = static_cast<std::uint64_t>(counter.value_or(std::int64_t{std::time(nullptr)}));
+    hal::sound_header(bytes, blob);  // a signature would make damage genuine
+    if (scope) set_scope(bytes);
+    hal::sign_blob(bytes, secret, count);
+    const std::string path = out.empty() ? blob : out;
+    hal::write_blob_file(path, bytes);
+    const std::string id = hal::hex_of(secret.open.id);
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"blob", path}, {"key_id", id}, {"security_counter", count}}.dump());
+      return;
+    }
+    fmt::print("signed {} with key {} ({}), counter {}\n", path, id, secret.open.name.view(), count);
+  }
+};
+
+/// The inbox that a person means: a folder, or the site file of a box on this machine.
+std::string inbox_of(const std::string& target) {
+  if (fs::path(target).extension() != ".toml") return target;
+  const std::string inbox = hal::read_site_file(target, hal::site_rules()).inbox_dir;
+  if (!inbox.empty()) return inbox;
+  throw hal::InputError(target + ": [inbox] dir", "an empty text", "a folder that the daemon looks into",
+                        "name one in the site file");
+}
+
+void drop(const std::string& target, const std::string& name, std::span<const std::byte> bytes) {
+  const std::string inbox = inbox_of(target);
+  std::error_code error;
+  if (!fs::is_directory(inbox, error)) {
+    throw hal::InputError(inbox, error ? error.message() : "no folder", "the inbox of a box, or a copy of it to carry",
+                          "give the folder of [inbox] dir in its site file, that site file, or http://HOST:PORT");
+  }
+  const hal::StoreResult<void> written = hal::write_file_atomically((fs::path(inbox) / name).string(), bytes);
+  if (!written) {
+    throw hal::InputError(inbox, hal::describe(written.error()), "a folder that this user may write",
+                          "run it as the user airside, or ask the box's administrator");
+  }
+}
+
+/// The page of a host that is given without more, such as `ahu-3` or `10.0.0.7:8350`; empty for anything else, a folder
+/// of that name included.
+std::string page_of(const std::string& target) {
+  static const std::regex bare(R"(([A-Za-z0-9][A-Za-z0-9.-]*)(:\d{1,5})?)");
+  std::smatch parts;
+  std::error_code none;
+  const bool is_host = std::regex_match(target, parts, bare) && !target.ends_with(".toml");
+  if (!is_host || fs::exists(target, none)) return {};
+  const std::string host = parts[1];
+  const bool here = host == "localhost" || host.starts_with("127.");  // where the page needs no certificate
+  return (here ? "http://" : "https://") + host + (parts[2].matched ? parts[2].str() : ":8350");
+}
+
+struct PushCommand {
+  std::string blob, target, ca;
+  SendBlob over_http = nullptr;
+  bool json = false;
+
+  /// As airside-page has it: two people's weights do not replace one another unseen.
+  void refuse_beside_another(const BlobHeader& header) const {
+    const std::string path = (fs::path(inbox_of(target)) / hal::Mailbox::blob_name).string();
+    if (!hal::Mailbox::waits(path, header)) return;
+    throw hal::InputError(path, "other weights that wait for the daemon, of another key or not older",
+                          "an inbox without", "wait 6 min until the daemon has looked, or take that file away");
+  }
+
+  void run() const {
+    const std::vector<std::byte> bytes = hal::read_blob_file(blob);
+    const BlobHeader header = hal::sound_header(bytes, blob);
+    if (header.key_id == hal::KeyId{}) {
+      throw hal::InputError(blob + ": key_id", "an unsigned blob", "a signed one, since boxes take no other",
+                            "airside sign " + blob + " --key YOUR.key");
+    }
+    const bool is_address = target.starts_with("http://") || target.starts_with("https://");
+    const std::string address = is_address ? target : page_of(target);
+    if (over_http != nullptr && !address.empty()) {
+      nlohmann::json sent = over_http(address, bytes, ca);
+      sent["blob"] = blob;
+      if (json) {
+        fmt::print("{}\n", sent.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+      } else {
+        fmt::print("{} ({} bytes) lies in the inbox behind {}: {}\n", blob, bytes.size(), address,
+                   sent["said"].get<std::string>());
+      }
+      return;
+    }
+    refuse_beside_another(header);
+    drop(target, hal::Mailbox::blob_name, bytes);
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"blob", blob}, {"bytes", bytes.size()}, {"inbox", inbox_of(target)}}.dump());
+      return;
+    }
+    fmt::print(
+        "{} ({} bytes) lies in {}; the daemon looks within 6 min, and then tries it for a day, if it is newer than "
+        "what it took\n",
+        blob, bytes.size(), inbox_of(target));
+  }
+};
+
+/// A wish of one word, dropped as an empty file.
+struct WishCommand {
+  std::string target;
+  std::string_view wish;
+  const char* sentence;
+  bool json = false;
+
+  void run() const {
+    drop(target, std::string(wish), {});
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"wish", wish}, {"inbox", inbox_of(target)}}.dump());
+      return;
+    }
+    fmt::print("{}\n", sentence);
+  }
+};
+
+constexpr const char* json_help = "print one JSON object and nothing else on standard output";
+constexpr const char* target_help = "the box's inbox folder, or its site file";
+
+void add_wish(CLI::App& app, const char* name, std::string_view wish, const char* help, const char* sentence) {
+  auto self = std::make_shared<WishCommand>();
+  self->wish = wish;
+  self->sentence = sentence;
+  CLI::App* c = app.add_subcommand(name, help);
+  c->add_option("target", self->target, target_help)->required();
+  c->add_flag("--json", self->json, json_help);
+  c->callback([self] { self->run(); });
+}
+
+}  // namespace
+
+void add_weights(CLI::App& app, SendBlob over_http) {
+  auto keygen = std::make_shared<KeygenCommand>();
+  CLI::App* k = app.add_subcommand("keygen", "make a pair of keys: one signs weights, the other lets boxes know them");
+  k->add_option("-o,--out", keygen->out, "NAME.key and NAME.pub are written")->capture_default_str();
+  k->add_option("--name", keygen->name, "whose key it is, for people (default: NAME)");
+  k->add_flag("--json", keygen->json, json_help);
+  k->callback([keygen] { keygen->run(); });
+
+  auto sign = std::make_shared<SignCommand>();
+  CLI::App* s = app.add_subcommand("sign", "sign a weight blob, so that boxes take it");
+  s->add_option("blob", sign->blob, "the blob")->required();
+  s->add_option("--key", sign->key, "secret key that `airside keygen` made")->required();
+  s->add_option("-o,--out", sign->out, "signed blob (default: the blob itself)");
+  s->add_option("--scope", sign->scope,
+                "the one site that shall take it, by its [site] scope; \"\" for any (default: as it is)");
+  s->add_option("--counter", sign->counter, "must rise from blob to blob (default: seconds since 1970)")
+      ->check(CLI::Range(std::int64_t{1}, std::numeric_limits<std::int64_t>::max()));
+  s->add_flag("--json", sign->json, json_help);
+  s->callback([sign] { sign->run(); });
+
+  auto push = std::make_shared<PushCommand>();
+  CLI::App* p = app.add_subcommand("push", "give a signed weight blob to a box");
+  p->add_option("blob", push->blob, "a signed blob")->required();
+  p->add_option("target", push->target,
+                over_http != nullptr ? "the box's inbox folder, its site file, HOST (its airside-page at "
+                                       "https://HOST:8350) or http(s)://HOST:PORT"
+                                     : target_help)
+      ->required();
+  if (over_http != nullptr) {
+    p->add_option("--ca", push->ca, "PEM file of the certificates to trust, such as the box's own");
+  }
+  push->over_http = over_http;
+  p->add_flag("--json", push->json, json_help);
+  p->callback([push] { push->run(); });
+
+  add_wish(app, "rollback", hal::Mailbox::rollback_name, "let a box go back to the weights before the last push",
+           "the daemon goes back within 6 min, to the schedule where there were none before; without a push it changes "
+           "nothing");
+  add_wish(app, "release", hal::Mailbox::release_name,
+           "let a box stop writing, so that the AHU's own controller takes over",
+           "the daemon stops writing within 18 min, until `airside hand-back`");
+  add_wish(app, "hand-back", hal::Mailbox::hand_back_name, "give a released or overridden AHU back to the box",
+           "the daemon takes over again within 24 min");
+}
+
+}  // namespace airside::tools

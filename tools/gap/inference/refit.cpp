@@ -1,0 +1,240 @@
+#include "tools/gap/inference/refit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace airside::tools::gap {
+
+namespace {
+
+/// Of the magnitudes, the best one in the linear model, no further than two probes at a time and not below null.
+Eigen::VectorXd best_step(const Metric& metric, const Eigen::MatrixXd& z, const Eigen::VectorXd& r,
+                          const std::vector<Chosen>& chosen) {
+  const Eigen::Index n = z.cols();
+  if (n == 0) return {};
+  Eigen::MatrixXd m_z(z.rows(), n);
+  for (Eigen::Index i = 0; i < n; ++i) m_z.col(i) = metric.times(z.col(i));
+  const Eigen::MatrixXd normal = m_z.transpose() * z + 1e-9 * Eigen::MatrixXd::Identity(n, n);
+  Eigen::VectorXd step = normal.ldlt().solve(m_z.transpose() * r).cwiseMax(-2.0).cwiseMin(2.0);
+  for (Eigen::Index i = 0; i < n; ++i) step(i) = std::max(step(i), -chosen[static_cast<std::size_t>(i)].steps);
+  return step;
+}
+
+Eigen::VectorXd steps_between(const std::vector<Chosen>& from, const std::vector<Chosen>& to) {
+  Eigen::VectorXd step(std::ssize(from));
+  for (std::size_t i = 0; i < from.size(); ++i) step(static_cast<Eigen::Index>(i)) = to[i].steps - from[i].steps;
+  return step;
+}
+
+}  // namespace
+
+Tangent::Tangent(const std::vector<Candidate>& candidates, NuisanceResponses nuisance, Eigen::MatrixXd mixing,
+                 std::shared_ptr<const Eigen::MatrixXd> z, std::vector<Parameter> responses)
+    : responses_(std::move(responses)),
+      nuisance_(std::move(nuisance)),
+      mixing_(std::move(mixing)),
+      evidence_(candidates, std::move(z), Metric(nuisance_.joined() * mixing_.triangularView<Eigen::Lower>())),
+      others_((nuisance_.joined() * mixing_.triangularView<Eigen::Lower>()).rightCols(mixing_.cols() - count())) {}
+
+Eigen::VectorXd Tangent::mean(const Eigen::VectorXd& r) const {
+  const Eigen::VectorXd m_r = metric().times(r);
+  Eigen::VectorXd along(mixing_.rows());
+  along << nuisance_.directions.transpose() * m_r, nuisance_.day_gain.transpose() * m_r,
+      nuisance_.day_shift.transpose() * m_r;
+  const auto root = mixing_.triangularView<Eigen::Lower>();
+  const Eigen::VectorXd all = root * (root.transpose() * along);
+  return all.head(count());
+}
+
+double Tangent::distance(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const {
+  const Eigen::Index structure = nuisance_.directions.cols() - count();
+  const Eigen::VectorXd u = mixing_.topLeftCorner(count(), count()).triangularView<Eigen::Lower>().solve(moved);
+  const Eigen::VectorXd s =
+      r - nuisance_.directions.rightCols(structure) * (mixing_.block(count(), 0, structure, count()) * u);
+  return u.squaredNorm() + others_.dot(s, s);
+}
+
+Refitter::Refitter(const Engine& engine, const Window& window, const Responses& responses, const ReferenceFit& fit,
+                   const Nuisance& sizes, std::vector<bool> kept, int jobs)
+    : engine_(engine),
+      window_(window),
+      responses_(responses),
+      fit_(fit),
+      kept_(std::move(kept)),
+      jobs_(jobs),
+      sizes_(sizes),
+      all_(counted_bins(window.measured.rows())),
+      structural_(fit.structural(responses)),
+      z_(whitened_candidates()),
+      tangent_(tangent_with(engine.spares_runs()
+                                ? responses.parameters
+                                : parameters_at({}, Eigen::VectorXd::Zero(std::ssize(responses.parameters))))) {}
+
+std::shared_ptr<const Eigen::MatrixXd> Refitter::whitened_candidates() const {
+  const auto& candidates = responses_.candidates;
+  Eigen::MatrixXd z((window_.measured.rows() - NoiseModel::order) * window_.measured.cols(), std::ssize(candidates));
+  for (Eigen::Index k = 0; k < z.cols(); ++k) z.col(k) = whiten(candidates[static_cast<std::size_t>(k)].response);
+  return std::make_shared<const Eigen::MatrixXd>(std::move(z));
+}
+
+NuisanceResponses Refitter::nuisance_of(const std::vector<Parameter>& parameters, const std::vector<bool>& bins) const {
+  return nuisance_responses(fit_, parameters, responses_.candidates, bins, window_.measured);
+}
+
+std::shared_ptr<const Tangent> Refitter::tangent_with(std::vector<Parameter> parameters) const {
+  NuisanceResponses nuisance = nuisance_of(parameters, kept_);
+  Eigen::MatrixXd mixing = nuisance.mixing(fit_.covariance, sizes_);
+  return std::make_shared<const Tangent>(responses_.candidates, std::move(nuisance), std::move(mixing), z_,
+                                         std::move(parameters));
+}
+
+std::vector<Parameter> Refitter::parameters_at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const {
+  const Eigen::MatrixXd shown = binned(engine_.simulate(changes(chosen, moved), window_.recording));
+  return parameters_about(engine_, window_.recording, responses_.parameters, fit_.estimate.head(moved.size()) + moved,
+                          changes_of(chosen), shown, jobs_);
+}
+
+Eigen::VectorXd Refitter::whiten(const Eigen::MatrixXd& x) const {
+  return fit_.noise.whiten(x, kept_, window_.measured);
+}
+
+double Refitter::magnitude(const Chosen& chosen) const {
+  const Candidate& candidate = responses_.candidates[chosen.candidate];
+  const sim::Effect& effect = *candidate.at.effect;
+  const double m = effect.null_value + chosen.steps * (candidate.probe - effect.null_value);
+  return std::clamp(m, effect.low, effect.high);
+}
+
+Changes Refitter::changes(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const {
+  Changes changes = fit_.changes(moved);
+  const Changes effects = changes_of(chosen);
+  changes.insert(changes.end(), effects.begin(), effects.end());
+  return changes;
+}
+
+Changes Refitter::changes_of(const std::vector<Chosen>& chosen) const {
+  Changes changes;
+  for (const Chosen& c : chosen) changes.push_back({responses_.candidates[c.candidate].at, magnitude(c)});
+  return changes;
+}
+
+Eigen::MatrixXd Refitter::residual_of(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const {
+  return window_.measured - binned(engine_.simulate(changes(chosen, moved), window_.recording)) - structural_;
+}
+
+Eigen::MatrixXd Refitter::unmoved_residual(const std::vector<Chosen>& chosen) const {
+  return residual_of(chosen, Eigen::VectorXd::Zero(std::ssize(responses_.parameters)));
+}
+
+Foretold Refitter::foretold(const Refit& with, const Refit& without) const {
+  struct Unfitted {
+    Eigen::VectorXd all, kept;
+    Metric metric;
+    const Metric& metric_kept;
+    double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& k) const {
+      return metric.dot(a, a) - metric_kept.dot(k, k);
+    }
+    double cost() const { return dot(all, kept) + metric.log_det() - metric_kept.log_det(); }
+  };
+  const auto unfitted = [this](const Refit& at) {
+    const NuisanceResponses nuisance = nuisance_of(at.tangent->responses(), all_);
+    return Unfitted{fit_.noise.whiten(at.residual, all_, window_.measured) +
+                        nuisance.directions.leftCols(at.moved.size()) * at.moved,
+                    effective(at), Metric(nuisance.scaled(fit_.covariance, sizes_)), at.tangent->metric()};
+  };
+  const Unfitted one = unfitted(with), other = unfitted(without);
+  return {other.cost() - one.cost(), other.dot(other.all - one.all, other.kept - one.kept)};
+}
+
+Eigen::VectorXd Refitter::effective(const Refit& at) const {
+  return whiten(at.residual) + at.tangent->parameters() * at.moved;
+}
+
+void Refitter::judge(Refit& at) const {
+  at.distance = at.tangent->distance(whiten(at.residual), at.moved);
+  at.cost = at.distance + at.tangent->metric().log_det() - tangent_->metric().log_det();
+}
+
+Refit Refitter::at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved,
+                   const std::shared_ptr<const Tangent>& tangent) const {
+  Refit at{chosen, moved, residual_of(chosen, moved), 0, 0, tangent};
+  judge(at);
+  return at;
+}
+
+Eigen::MatrixXd Refitter::responses_of(const Refit& at) const {
+  const Eigen::Index n = std::ssize(at.chosen);
+  Eigen::MatrixXd z(z_->rows(), n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    z.col(i) = z_->col(static_cast<Eigen::Index>(at.chosen[static_cast<std::size_t>(i)].candidate));
+  return z;
+}
+
+Refit Refitter::refit(const Refit& from, const std::shared_ptr<const Tangent>& tangent) const {
+  Refit now = from;
+  now.tangent = tangent;
+  judge(now);
+  Eigen::MatrixXd z = responses_of(now);
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    const Eigen::VectorXd r = effective(now);
+    const Eigen::VectorXd step = best_step(tangent->metric(), z, r, now.chosen);
+    const Eigen::VectorXd move = tangent->mean(r - z * step) - now.moved;
+    const auto gone = [&](double share) {
+      std::vector<Chosen> chosen = now.chosen;
+      for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i].steps += share * step(static_cast<Eigen::Index>(i));
+      return at(chosen, now.moved + share * move, tangent);
+    };
+    const double foreseen =
+        now.distance - tangent->distance(r - z * step - tangent->parameters() * (now.moved + move), now.moved + move);
+    if (foreseen < 1) break;
+    Refit next = gone(1);
+    if (next.cost > now.cost - foreseen / 4) {
+      const double share = std::clamp(foreseen / (next.cost - now.cost + 2 * foreseen), 0.1, 0.75);
+      const Refit nearer = gone(share);
+      if (nearer.cost < next.cost) next = nearer;
+    }
+    const double gained = now.cost - next.cost;
+    if (gained <= 0) break;
+    const Eigen::VectorXd done = steps_between(now.chosen, next.chosen);
+    const Eigen::VectorXd by_steps = z * done;
+    const double of_steps = by_steps.squaredNorm(),
+                 of_move = (tangent->parameters() * (next.moved - now.moved)).squaredNorm();
+    if (of_steps > 0) {
+      const Eigen::VectorXd bent = r - effective(next) - by_steps;
+      z += bent * done.transpose() * (of_steps / (of_steps + of_move) / done.squaredNorm());
+    }
+    now = std::move(next);
+    if (gained < 1) break;
+  }
+  return now;
+}
+
+/// Candidates stand in pairs, one for each direction.
+bool Refitter::bends(std::size_t candidate) const {
+  const auto one = z_->col(static_cast<Eigen::Index>(candidate)),
+             other = z_->col(static_cast<Eigen::Index>(candidate ^ 1U));
+  return std::abs(one.dot(other)) < 0.8 * one.norm() * other.norm();
+}
+
+Refit Refitter::add(const Refit& to, const Score& added, const std::shared_ptr<const Tangent>& tangent) const {
+  Refit from = to;
+  from.chosen.push_back({added.candidate, 0});
+  Refit best = refit(from, tangent);
+  from.tangent = tangent;
+  judge(from);
+  if (from.cost - best.cost < 0.5 * added.gain && bends(added.candidate)) {
+    std::vector<Chosen> chosen = from.chosen;
+    chosen.back().steps = 1;
+    const Eigen::VectorXd moved = tangent->mean(effective(from) - z_->col(static_cast<Eigen::Index>(added.candidate)));
+    Refit far = refit(at(chosen, moved, tangent), tangent);
+    if (far.cost < best.cost) best = std::move(far);
+  }
+  return best;
+}
+
+Refit Refitter::about_itself(const Refit& at) const {
+  if (engine_.spares_runs()) return at;
+  return refit(at, tangent_with(parameters_at(at.chosen, at.moved)));
+}
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,148 @@
+#include "tools/gap/inference/selection.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace airside::tools::gap {
+
+Metric::Metric(Eigen::MatrixXd j) : j_(std::move(j)) {
+  Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(j_.cols(), j_.cols());
+  inner.selfadjointView<Eigen::Lower>().rankUpdate(j_.transpose());
+  inner_.compute(inner.selfadjointView<Eigen::Lower>());
+}
+
+Eigen::VectorXd Metric::times(const Eigen::VectorXd& v) const { return v - j_ * inner_.solve(j_.transpose() * v); }
+
+double Metric::dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+  const Eigen::VectorXd ja = j_.transpose() * a, jb = j_.transpose() * b;
+  return a.dot(b) - ja.dot(inner_.solve(jb));
+}
+
+Eigen::VectorXd Metric::squares(const Eigen::MatrixXd& z) const {
+  const Eigen::MatrixXd jz = j_.transpose() * z;
+  return z.colwise().squaredNorm().transpose() - jz.cwiseProduct(inner_.solve(jz)).colwise().sum().transpose();
+}
+
+Eigen::MatrixXd NuisanceResponses::joined() const {
+  Eigen::MatrixXd all(directions.rows(), directions.cols() + day_gain.cols() + day_shift.cols());
+  all << directions, day_gain, day_shift;
+  return all;
+}
+
+Eigen::MatrixXd NuisanceResponses::mixing(const Eigen::MatrixXd& covariance, const Nuisance& settings) const {
+  const Eigen::Index count = directions.cols(), gains = day_gain.cols(), shifts = day_shift.cols();
+  Eigen::MatrixXd wide = settings.inflation * covariance;
+  wide += settings.structural_sd * settings.structural_sd * Eigen::MatrixXd::Identity(count, count);
+  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(count + gains + shifts, count + gains + shifts);
+  root.topLeftCorner(count, count) = wide.llt().matrixL();
+  root.diagonal().segment(count, gains).setConstant(settings.day_gain_sd);
+  root.diagonal().tail(shifts).setConstant(settings.day_shift_h);
+  return root;
+}
+
+Eigen::MatrixXd NuisanceResponses::scaled(const Eigen::MatrixXd& covariance, const Nuisance& settings) const {
+  return joined() * mixing(covariance, settings).triangularView<Eigen::Lower>();
+}
+
+NuisanceResponses NuisanceResponses::rows(Eigen::Index first, Eigen::Index count) const {
+  const auto days_of = [&](const Eigen::MatrixXd& all) {
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index d = 0; d < all.cols(); ++d) {
+      if (all.col(d).segment(first, count).squaredNorm() > 0) kept.push_back(d);
+    }
+    return Eigen::MatrixXd(all(Eigen::seqN(first, count), kept));
+  };
+  return {directions.middleRows(first, count), days_of(day_gain), days_of(day_shift)};
+}
+
+NuisanceResponses nuisance_responses(const ReferenceFit& fit, const std::vector<Parameter>& parameters,
+                                     const std::vector<Candidate>& candidates, const std::vector<bool>& kept,
+                                     const Eigen::MatrixXd& missing) {
+  const Eigen::Index bins = missing.rows(), days = bins / bins_per_day;
+  const auto stacked = [&](const std::vector<Eigen::MatrixXd>& list) {
+    Eigen::MatrixXd out(std::max<Eigen::Index>(0, bins - NoiseModel::order) * missing.cols(), std::ssize(list));
+    for (Eigen::Index i = 0; i < out.cols(); ++i) {
+      out.col(i) = fit.noise.whiten(list[static_cast<std::size_t>(i)], kept, missing);
+    }
+    return out;
+  };
+  const auto each_day = [&](const char* name) {
+    std::vector<Eigen::MatrixXd> list;
+    for (const Parameter& parameter : parameters) {
+      if (parameter.at.effect->name != name) continue;
+      for (Eigen::Index d = 0; d < days; ++d) {
+        Eigen::MatrixXd day = Eigen::MatrixXd::Zero(bins, parameter.response.cols());
+        const Eigen::Index from = d * bins_per_day;
+        day.middleRows(from, bins_per_day) = parameter.response.middleRows(from, bins_per_day) / parameter.prior_sd;
+        list.push_back(std::move(day));
+      }
+    }
+    return stacked(list);
+  };
+  return {stacked(directions_of(parameters, candidates, fit.structural_scale)), each_day("gain_occupied"),
+          each_day("occupancy_shift")};
+}
+
+Eigen::MatrixXd nuisance_directions(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,
+                                    const Eigen::MatrixXd& missing, const Nuisance& settings) {
+  return nuisance_responses(fit, responses.parameters, responses.candidates, kept, missing)
+      .scaled(fit.covariance, settings);
+}
+
+CandidateEvidence::CandidateEvidence(const std::vector<Candidate>& candidates, std::shared_ptr<const Eigen::MatrixXd> z,
+                                     Metric metric)
+    : candidates_(candidates), z_(std::move(z)), metric_(std::move(metric)), norm_(metric_.squares(*z_)) {}
+
+Selection::Selection(const CandidateEvidence& evidence, const std::vector<std::size_t>& chosen) : evidence_(evidence) {
+  const Eigen::Index count = std::ssize(chosen);
+  m_z_.resize(evidence.z_->rows(), count);
+  Eigen::MatrixXd inner(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    m_z_.col(i) = evidence.metric_.times(evidence.response(chosen[static_cast<std::size_t>(i)]));
+  cross_ = evidence.z_->transpose() * m_z_;
+  for (Eigen::Index i = 0; i < count; ++i)
+    inner.row(i) = cross_.row(static_cast<Eigen::Index>(chosen[static_cast<std::size_t>(i)]));
+  inner.diagonal().array() *= 1 + 1e-9;  // two that look the same are not refused
+  inner_.compute(inner);
+}
+
+Eigen::VectorXd Selection::times(const Eigen::VectorXd& v) const {
+  Eigen::VectorXd m_v = evidence_.metric_.times(v);
+  if (m_z_.cols() > 0) m_v -= m_z_ * inner_.solve(m_z_.transpose() * v);
+  return m_v;
+}
+
+double Selection::norm(std::size_t candidate) const {
+  const auto k = static_cast<Eigen::Index>(candidate);
+  if (m_z_.cols() == 0) return evidence_.norm_(k);
+  return evidence_.norm_(k) - cross_.row(k).dot(inner_.solve(cross_.row(k).transpose()));
+}
+
+double Selection::dot(std::size_t a, std::size_t b) const {
+  return a == b ? norm(a) : times(evidence_.response(a)).dot(evidence_.response(b));
+}
+
+double Selection::cosine(std::size_t a, std::size_t b) const {
+  const double norms = std::sqrt(norm(a) * norm(b));
+  return norms > 0 ? dot(a, b) / norms : 0;
+}
+
+std::vector<Score> Selection::scores(const Eigen::VectorXd& residual) const {
+  const Eigen::VectorXd along = evidence_.z_->transpose() * times(residual);
+  std::map<std::string, Score> best;
+  for (std::size_t i = 0; i < evidence_.candidates_.size(); ++i) {
+    const double square = norm(i);
+    if (!(square > 1e-6)) continue;
+    const double steps = along(static_cast<Eigen::Index>(i)) / square;
+    const Score score{i, steps > 0 ? steps * steps * square : 0, steps, 1 / std::sqrt(square)};
+    const auto [at, added] = best.try_emplace(evidence_.candidates_[i].at.id(), score);
+    if (!added && score.gain > at->second.gain) at->second = score;
+  }
+  std::vector<Score> scores;
+  for (const auto& [id, score] : best) scores.push_back(score);
+  std::sort(scores.begin(), scores.end(), [](const Score& a, const Score& b) { return a.gain > b.gain; });
+  return scores;
+}
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,33 @@
+#pragma once
+// The EnergyPlus twin as an engine of the gap workflow.
+
+#include "sim/energyplus/replay.hpp"
+#include "sim/energyplus/replay_cache.hpp"
+#include "tools/gap/model/engine.hpp"
+
+namespace airside::tools::gap {
+
+class EnergyPlusEngine final : public Engine {
+ public:
+  /// `cache`: folder of finished runs; `duties`: a second run each, in which the fan coils follow their thermostats.
+  EnergyPlusEngine(sim::EnergyPlusTwin twin, std::string name, std::filesystem::path cache, bool duties)
+      : twin_(std::move(twin)), name_(std::move(name)), cache_(std::move(cache)), duties_(duties) {}
+  sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override;
+  sim::Channels channels() const override { return sim::channels_of(twin_); }
+  std::array<bool, sim::facades> has_facade() const override;
+  bool can(const sim::Effect& effect) const override { return effect.on_energyplus; }
+  bool doubts(const sim::Effect& e) const override { return e.prior_sd > 0 && e.prior_on_energyplus; }
+  bool only_shows(const sim::Effect& e) const override { return e.energyplus.empty() && only_on_sensors(e.common); }
+  bool spares_runs() const override { return true; }
+  std::string description() const override { return "EnergyPlus twin " + name_; }
+  const sim::EnergyPlusTwin& twin() const { return twin_; }
+
+ private:
+  sim::EnergyPlusTwin twin_;
+  std::string name_;
+  std::filesystem::path cache_;
+  bool duties_;
+  mutable sim::ReplayMemory memory_;
+};
+
+}  // namespace airside::tools::gap

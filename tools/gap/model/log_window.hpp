@@ -1,0 +1,17 @@
+#pragma once
+// From a log to what the model lives through and what it is compared with.
+
+#include <span>
+
+#include "hal/log/log_csv.hpp"
+#include "tools/gap/model/responses.hpp"
+
+namespace airside::tools::gap {
+
+/// The log's longest view: every 6 min from the first midnight to the last; gaps hold the last command and are missing
+/// in what was measured.
+/// Errors: hal::InputError where less than two whole days remain, or a gap is longer than a day.
+Window window_of(std::span<const hal::LogRow> rows, const sim::Channels& channels,
+                 std::shared_ptr<const sim::Weather> station, const std::string& place);
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,193 @@
+#include "tools/gap/model/residual.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace airside::tools::gap {
+
+namespace {
+
+std::size_t block_of(Eigen::Index bin) {
+  constexpr Eigen::Index bins_per_block = bins_per_day / 12;
+  return static_cast<std::size_t>(bin % bins_per_day / bins_per_block);
+}
+
+/// Smallest believable innovation: rounding to two decimals and the mean of five samples.
+double floor_of(const sim::Channels& channels, int column) {
+  const bool power = column >= channels.power() && column < channels.fcu_duty();
+  const bool duty = column >= channels.fcu_duty();
+  if (column == channels.supply_temp()) return 0.05;
+  return duty ? 0.05 : power ? 0.02 : 0.006;
+}
+
+double mean_of(const Eigen::VectorXd& x) {
+  double sum = 0;
+  int count = 0;
+  for (const double value : x) {
+    if (!std::isfinite(value)) continue;
+    sum += value;
+    ++count;
+  }
+  return sum / std::max(1, count);
+}
+
+double root_mean_square(const Eigen::VectorXd& x) {
+  double square = 0;
+  int count = 0;
+  for (const double value : x) {
+    if (!std::isfinite(value)) continue;
+    square += value * value;
+    ++count;
+  }
+  return std::sqrt(square / std::max(1, count));
+}
+
+/// NaN where nothing was measured.
+Eigen::MatrixXd known(const Eigen::MatrixXd& x, const Eigen::MatrixXd& measured) {
+  return (measured.array().isFinite()).select(x, std::numeric_limits<double>::quiet_NaN());
+}
+
+}  // namespace
+
+Eigen::MatrixXd binned(const sim::ChannelTable& table) {
+  const Eigen::Index bins = table.rows() / rows_per_bin;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Constant(bins, table.cols(), std::numeric_limits<double>::quiet_NaN());
+  for (Eigen::Index c = 0; c < table.cols(); ++c) {
+    for (Eigen::Index b = 0; b < bins; ++b) {
+      double sum = 0;
+      int count = 0;
+      for (Eigen::Index r = b * rows_per_bin; r < (b + 1) * rows_per_bin; ++r) {
+        if (!std::isfinite(table(r, c))) continue;
+        sum += table(r, c);
+        ++count;
+      }
+      if (count >= 3) out(b, c) = sum / count;
+    }
+  }
+  return out;
+}
+
+NoiseModel NoiseModel::fit(const Eigen::MatrixXd& all, const sim::Channels& channels) {
+  const Eigen::Index n = all.rows(), width = all.cols();
+  NoiseModel model;
+  model.duties_ = channels.fcu_duty();
+  model.phi_ = Eigen::MatrixXd::Zero(width, order);
+  model.spread_ = Eigen::VectorXd::Zero(width);
+  const Eigen::MatrixXd residual = model.comparable(all);
+  Eigen::MatrixXd innovation = Eigen::MatrixXd::Constant(n, width, std::numeric_limits<double>::quiet_NaN());
+  for (Eigen::Index c = 0; c < width; ++c) {
+    // About its mean: an error that stays is not noise that happens to be slow, and a fit must not be free to leave it.
+    const Eigen::VectorXd x = residual.col(c).array() - mean_of(residual.col(c));
+    const Eigen::Index step = model.step_of(c);
+    Eigen::Matrix2d a = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d b = Eigen::Vector2d::Zero();
+    int count = 0;
+    const auto whole = [&x, step](Eigen::Index t) {
+      return std::isfinite(x(t)) && std::isfinite(x(t - step)) && std::isfinite(x(t - 2 * step));
+    };
+    for (Eigen::Index t = order * step; t < n; ++t) {
+      if (!whole(t)) continue;
+      const Eigen::Vector2d past(x(t - step), x(t - 2 * step));
+      a += past * past.transpose();
+      b += past * x(t);
+      ++count;
+    }
+    const double lowest = floor_of(channels, static_cast<int>(c));
+    model.spread_(c) = std::max(lowest, root_mean_square(all.col(c)));
+    if (count < 20) continue;
+    // A little ridge: a channel without noise must not get a pole at one.
+    const double ridge = count * lowest * lowest;
+    Eigen::Vector2d phi = (a + ridge * Eigen::Matrix2d::Identity()).ldlt().solve(b);
+    phi *= std::min(1.0, std::exp(-static_cast<double>(step) / memory_bins) / std::max(1e-9, phi.sum()));
+    model.phi_.row(c) = phi.transpose();
+    for (Eigen::Index t = order * step; t < n; ++t) {
+      if (whole(t)) innovation(t, c) = x(t) - phi(0) * x(t - step) - phi(1) * x(t - 2 * step);
+    }
+  }
+  model.scale_ = Eigen::MatrixXd::Ones(width, blocks);
+  for (Eigen::Index c = 0; c < width; ++c) {
+    std::array<double, blocks> square{}, count{};
+    double all_square = 0, all_count = 0;
+    for (Eigen::Index t = order; t < n; ++t) {
+      const double e = innovation(t, c);
+      if (!std::isfinite(e)) continue;
+      square[block_of(t)] += e * e;
+      count[block_of(t)] += 1;
+      all_square += e * e;
+      all_count += 1;
+    }
+    const double lowest = floor_of(channels, static_cast<int>(c));
+    const double whole_day = all_count > 0 ? all_square / all_count : 0;
+    constexpr double prior_count = 12;  // a block of few samples leans on the whole day
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const double variance = (square[b] + prior_count * whole_day) / (count[b] + prior_count);
+      model.scale_(c, static_cast<Eigen::Index>(b)) = std::sqrt(variance + lowest * lowest);
+    }
+    for (Eigen::Index t = order; t < n; ++t)
+      innovation(t, c) /= model.scale_(c, static_cast<Eigen::Index>(block_of(t)));
+  }
+  // Correlation of innovations, shrunk towards none: few days, many channels.
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(width, width);
+  for (Eigen::Index i = 0; i < width; ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      // A duty's means are rare; what the other channels say at other times must not be counted twice.
+      if ((i < model.duties_) != (j < model.duties_)) continue;
+      double sum = 0;
+      int count = 0;
+      for (Eigen::Index t = order; t < n; ++t) {
+        const double product = innovation(t, i) * innovation(t, j);
+        if (!std::isfinite(product)) continue;
+        sum += product;
+        ++count;
+      }
+      if (count > 0) correlation(i, j) = correlation(j, i) = std::clamp(0.8 * sum / count, -0.9, 0.9);
+    }
+  }
+  correlation.diagonal().array() += 0.02;
+  Eigen::LLT<Eigen::MatrixXd> factor(correlation);
+  if (factor.info() != Eigen::Success) factor.compute(Eigen::MatrixXd::Identity(width, width));
+  const Eigen::MatrixXd lower = factor.matrixL();
+  model.unit_ = lower.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(width, width));
+  return model;
+}
+
+Eigen::MatrixXd NoiseModel::comparable(Eigen::MatrixXd x) const {
+  for (Eigen::Index c = duties_; c < x.cols(); ++c) {
+    const Eigen::VectorXd bins = x.col(c);
+    x.col(c).setConstant(std::numeric_limits<double>::quiet_NaN());
+    for (Eigen::Index end = duty_bins; end <= x.rows(); end += duty_bins) {
+      double sum = 0;
+      int count = 0;
+      for (Eigen::Index t = end - duty_bins; t < end; ++t) {
+        if (!std::isfinite(bins(t))) continue;
+        sum += bins(t);
+        ++count;
+      }
+      if (count > duty_bins / 2) x(end - 1, c) = sum / count;
+    }
+  }
+  return x;
+}
+
+Eigen::VectorXd NoiseModel::whiten(const Eigen::MatrixXd& all, const std::vector<bool>& kept,
+                                   const Eigen::MatrixXd& missing) const {
+  const Eigen::Index n = all.rows(), width = all.cols();
+  const Eigen::MatrixXd x = comparable(known(all, missing));
+  Eigen::MatrixXd e = Eigen::MatrixXd::Zero(width, std::max<Eigen::Index>(0, n - order));
+  for (Eigen::Index c = 0; c < width; ++c) {
+    const Eigen::Index step = step_of(c);
+    // A mean of several bins reaches back to the first of them.
+    const Eigen::Index reach = (order + 1) * step - 1;
+    for (Eigen::Index t = reach; t < n; ++t) {
+      if (!kept[static_cast<std::size_t>(t)] || !kept[static_cast<std::size_t>(t - reach)]) continue;
+      const double value = x(t, c) - phi_(c, 0) * x(t - step, c) - phi_(c, 1) * x(t - 2 * step, c);
+      if (std::isfinite(value)) e(c, t - order) = value / scale_(c, static_cast<Eigen::Index>(block_of(t)));
+    }
+  }
+  const Eigen::MatrixXd unit = unit_ * e;
+  return Eigen::Map<const Eigen::VectorXd>(unit.data(), unit.size());
+}
+
+}  // namespace airside::tools::gap

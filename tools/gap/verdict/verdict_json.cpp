@@ -1,0 +1,225 @@
+#include "tools/gap/verdict/verdict_json.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hal/text/civil_text.hpp"
+
+namespace airside::tools::gap {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr double z95 = 1.96;
+constexpr const char* place_kinds[] = {"floor", "facade", "zone", "vav", "fcu", "vav_pair"};
+
+json place_json(const sim::EffectAt& at) {
+  const std::string id = at.id();
+  const auto mark = id.find('@');
+  return mark == std::string::npos ? json(nullptr) : json(id.substr(mark + 1));
+}
+
+/// Of the closest rival: the gain's excess over what it should be at least.
+double margin_over_limit(const Finding& f, const Rules& rules) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Rival& r : f.rivals) {
+    least = std::min(least, (f.gain - r.gain) / least_excess(rules, f.gain, r));
+  }
+  return least;
+}
+
+json finding_json(const Finding& f, const Rules& rules) {
+  json alike = json::array();
+  for (const sim::EffectAt& at : f.cannot_tell_from) alike.push_back(at.id());
+  json rivals = json::array();
+  for (const Rival& r : f.rivals) rivals.push_back({{"id", r.at.id()}, {"gain", r.gain}, {"cosine", r.cosine}});
+  const sim::Effect& effect = *f.at.effect;
+  const MagnitudeInterval interval = interval_of(f);
+  return {{"id", f.at.id()},
+          {"effect", effect.name},
+          {"place_kind", place_kinds[static_cast<int>(effect.place)]},
+          {"place", place_json(f.at)},
+          {"text", f.at.text()},
+          {"magnitude", f.magnitude},
+          {"sd", finite_json(f.sd)},
+          {"unit", effect.unit},
+          {"null", effect.null_value},
+          {"interval", {interval.low, interval.high}},
+          {"gain", f.gain},
+          {"gain_limit", f.gain_limit},
+          {"gain_over_limit", f.gain_limit > 0 ? finite_json(f.gain / f.gain_limit) : json()},
+          {"margin", f.margin},
+          {"margin_over_limit", finite_json(margin_over_limit(f, rules))},
+          {"same_sign_share", f.same_sign},
+          {"class", alike},
+          {"rivals", rivals},
+          {"why_not", f.why_not},
+          {"looks_like", effect.looks_like},
+          {"confirm", effect.confirm}};
+}
+
+json locked_json(const LockedDays& locked, const sim::Channels& channels) {
+  if (locked.rmse_before.size() != channels.count()) return nullptr;
+  json by_channel;
+  for (int c = 0; c < channels.count(); ++c) {
+    by_channel[channels.name(c)] = {{"unit", channels.unit(c)},
+                                    {"rmse_before", finite_json(locked.rmse_before(c))},
+                                    {"rmse_after", finite_json(locked.rmse_after(c))},
+                                    {"mean_before", finite_json(locked.mean_before(c))},
+                                    {"mean_after", finite_json(locked.mean_after(c))}};
+  }
+  return {{"score_before", locked.score_before},
+          {"score_after", locked.score_after},
+          {"score_floor", locked.score_floor},
+          {"gain", locked.gain},
+          {"predicted_gain", locked.predicted_gain},
+          {"temp_rmse_before_k", locked.temp_rmse_before_k},
+          {"temp_rmse_after_k", locked.temp_rmse_after_k},
+          {"power_rmse_before_kw", locked.power_rmse_before_kw},
+          {"power_rmse_after_kw", locked.power_rmse_after_kw},
+          {"channels", by_channel}};
+}
+
+}  // namespace
+
+json finite_json(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+MagnitudeInterval interval_of(const Finding& f) {
+  const sim::Effect& effect = *f.at.effect;
+  return {std::max(effect.low, f.magnitude - z95 * f.sd), std::min(effect.high, f.magnitude + z95 * f.sd)};
+}
+
+json json_of(const Verdict& v, const std::string& name, const Responses& responses, const sim::Channels& channels,
+             const Rules& rules) {
+  json effects = json::array(), ranking = json::array(), gains = json::array(), null_gains = json::array(),
+       limits = json::array();
+  for (const Finding& f : v.findings) effects.push_back(finding_json(f, rules));
+  for (std::size_t i = 0; i < v.ranking.size() && i < 10; ++i) {
+    ranking.push_back(responses.candidates[v.ranking[i].candidate].at.id());
+    gains.push_back(v.ranking[i].gain);
+    null_gains.push_back(v.nulls.gain.at(v.ranking[i].candidate));
+    limits.push_back(gain_limit(rules, v.nulls, v.ranking[i].candidate));
+  }
+  return {{"case", name},
+          {"verdict", text_of(v.kind)},
+          {"reason", v.reason},
+          {"effects", effects},
+          {"ranking", ranking},
+          {"ranking_gains", gains},
+          {"ranking_gains_of_reference", null_gains},
+          {"ranking_gain_limits", limits},
+          {"best_gain", v.best_gain},
+          {"gain_limit", v.gain_limit},
+          {"leftover", finite_json(v.leftover)},
+          {"thresholds",
+           {{"gain", v.gain_limit},
+            {"gain_anywhere", rules.gain_limit},
+            {"gain_share_of_reference", rules.null_share},
+            {"margin_share", rules.margin_share},
+            {"margin_gain", rules.margin_gain},
+            {"class_ratio", rules.class_ratio},
+            {"class_cosine", rules.class_cosine},
+            {"same_sign_share", rules.same_sign_share},
+            {"leftover", finite_json(v.leftover_limit)},
+            {"locked_gain_share", rules.locked_share_gained},
+            {"locked_share_lost", rules.locked_share_lost},
+            {"locked_gain", rules.locked_gain},
+            {"locked_gain_share_of_predicted", rules.locked_gain_share}}},
+          {"locked", locked_json(v.locked, channels)}};
+}
+
+json refused_json(const std::string& name, const std::string& reason) {
+  return {{"case", name}, {"verdict", "refused"}, {"reason", reason}, {"effects", json::array()}};
+}
+
+json json_of(const CleanLog& log) {
+  json rows = json::array();
+  for (const Remark& r : log.remarks) {
+    rows.push_back({{"defect", text_of(r.defect)},
+                    {"action", text_of(r.action)},
+                    {"column", r.column},
+                    {"from", hal::civil_text(r.from)},
+                    {"to", hal::civil_text(r.to)},
+                    {"count", r.count},
+                    {"text", r.text}});
+  }
+  json j = {{"log", log.place}, {"rows", log.rows.size()}, {"remarks", rows}};
+  if (!log.rows.empty()) {
+    j["from"] = hal::civil_text(log.rows.front().time);
+    j["to"] = hal::civil_text(log.rows.back().time);
+  }
+  return j;
+}
+
+std::string unit_suffix(const sim::Effect& effect) {
+  return effect.unit == "1" || effect.unit == "share" ? "" : " " + effect.unit;
+}
+
+std::string sentence_of(const Finding& f) {
+  const sim::Effect& effect = *f.at.effect;
+  std::string text = fmt::format("{}: {}{:.3g}{} ± {:.2g}", f.at.text(), effect.unit == "1" ? "factor " : "",
+                                 f.magnitude, unit_suffix(effect), z95 * f.sd);
+  if (!f.cannot_tell_from.empty()) {
+    std::string alike;
+    for (const sim::EffectAt& at : f.cannot_tell_from) alike += (alike.empty() ? "" : "; or ") + at.text();
+    text += "; the data cannot tell it from: " + alike;
+  }
+  return text;
+}
+
+std::string sentence_of(const Verdict& v) {
+  std::string found;
+  for (const Finding& f : v.findings) found += (found.empty() ? "" : "; and ") + sentence_of(f);
+  switch (v.kind) {
+    case VerdictKind::named: return "named: " + found;
+    case VerdictKind::ambiguous: return fmt::format("ambiguous: perhaps {} ({})", found, v.reason);
+    case VerdictKind::unknown: return "unknown: " + v.reason;
+    case VerdictKind::none: return v.reason;
+  }
+  return v.reason;
+}
+
+std::vector<Remark> shown_remarks(const CleanLog& log) {
+  const auto minor = [&log](const Remark& r) {
+    return r.defect == Defect::missing_value && r.action == Action::left_out && 50 * r.count < log.rows.size();
+  };
+  const auto columns = std::count_if(log.remarks.begin(), log.remarks.end(), minor);
+  if (columns < 3) return log.remarks;
+  std::vector<Remark> shown;
+  Remark all;
+  std::size_t most = 0;
+  for (const Remark& r : log.remarks) {
+    if (!minor(r)) {
+      shown.push_back(r);
+      continue;
+    }
+    const std::size_t count = all.count + r.count;
+    const CivilTime from = all.count == 0 ? r.from : std::min(all.from, r.from);
+    const CivilTime to = all.count == 0 ? r.to : std::max(all.to, r.to);
+    all = r;
+    all.from = from;
+    all.to = to;
+    all.count = count;
+    most = std::max(most, r.count);
+  }
+  all.column = fmt::format("{} columns", columns);
+  all.text = fmt::format("{} values missing, at most {} in a column; left out", all.count, most);
+  shown.insert(shown.begin(), all);
+  return shown;
+}
+
+std::string text_of(const CleanLog& log) {
+  if (log.remarks.empty()) return "";
+  std::string text = fmt::format("clean-up of {}\n", log.place);
+  for (const Remark& r : shown_remarks(log)) {
+    text += fmt::format("  {:<9} {:<16} {:<20} {}: {}\n", text_of(r.action), text_of(r.defect),
+                        r.column.empty() ? "all" : r.column, hal::civil_text(r.from).substr(0, 16), r.text);
+  }
+  return text;
+}
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,115 @@
+#include "tools/report/run_record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "hal/text/input_error.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+using Column = double hal::ControllerColumns::*;
+
+/// Where the kinds of signal begin in LogRow::value, as in Layout<T>.
+struct Places {
+  explicit Places(const hal::TopologyCounts& c)
+      : rooms(static_cast<std::size_t>(c.vavs)),
+        power(static_cast<std::size_t>(2 * c.vavs + 2 * c.fcus)),
+        powers(static_cast<std::size_t>(c.powers)),
+        outdoor(power + powers + 1) {}
+  std::size_t rooms, power, powers, outdoor;
+};
+
+double room_mean(const hal::LogRow& row, std::size_t rooms) {
+  return std::accumulate(row.value.begin(), row.value.begin() + static_cast<std::ptrdiff_t>(rooms), 0.0) /
+         static_cast<double>(rooms);
+}
+
+std::vector<double> column(const std::vector<hal::LogRow>& rows, std::size_t place) {
+  std::vector<double> values;
+  values.reserve(rows.size());
+  for (const hal::LogRow& row : rows) values.push_back(row.value[place]);
+  return values;
+}
+
+/// A value a cycle; empty if the run has none at all.
+std::vector<double> column(const std::vector<const hal::LogRow*>& cycles, Column member) {
+  std::vector<double> values;
+  values.reserve(cycles.size());
+  for (const hal::LogRow* row : cycles) values.push_back(row->controller.*member);
+  if (std::none_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) values.clear();
+  return values;
+}
+
+bool whole_cycle(const hal::LogRow& row, std::size_t rooms) {
+  return std::isfinite(row.setpoint_degc) && std::isfinite(room_mean(row, rooms));
+}
+
+}  // namespace
+
+RunRecord make_run_record(const Site& site, const ControlRun& run) {
+  RunRecord r;
+  const Places at(site.counts);
+  r.site = site.file.name;
+  r.metrics = metrics_settings(site);
+  for (std::size_t i = 0; i < at.rooms; ++i) r.room_names.push_back("room " + std::to_string(i + 1));
+
+  std::vector<const hal::LogRow*> cycles;
+  for (const hal::LogRow& row : run.rows) {
+    r.row_time.push_back(row.time);
+    r.room_mean_degc.push_back(room_mean(row, at.rooms));
+    if (starts_cycle(row.time)) cycles.push_back(&row);
+  }
+  for (std::size_t i = 0; i < at.rooms; ++i) r.room_temp_degc.push_back({r.room_names[i], column(run.rows, i)});
+  r.outdoor_degc = column(run.rows, at.outdoor);
+  for (std::size_t i = 0; i < at.powers; ++i) {
+    r.power_kw.push_back({at.powers == 1 ? "power" : "meter " + std::to_string(i + 1), column(run.rows, at.power + i)});
+  }
+
+  for (const hal::LogRow* row : cycles) {
+    r.cycle_time.push_back(row->time);
+    r.setpoint_degc.push_back(row->setpoint_degc);
+  }
+  using C = hal::ControllerColumns;
+  r.expert_setpoint_degc = column(cycles, &C::a_expert_degc);
+  r.network_setpoint_degc = column(cycles, &C::a_network_degc);
+  r.head_setpoint_degc = column(cycles, &C::a_head_degc);
+  r.confidence = column(cycles, &C::confidence);
+  constexpr std::pair<const char*, Column> losses[] = {{"short term", &C::loss_strb},
+                                                       {"deviation", &C::loss_tdb},
+                                                       {"gradient constraint", &C::loss_gc},
+                                                       {"residual constraint", &C::loss_rc},
+                                                       {"reconstruction", &C::loss_rec}};
+  for (const auto& [name, member] : losses) {
+    std::vector<double> values = column(cycles, member);
+    if (!values.empty()) r.losses.push_back({name, std::move(values)});
+  }
+  return r;
+}
+
+ControlRun run_of_log(const Site& site, const hal::Log& log, const std::string& place) {
+  ControlRun run;
+  const Places at(site.counts);
+  run.rows = log.rows;
+  for (const hal::LogRow& row : log.rows) {
+    const auto value = row.value.begin();
+    const auto power = value + static_cast<std::ptrdiff_t>(at.power);
+    const double kw = std::accumulate(power, power + static_cast<std::ptrdiff_t>(at.powers), 0.0);
+    if (std::isfinite(kw)) run.energy.push_back({row.time, kw});
+    if (!starts_cycle(row.time) || !whole_cycle(row, at.rooms)) continue;
+    run.cycles.push_back({row.time,
+                          room_mean(row, at.rooms),
+                          {value, value + static_cast<std::ptrdiff_t>(at.rooms)},
+                          row.setpoint_degc});
+  }
+  if (run.cycles.empty()) {
+    throw hal::InputError(place, "no whole row at the start of a control cycle",
+                          "rows at 00:00, 00:18, 00:36 ... with all room temperatures and the setpoint",
+                          "export the log with rows every 6 min counted from midnight");
+  }
+  return run;
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,204 @@
+#include "tools/run/plant_choice.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
+#include "sim/energyplus/install.hpp"
+#include "sim/energyplus/options.hpp"
+#include "sim/energyplus/plant.hpp"
+#include "sim/energyplus/rooms.hpp"
+#include "sim/json/merge_patch.hpp"
+#include "sim/rc/rc_plant.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/epw.hpp"
+#include "sim/weather/synthetic_weather.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+/// The room's own weather where no file is given: the same name always has the same year.
+std::uint64_t weather_seed(const std::string& room, std::uint64_t seed) {
+  std::uint64_t hash = 0xCBF29CE484222325u;
+  for (const char c : room) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+  return hash % 100000 + seed * 100000;
+}
+
+/// "study-7" or "tuning-3": a member of one of the two generated sets.
+sim::RcRoom generated_room(const std::string& name) {
+  constexpr int most = 200;
+  int number = -1;
+  const char* digits = name.c_str() + name.find('-') + 1;
+  const auto [end, error] = std::from_chars(digits, name.c_str() + name.size(), number);
+  if (error != std::errc{} || *end != '\0' || number < 0 || number >= most) {
+    throw hal::InputError("--room " + name, "no such room",
+                          fmt::format("study-0 .. study-{0} or tuning-0 .. tuning-{0}", most - 1),
+                          "correct the number");
+  }
+  const sim::RcRoom base = sim::make_room();
+  sim::RcRoom room =
+      (name.starts_with("study-") ? sim::study_rooms(base, number + 1) : sim::tuning_rooms(base, number + 1)).back();
+  room.name = name;
+  return room;
+}
+
+bool is_standard(const Site& site) { return site.counts.vavs == 5 && site.counts.fcus == 5 && site.counts.powers == 2; }
+
+bool same_shape(const sim::RcRoom& room, const Site& site) {
+  return room.vavs == site.counts.vavs && room.fcus == site.counts.fcus && room.powers == site.counts.powers;
+}
+
+std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& site, CivilTime start) {
+  sim::RcRoom room;
+  if (is_standard(site) && (choice.room.starts_with("study-") || choice.room.starts_with("tuning-"))) {
+    room = generated_room(choice.room);
+  } else {
+    room = sim::load_room(choice.room);
+  }
+  if (!is_standard(site) && !same_shape(room, site) && !choice.room.ends_with(".json")) {
+    // The known rooms have the method's shape: another site gets a room of its own shape under that name.
+    room = sim::make_room(site.counts.vavs, site.counts.fcus, site.counts.powers);
+    if (choice.room.ends_with("-real")) room = sim::perturbed_room(room, weather_seed(choice.room, 0));
+    room.name = choice.room;
+  }
+  if (!same_shape(room, site)) {
+    throw hal::InputError(
+        "--room " + choice.room, fmt::format("{} VAV, {} FCU, {} powers", room.vavs, room.fcus, room.powers),
+        fmt::format("the site's {} VAV, {} FCU, {} powers", site.counts.vavs, site.counts.fcus, site.counts.powers),
+        "choose a room of the site's shape, or another topology in the site file");
+  }
+  if (choice.weekends) room.occupancy_weekend_factor = 0.1;
+  room = sim::changed_room(std::move(room), choice.changes);
+  const std::string& weather_of = choice.weather_of.empty() ? choice.room : choice.weather_of;
+  auto weather = choice.weather.empty() ? sim::synthetic_weather(weather_seed(weather_of, choice.seed))
+                                        : sim::read_epw(choice.weather);
+  return std::make_unique<sim::RcPlant>(std::move(room), std::move(weather), start, choice.seed,
+                                        site.settings.expert_off_degc);
+}
+
+std::unique_ptr<sim::PlantModel> make_energyplus(const PlantChoice& choice, const Site& site, CivilTime start,
+                                                 int days) {
+  if (!is_standard(site)) {
+    throw hal::InputError("--plant energyplus", "topology " + site.counts.name, "5vav-5fcu-2power",
+                          "use --plant rc for other shapes; the EnergyPlus twin is the method's room");
+  }
+  std::string name = choice.room;
+  std::replace(name.begin(), name.end(), '-', '_');
+  sim::EnergyPlusOptions options = sim::energyplus_room(name);
+  options.name = choice.room;
+  if (!choice.model.empty()) options.model = choice.model;
+  for (const std::string& path : choice.patches) options.patches.push_back({path, sim::read_json(path)});
+  if (!choice.weather.empty()) options.weather = choice.weather;
+  const hal::CivilDate date = hal::civil_date(start);
+  options.start_month = date.month;
+  options.start_day = date.day;
+  options.days = days;
+  options.seed = choice.seed;
+  options.initial_setpoint_degc = site.settings.expert_off_degc;
+  if (choice.weekends) options.rooms.weekends = true;
+  options.rooms = sim::changed_loops(options.rooms, choice.changes);
+  if (!choice.changes.empty() && !choice.changes_in_model) {
+    const auto composed = sim::compose_model(options, sim::find_energyplus().schema);
+    options.patches.push_back({"effects", sim::model_patch(composed, options.names, choice.changes)});
+  }
+  return std::make_unique<sim::EnergyPlusPlant>(options);
+}
+
+/// The rc plant knows no epJSON: a model that it would leave out must not look as if it had been used.
+void refuse_model_on_rc(const PlantChoice& choice, const Site& site) {
+  if (choice.model.empty() && choice.patches.empty()) return;
+  const bool by_site = !choice.site_twin.empty();
+  const std::string place = by_site                 ? choice.site_twin + ": [twin]"
+                            : !choice.model.empty() ? "--twin " + choice.model
+                                                    : "--patch " + choice.patches.front();
+  const std::string without = by_site ? "name a room of the rc plant with --room" : "leave it out";
+  const std::string expected = "EnergyPlus 25.2, which alone runs epJSON models and their patches";
+  if (choice.kind == "rc")
+    throw hal::InputError(place, "--plant rc beside it", expected, "leave --plant rc out, or " + without);
+  if (!is_standard(site))
+    throw hal::InputError(place, "topology " + site.counts.name + ", which only the rc plant has", expected,
+                          without + "; the EnergyPlus twin is the method's room, 5vav-5fcu-2power");
+  throw hal::InputError(place, "no EnergyPlus on this machine", expected,
+                        "run tools/setup, which installs it, or " + without);
+}
+
+}  // namespace
+
+void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string& default_start) {
+  choice.start = default_start;
+  command.add_option("--plant", choice.kind, "rc, energyplus, or auto: EnergyPlus where it is installed")
+      ->check(CLI::IsMember({"auto", "rc", "energyplus"}))
+      ->capture_default_str();
+  command
+      .add_option("--room", choice.room,
+                  "301, 401, 402, 701, 702, each also as NAME-real; rc: also study-0 .. study-199 or a .json file")
+      ->capture_default_str();
+  command.add_option("--twin", choice.model, "an epJSON model of your own instead of the built-in twin (EnergyPlus)");
+  command.add_option("--patch", choice.patches, "merge patches on the model, in order (EnergyPlus)");
+  command.add_option("--weather", choice.weather, "EPW file (default: Tampa for EnergyPlus, synthetic for rc)");
+  command.add_option("--start", choice.start, "first day, midnight")->capture_default_str();
+  command.add_option("--seed", choice.seed, "of people, outages, noise and learning")->capture_default_str();
+  command.add_flag("--weekends", choice.weekends, "Saturday and Sunday nearly empty");
+}
+
+void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site) {
+  if (!site.file.twin) return;
+  const hal::TwinSection& twin = *site.file.twin;
+  if (choice.weather.empty()) choice.weather = twin.weather;
+  if (command.count("--twin") + command.count("--room") > 0) return;
+  const bool rc = twin.model == "rc";
+  if (rc && choice.kind == "energyplus") return;
+  if (rc && !twin.patches.empty()) {
+    throw hal::InputError(site.file.path + ": twin.patches", "patches on model = \"rc\"", "an epJSON model to patch",
+                          "leave the patches out, or name the model");
+  }
+  if (rc) {
+    choice.kind = "rc";
+    return;
+  }
+  choice.site_twin = site.file.path;
+  choice.room = "twin";  // no patches of a built-in room on a model of the site's own
+  choice.model = twin.model;
+  if (choice.patches.empty()) choice.patches = twin.patches;
+}
+
+CivilTime start_of(const PlantChoice& choice) {
+  const auto t = hal::parse_civil_text(choice.start + "T00:00:00");
+  if (!t) throw hal::InputError("--start", "'" + choice.start + "'", "a date such as 2021-07-01", "correct it");
+  return *t;
+}
+
+bool is_energyplus(const PlantChoice& choice, const Site& site) {
+  return choice.kind == "energyplus" || (choice.kind == "auto" && is_standard(site) && sim::have_energyplus());
+}
+
+std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days) {
+  const CivilTime start = start_of(choice);
+  const bool energyplus = is_energyplus(choice, site);
+  if (!energyplus) refuse_model_on_rc(choice, site);
+  try {
+    return energyplus ? make_energyplus(choice, site, start, days) : make_rc(choice, site, start);
+  } catch (const hal::InputError& e) {
+    if (e.place() != "room") throw;
+    std::string names = e.expected();  // the engine's rooms are files, named with underscores
+    std::replace(names.begin(), names.end(), '_', '-');
+    throw hal::InputError("--room", e.found(), names, e.remedy());
+  }
+}
+
+std::string command_text(const PlantChoice& choice, const Site& site) {
+  std::string text =
+      fmt::format("--plant {} --room {} --start {} --seed {}", is_energyplus(choice, site) ? "energyplus" : "rc",
+                  choice.room, choice.start, choice.seed);
+  if (!choice.model.empty()) text += " --twin " + choice.model;
+  for (const std::string& patch : choice.patches) text += " --patch " + patch;
+  if (!choice.weather.empty()) text += " --weather " + choice.weather;
+  if (choice.weekends) text += " --weekends";
+  return text;
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,56 @@
+#pragma once
+// Which simulated room a command works on, as command-line options that all commands share.
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "airside/civil_time.hpp"
+#include "sim/effects/effect.hpp"
+#include "sim/plant_model.hpp"
+#include "tools/run/site.hpp"
+
+namespace airside::tools {
+
+struct PlantChoice {
+  std::string kind = "auto";  ///< rc, energyplus, or auto: EnergyPlus where it is installed
+  std::string room = "301";   ///< a built-in room, or a file (.json for rc)
+  std::string model;          ///< epJSON file instead of the built-in twin
+  std::vector<std::string> patches;
+  std::string weather;  ///< EPW file; empty: Tampa for EnergyPlus, synthetic for rc
+  std::string start = "2021-07-01";
+  std::uint64_t seed = 1;  ///< of people, outages and sensor noise
+  bool weekends = false;   ///< Saturday and Sunday nearly empty
+  std::string site_twin;   ///< the site file whose [twin] gave model and patches; empty: options did
+
+  // No options: for comparisons of rooms that differ in an effect and in nothing else.
+  std::string weather_of;                  ///< rc without `weather`: the room whose made-up year it is; empty: its own
+  std::vector<sim::EffectChange> changes;  ///< to the room; the effects must outlive the choice
+  bool changes_in_model = false;  ///< EnergyPlus: model and patches have them already, the loops beside lack them
+};
+
+/// Adds --plant, --room, --twin, --patch, --weather, --start, --seed, --weekends to a command.
+void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string& default_start = "2021-07-01");
+
+/// Takes model, patches and weather of the site's [twin] where no option of `command` names others: --twin or --room
+/// stands for another model, --patch for other patches, --weather for other weather. For commands that train: where the
+/// plant stands for the built room, the twin is not meant.
+/// Errors: hal::InputError for patches on "rc".
+void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site);
+
+/// Midnight of the start day.  Errors: hal::InputError for text that is no date.
+CivilTime start_of(const PlantChoice& choice);
+
+/// Whether the choice means EnergyPlus on this machine and for this shape of room ("auto" is rc for other shapes).
+bool is_energyplus(const PlantChoice& choice, const Site& site);
+
+/// Makes the room; `days` is how long it will be needed.
+/// Errors: hal::InputError for unknown rooms, bad files, an absent engine, a model or patches that rc would drop.
+std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days);
+
+/// The options as they must be typed again, for reports.
+std::string command_text(const PlantChoice& choice, const Site& site);
+
+}  // namespace airside::tools

@@ -1,0 +1,66 @@
+#include "tools/run/served_plant.hpp"
+
+#include <algorithm>
+
+#include "airside/signals.hpp"
+#include "hal/modbus/wire.hpp"
+#include "hal/points/register_codec.hpp"
+#include "sim/simulated_plant.hpp"
+
+namespace airside::tools {
+
+ServedPlant::ServedPlant(const Site& site, sim::PlantModel& model, hal::ModbusServer& server, double speed,
+                         CivilTime end)
+    : site_(site),
+      model_(model),
+      server_(server),
+      speed_(speed),
+      end_(end),
+      began_(model.time()),
+      began_ns_(hal::monotonic_ns()) {
+  server_.on_write([this](const hal::Point& point, double value) { return write(point, value); });
+  publish();
+}
+
+void ServedPlant::step() {
+  CivilTime t = wanted_;
+  if (speed_ > 0) {
+    const double real_s = static_cast<double>(hal::monotonic_ns() - began_ns_) * 1e-9;
+    t.seconds = began_.seconds + static_cast<std::int64_t>(real_s * speed_);
+  }
+  constexpr std::int64_t step_s = 180;
+  t.seconds = std::min(t.seconds, end_.seconds);
+  const CivilTime reach{model_.time().seconds + (t.seconds - model_.time().seconds) / step_s * step_s};
+  if (reach > model_.time()) {
+    model_.advance_to(reach);
+    publish();
+  }
+}
+
+double ServedPlant::write(const hal::Point& point, double value) {
+  const double taken = std::clamp(value, point.min, point.max);
+  if (point.name == "setpoint") {
+    model_.set_setpoint(hal::rounded(point, taken));
+    return model_.sensors().setpoint_degc;
+  }
+  if (point.name == "clock_advance_s") {
+    wanted_.seconds = std::max(wanted_.seconds, hal::clock_epoch.seconds + static_cast<std::int64_t>(taken));
+    if (speed_ <= 0) step();
+  }
+  return taken;
+}
+
+void ServedPlant::publish() {
+  const sim::Sensors& s = model_.sensors();
+  for (int i = 0; i < site_.counts.signals(); ++i) {
+    const SignalId id = site_.counts.signal(i);
+    server_.set(hal::point_name(id), sim::sensor_value(s, id));
+  }
+  server_.set("setpoint", s.setpoint_degc);
+  if (server_.map().find("supply_temp") != nullptr) server_.set("supply_temp", s.supply_temp_degc);
+  if (server_.map().find("clock_s") != nullptr) {
+    server_.set("clock_s", static_cast<double>(model_.time().seconds - hal::clock_epoch.seconds));
+  }
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,99 @@
+#pragma once
+// The verbs of the host tools on one room: run the schedule, pretrain, fine-tune, control, compare. They type-erase
+// the topology: blobs are bytes, rows are log rows, the room is a PlantModel.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "hal/log/log_csv.hpp"
+#include "sim/plant_model.hpp"
+#include "tools/baselines/baseline.hpp"
+#include "tools/run/metrics.hpp"
+#include "tools/run/site.hpp"
+
+namespace airside::tools {
+
+using BlobBytes = std::vector<std::byte>;
+
+/// Called with a share 0..1 of the work done.
+using OnProgress = std::function<void(double)>;
+
+/// What a run leaves behind.
+struct ControlRun {
+  std::vector<hal::LogRow> rows;       ///< every 6 min
+  std::vector<CycleSample> cycles;     ///< every decision
+  std::vector<EnergyRow> energy;       ///< every row
+  std::uint64_t rejected_updates = 0;  ///< by the acceptance gate
+  std::uint64_t optimiser_steps = 0;   ///< those that the gate refused too
+};
+
+/// What the site counts as target and working hours.
+MetricsSettings metrics_settings(const Site& site);
+
+/// Metrics of a run with the site's target and working hours.
+Metrics metrics_of(const Site& site, const ControlRun& run);
+
+/// The expert's schedule from the plant's present to `until`.
+ControlRun run_schedule(const Site& site, sim::PlantModel& plant, CivilTime until, const OnProgress& progress = {});
+
+/// Who acts in the twin while weights are pretrained (spec 7.2, 7.3, OPEN-27).
+enum class Pretrainer {
+  agent,            ///< dynamic: it controls and learns
+  drawn_schedules,  ///< static: each day's working setpoint is drawn from {19.5, 20.0 .. 21.5}
+  expert_schedule,  ///< static: the expert's, every day
+};
+
+struct PretrainOptions {
+  std::uint64_t seed = 1;
+  int updates_per_cycle = 0;  ///< 0: the preset's; pretraining can afford more than the box
+  Pretrainer pretrainer = Pretrainer::agent;
+  std::string provenance;  ///< twin, patches, weather, dates; stored in the blob
+};
+
+struct Pretraining {
+  BlobBytes blob;
+  ControlRun run;
+  std::uint64_t transitions = 0;  ///< remembered: any row of day 1 may start one, then every cycle
+};
+
+/// Dynamic pretraining (spec 7.2): day 1 under the schedule fits the scaler, then the agent controls the twin and
+/// learns until `until`.  Static (7.3): all days under schedules that are fixed beforehand, then training; where no
+/// reading is refused, with as many transitions and optimiser steps as the agent has of the same days.
+Pretraining pretrain(const Site& site, sim::PlantModel& plant, CivilTime until, const PretrainOptions& options,
+                     const OnProgress& progress = {});
+
+struct FineTuneOptions {
+  int steps = 3000;  ///< optimiser steps (spec 8, OPEN-12)
+  std::uint64_t seed = 1;
+  std::string provenance;
+};
+
+/// Transfer (spec 8): the source's scaler and weights, fine-tuned on the target's logged schedule days; the room head
+/// starts from the source's gain and is fitted to the same rows. An empty `source` trains from scratch.
+/// Errors: hal::InputError for a blob that does not fit, or a log without a single transition.
+BlobBytes fine_tune(const Site& site, const BlobBytes& source, const std::vector<hal::LogRow>& rows,
+                    const FineTuneOptions& options, const OnProgress& progress = {});
+
+/// Control by the product's code path with learning on, from the plant's present to `until`.
+/// Errors: hal::InputError for a blob that does not fit.
+ControlRun run_controller(const Site& site, sim::PlantModel& plant, const BlobBytes& blob,
+                          const std::vector<hal::LogRow>& history, CivilTime until, std::uint64_t seed,
+                          const OnProgress& progress = {});
+
+/// The same days under another controller.
+ControlRun run_baseline(const Site& site, sim::PlantModel& plant, BaselineController& baseline,
+                        const std::vector<hal::LogRow>& history, CivilTime until, const OnProgress& progress = {});
+
+/// The same days under a setpoint that `choose` gives each cycle, for floors.
+ControlRun run_setpoints(const Site& site, sim::PlantModel& plant, const std::function<double()>& choose,
+                         CivilTime until, const OnProgress& progress = {});
+
+/// Reads a blob file whole and checks it against the site.  Errors: hal::InputError naming file and field.
+BlobBytes read_blob(const std::string& path, const Site& site);
+/// Writes a blob beside the target and renames it, so that the file is old or new.
+void write_blob(const std::string& path, const BlobBytes& blob);
+
+}  // namespace airside::tools

@@ -1,0 +1,56 @@
+#include "tools/run/site.hpp"
+
+#include "airside/topologies.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/text/input_error.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+hal::TopologyCounts counts_of_name(const std::string& topology) {
+  hal::TopologyCounts counts;
+  const bool found = with_topology(topology.c_str(), [&counts]<class T>(T) { counts = hal::counts_of<T>(); });
+  if (!found) {
+    throw hal::InputError("topology", "'" + topology + "'", "a topology of this build, such as 5vav-5fcu-2power",
+                          "add it to AIRSIDE_TOPOLOGIES and build again");
+  }
+  return counts;
+}
+
+}  // namespace
+
+Site load_site(const std::string& path) {
+  Site site;
+  site.file = hal::read_site_file(path, hal::site_rules());
+  site.counts = counts_of_name(site.file.topology);
+  site.points = site.file.modbus
+                    ? hal::PointMap::load(site.file.modbus->points)
+                    : hal::PointMap::parse(
+                          hal::default_point_map(site.counts.vavs, site.counts.fcus, site.counts.powers), "built-in");
+  site.points.check_topology(site.counts.vavs, site.counts.fcus, site.counts.powers);
+  site.settings = hal::controller_settings(site.file, site.points);
+  return site;
+}
+
+Site built_in_site(const std::string& topology, hal::ControllerPreset preset) {
+  Site site;
+  site.counts = counts_of_name(topology);
+  site.file.path = "built-in";
+  site.file.name = site.file.scope = "built-in";
+  site.file.topology = topology;
+  site.file.preset = preset;
+  site.points =
+      hal::PointMap::parse(hal::default_point_map(site.counts.vavs, site.counts.fcus, site.counts.powers), "built-in");
+  site.settings = hal::controller_settings(site.file, site.points);
+  return site;
+}
+
+Site with_preset(const Site& site, hal::ControllerPreset preset) {
+  Site other = site;
+  other.file.preset = preset;
+  other.settings = hal::controller_settings(other.file, other.points);
+  return other;
+}
+
+}  // namespace airside::tools
