@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "input/program.hpp"
+#include "support/program.hpp"
 #include "tools/run/plant_choice.hpp"
 #include "tools/run/session.hpp"
 

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "closed_loop/bench.hpp"
+#include "support/bench.hpp"
 
 namespace airside::closed_loop {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "closed_loop/bench.hpp"
 #include "sim/energyplus/install.hpp"
+#include "support/bench.hpp"
 
 namespace airside::closed_loop {
 namespace {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <set>
 
-#include "closed_loop/bench.hpp"
+#include "support/bench.hpp"
 
 namespace airside::closed_loop {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "closed_loop/bench.hpp"
 #include "hal/log/log_csv.hpp"
+#include "support/bench.hpp"
 
 namespace airside::closed_loop {
 namespace {

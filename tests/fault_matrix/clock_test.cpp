@@ -11,10 +11,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "closed_loop/bench.hpp"
 #include "fault_matrix/notify_socket.hpp"
 #include "firmware/edge/edge.hpp"
-#include "sanitized.hpp"
+#include "support/bench.hpp"
+#include "support/sanitized.hpp"
 
 namespace airside::fault_matrix {
 namespace {

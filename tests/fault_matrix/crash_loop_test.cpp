@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "closed_loop/bench.hpp"
+#include "support/bench.hpp"
 
 namespace airside::fault_matrix {
 namespace {

@@ -9,7 +9,7 @@
 #include "hal/points/signal_limits.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/weights/blob_file.hpp"
-#include "weights/blob_maker.hpp"
+#include "support/blob_maker.hpp"
 
 namespace airside::fault_matrix {
 

@@ -14,10 +14,10 @@
 #include "airside/controller/cycle.hpp"
 #include "airside/controller/instances.hpp"
 #include "firmware/edge/weights_trial.hpp"
-#include "power_loss/test_folder.hpp"
 #include "sim/faults/faulty_model.hpp"
 #include "sim/rc/rc_plant.hpp"
 #include "sim/simulated_plant.hpp"
+#include "support/test_folder.hpp"
 #include "tools/study/methods.hpp"
 
 namespace airside::fault_matrix {

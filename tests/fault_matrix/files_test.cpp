@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "closed_loop/bench.hpp"
+#include "support/bench.hpp"
 
 namespace airside::fault_matrix {
 namespace {

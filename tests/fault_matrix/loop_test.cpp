@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "closed_loop/bench.hpp"
 #include "fault_matrix/fault_loop.hpp"
+#include "support/bench.hpp"
 
 namespace airside::fault_matrix {
 namespace {

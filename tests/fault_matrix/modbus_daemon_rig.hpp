@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "closed_loop/bench.hpp"
 #include "fault_matrix/modbus_exchange.hpp"
 #include "hal/log/log_csv.hpp"
 #include "hal/modbus/wire.hpp"
+#include "support/bench.hpp"
 #include "tools/chaos/chaos_proxy.hpp"
 
 namespace airside::fault_matrix {

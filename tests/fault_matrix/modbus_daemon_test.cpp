@@ -4,7 +4,7 @@
 //   AIRSIDE_CHAOS_SEED=n        of all draws (1)
 
 #include "fault_matrix/modbus_daemon_rig.hpp"
-#include "modbus/modbus_fixture.hpp"
+#include "support/modbus_fixture.hpp"
 
 namespace airside::fault_matrix {
 namespace {

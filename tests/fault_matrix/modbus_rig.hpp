@@ -14,7 +14,7 @@
 #include "fault_matrix/modbus_exchange.hpp"
 #include "hal/modbus/plant.hpp"
 #include "hal/modbus/wire.hpp"
-#include "modbus/modbus_fixture.hpp"
+#include "support/modbus_fixture.hpp"
 #include "tools/chaos/chaos_proxy.hpp"
 
 namespace airside::fault_matrix {

@@ -11,7 +11,7 @@
 
 #include "hal/modbus/link.hpp"
 #include "hal/modbus/wire.hpp"
-#include "modbus/modbus_fixture.hpp"
+#include "support/modbus_fixture.hpp"
 
 namespace airside::hal {
 namespace {

@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <map>
 
-#include "closed_loop/bench.hpp"
 #include "fault_matrix/fault_loop.hpp"
+#include "support/bench.hpp"
 
 namespace airside::fault_matrix {
 namespace {

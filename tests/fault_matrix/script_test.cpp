@@ -5,8 +5,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "closed_loop/child.hpp"
-#include "power_loss/test_folder.hpp"
+#include "support/child.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::fault_matrix {
 namespace {

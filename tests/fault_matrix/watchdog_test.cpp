@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "closed_loop/bench.hpp"
 #include "fault_matrix/notify_socket.hpp"
+#include "support/bench.hpp"
 
 namespace airside::fault_matrix {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "airside/controller/footprint.hpp"
 #include "airside/controller/instances.hpp"
-#include "footprint/stack_probe.hpp"
 #include "hal/weights/blob_file.hpp"
+#include "support/stack_probe.hpp"
 
 namespace airside {
 namespace {

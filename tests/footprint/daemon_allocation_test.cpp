@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "footprint/allocation_guard.hpp"
 #include "footprint/daemon_here.hpp"
 #include "hal/weights/blob_file.hpp"
 #include "hal/weights/signature.hpp"
+#include "support/allocation_guard.hpp"
 
 namespace airside::footprint {
 namespace {

@@ -7,8 +7,8 @@
 #include <memory>
 #include <thread>
 
-#include "closed_loop/bench.hpp"
 #include "firmware/edge/edge.hpp"
+#include "support/bench.hpp"
 
 namespace airside::footprint {
 

@@ -6,9 +6,9 @@
 #include <fstream>
 
 #include "footprint/daemon_here.hpp"
-#include "footprint/stack_probe.hpp"
 #include "hal/weights/blob_file.hpp"
 #include "hal/weights/signature.hpp"
+#include "support/stack_probe.hpp"
 
 namespace airside::footprint {
 namespace {

@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "footprint/allocation_guard.hpp"
-#include "sanitized.hpp"
+#include "support/allocation_guard.hpp"
+#include "support/sanitized.hpp"
 
 namespace airside::footprint {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "footprint/stack_probe.hpp"
+#include "support/stack_probe.hpp"
 
 namespace airside::footprint {
 namespace {

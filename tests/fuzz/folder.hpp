@@ -8,7 +8,7 @@
 #include <string>
 
 #include "fuzz/target.hpp"
-#include "power_loss/test_folder.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::fuzz {
 

@@ -7,12 +7,12 @@
 #include <set>
 
 #include "gap/needs_engine.hpp"
-#include "power_loss/test_folder.hpp"
 #include "sim/energyplus/epjson_lint.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/plant.hpp"
 #include "sim/weather/epw.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "support/test_folder.hpp"
 #include "tools/gap/blind/blind_energyplus.hpp"
 
 namespace airside::tools::gap {

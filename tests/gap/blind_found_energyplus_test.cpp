@@ -14,9 +14,9 @@
 #include <set>
 
 #include "gap/needs_engine.hpp"
-#include "power_loss/test_folder.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/json/merge_patch.hpp"
+#include "support/test_folder.hpp"
 #include "tools/gap/blind/blind_cases.hpp"
 #include "tools/gap/case_file.hpp"
 #include "tools/gap/verdict/shared_responses.hpp"

@@ -10,10 +10,10 @@
 #include <set>
 
 #include "hal/text/input_error.hpp"
-#include "power_loss/test_folder.hpp"
 #include "sim/rc/rc_plant.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "support/test_folder.hpp"
 #include "tools/gap/blind/blind_cases.hpp"
 #include "tools/gap/case_file.hpp"
 

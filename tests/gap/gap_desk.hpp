@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "hal/log/log_csv.hpp"
-#include "input/program.hpp"
 #include "sim/json/merge_patch.hpp"
 #include "sim/weather/epw.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "support/program.hpp"
 #include "tools/gap/blind/blind.hpp"
 
 namespace airside::tools::gap {

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/text/input_error.hpp"
-#include "power_loss/test_folder.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "support/test_folder.hpp"
 #include "tools/gap/blind/blind.hpp"
 #include "tools/gap/case_file.hpp"
 #include "tools/gap/inference/refit.hpp"

@@ -8,7 +8,7 @@
 
 #include "airside/splitmix64.hpp"
 #include "hal/text/civil_text.hpp"
-#include "input/complaint.hpp"
+#include "support/complaint.hpp"
 
 namespace airside::hal {
 namespace {

@@ -6,10 +6,10 @@
 #include <iterator>
 
 #include "airside/controller/instances.hpp"
-#include "input/complaint.hpp"
-#include "input/program.hpp"
 #include "sim/weather/epw.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "support/complaint.hpp"
+#include "support/program.hpp"
 
 namespace airside {
 

@@ -1,6 +1,6 @@
 #include "hal/site/site_file.hpp"
 
-#include "input/complaint.hpp"
+#include "support/complaint.hpp"
 
 namespace airside::hal {
 namespace {

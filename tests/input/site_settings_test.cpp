@@ -2,7 +2,7 @@
 
 #include "hal/site/site_settings.hpp"
 
-#include "input/complaint.hpp"
+#include "support/complaint.hpp"
 
 namespace airside::hal {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "hal/modbus/wire.hpp"
 #include "hal/text/input_error.hpp"
-#include "modbus/modbus_fixture.hpp"
+#include "support/modbus_fixture.hpp"
 
 namespace airside::hal {
 namespace {

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "airside/supervision/envelope.hpp"
-#include "footprint/allocation_guard.hpp"
 #include "hal/modbus/plant.hpp"
 #include "hal/modbus/plant_clock.hpp"
 #include "hal/points/register_codec.hpp"
-#include "modbus/modbus_fixture.hpp"
+#include "support/allocation_guard.hpp"
+#include "support/modbus_fixture.hpp"
 
 namespace airside::hal {
 namespace {

@@ -10,7 +10,7 @@
 #include "airside/supervision/envelope.hpp"
 #include "hal/modbus/wire.hpp"
 #include "hal/points/register_codec.hpp"
-#include "modbus/modbus_fixture.hpp"
+#include "support/modbus_fixture.hpp"
 
 namespace airside::hal {
 namespace {

@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "closed_loop/bench.hpp"
 #include "hal/modbus/plant_clock.hpp"
-#include "modbus/modbus_fixture.hpp"
 #include "modbus/third_party.hpp"
 #include "sim/simulated_plant.hpp"
+#include "support/bench.hpp"
+#include "support/modbus_fixture.hpp"
 
 namespace airside::hal {
 namespace {

@@ -10,8 +10,8 @@
 #include <fstream>
 
 #include "hal/points/register_codec.hpp"
-#include "modbus/modbus_fixture.hpp"
 #include "modbus/third_party.hpp"
+#include "support/modbus_fixture.hpp"
 
 namespace airside::hal {
 namespace {

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "hal/modbus/wire.hpp"
-#include "modbus/modbus_fixture.hpp"
+#include "support/modbus_fixture.hpp"
 
 namespace airside::hal {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "modbus/modbus_fixture.hpp"
+#include "support/modbus_fixture.hpp"
 
 namespace airside::hal::testing_peers {
 

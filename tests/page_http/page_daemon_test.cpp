@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "closed_loop/bench.hpp"
+#include "support/bench.hpp"
 
 namespace airside::page {
 namespace {

@@ -2,7 +2,7 @@
 // web pages.
 
 #include "page_http/page_rig.hpp"
-#include "sanitized.hpp"
+#include "support/sanitized.hpp"
 
 namespace airside::page {
 namespace {

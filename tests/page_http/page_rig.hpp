@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "airside/controller/instances.hpp"
-#include "closed_loop/child.hpp"
 #include "hal/weights/signature.hpp"
+#include "support/child.hpp"
 
 namespace airside::page {
 

@@ -9,8 +9,8 @@
 #include <cerrno>
 #include <fstream>
 
-#include "power_loss/test_folder.hpp"
 #include "power_loss/write_recorder.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::hal {
 namespace {

@@ -13,7 +13,7 @@
 #include "hal/log/row_log.hpp"
 #include "power_loss/box_row.hpp"
 #include "power_loss/cut_files.hpp"
-#include "power_loss/test_folder.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::power_loss {
 

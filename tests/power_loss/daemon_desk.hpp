@@ -11,9 +11,9 @@
 #include <thread>
 #include <vector>
 
-#include "closed_loop/bench.hpp"
 #include "hal/modbus/server.hpp"
 #include "sim/plant_model.hpp"
+#include "support/bench.hpp"
 
 namespace airside::power_loss {
 

@@ -10,7 +10,7 @@
 
 #include "power_loss/daemon_desk.hpp"
 #include "power_loss/power_cut.hpp"
-#include "sanitized.hpp"
+#include "support/sanitized.hpp"
 
 namespace airside::power_loss {
 namespace {

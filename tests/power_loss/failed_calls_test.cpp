@@ -24,7 +24,7 @@
 #include "hal/storage/state_copy.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/weights/mailbox.hpp"
-#include "power_loss/test_folder.hpp"
+#include "support/test_folder.hpp"
 
 namespace {
 

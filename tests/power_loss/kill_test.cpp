@@ -14,7 +14,7 @@
 #include "airside/splitmix64.hpp"
 #include "hal/log/row_log.hpp"
 #include "power_loss/state_script.hpp"
-#include "power_loss/test_folder.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::hal {
 namespace {

@@ -15,7 +15,7 @@
 #include "hal/log/row_log.hpp"
 #include "power_loss/allocation_count.hpp"
 #include "power_loss/state_script.hpp"
-#include "power_loss/test_folder.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::hal {
 namespace {

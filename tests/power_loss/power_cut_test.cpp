@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "power_loss/daemon_desk.hpp"
-#include "power_loss/test_folder.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::power_loss {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "hal/text/civil_text.hpp"
-#include "power_loss/test_folder.hpp"
 #include "power_loss/write_recorder.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::hal {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "hal/storage/durable_store.hpp"
 #include "power_loss/state_script.hpp"
-#include "power_loss/test_folder.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::hal {
 

@@ -8,8 +8,8 @@
 #include <fstream>
 
 #include "hal/text/input_error.hpp"
-#include "power_loss/test_folder.hpp"
 #include "rc_plant/rc_fixture.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::sim {
 namespace {

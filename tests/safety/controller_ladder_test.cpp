@@ -1,6 +1,6 @@
 // Each rung is taken for its reason, and left when that ends; without the reason nothing changes.
 
-#include "safety/controller_rig.hpp"
+#include "support/controller_rig.hpp"
 
 namespace airside {
 namespace {

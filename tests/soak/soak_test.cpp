@@ -13,10 +13,10 @@
 
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/schedule.hpp"
-#include "closed_loop/bench.hpp"
 #include "hal/points/register_codec.hpp"
-#include "sanitized.hpp"
 #include "sim/faults/faulty_model.hpp"
+#include "support/bench.hpp"
+#include "support/sanitized.hpp"
 #include "tools/chaos/chaos_proxy.hpp"
 #include "tools/run/served_plant.hpp"
 

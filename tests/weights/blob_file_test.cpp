@@ -12,7 +12,7 @@
 #include <set>
 
 #include "hal/text/input_error.hpp"
-#include "power_loss/test_folder.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::weights {
 namespace {

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "airside/splitmix64.hpp"
-#include "closed_loop/bench.hpp"
+#include "support/bench.hpp"
 
 namespace airside::weights {
 namespace {

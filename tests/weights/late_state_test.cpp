@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "firmware/edge/edge_memory.hpp"
-#include "power_loss/test_folder.hpp"
-#include "safety/controller_rig.hpp"
-#include "weights/blob_maker.hpp"
+#include "support/blob_maker.hpp"
+#include "support/controller_rig.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::weights {
 namespace {

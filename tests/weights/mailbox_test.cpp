@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "airside/controller/blob.hpp"
-#include "power_loss/test_folder.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::weights {
 namespace {

@@ -13,9 +13,9 @@
 
 #include "airside/splitmix64.hpp"
 #include "hal/text/input_error.hpp"
-#include "power_loss/test_folder.hpp"
-#include "safety/controller_rig.hpp"
-#include "weights/blob_maker.hpp"
+#include "support/blob_maker.hpp"
+#include "support/controller_rig.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::weights {
 namespace {

@@ -8,9 +8,9 @@
 #include <fstream>
 
 #include "firmware/edge/weights_trial.hpp"
-#include "power_loss/test_folder.hpp"
-#include "safety/controller_rig.hpp"
-#include "weights/blob_maker.hpp"
+#include "support/blob_maker.hpp"
+#include "support/controller_rig.hpp"
+#include "support/test_folder.hpp"
 
 namespace airside::weights {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "closed_loop/child.hpp"
+#include "support/child.hpp"
 #include "tools/study/methods.hpp"
 
 namespace airside::closed_loop {

@@ -1,4 +1,4 @@
-#include "footprint/allocation_guard.hpp"
+#include "support/allocation_guard.hpp"
 
 #include <gtest/gtest.h>
 

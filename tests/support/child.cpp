@@ -1,4 +1,4 @@
-#include "closed_loop/child.hpp"
+#include "support/child.hpp"
 
 #include <fcntl.h>
 #include <sys/prctl.h>

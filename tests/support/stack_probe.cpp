@@ -1,4 +1,4 @@
-#include "footprint/stack_probe.hpp"
+#include "support/stack_probe.hpp"
 
 #include <pthread.h>
 #include <sys/mman.h>

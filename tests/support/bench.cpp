@@ -1,4 +1,4 @@
-#include "closed_loop/bench.hpp"
+#include "support/bench.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

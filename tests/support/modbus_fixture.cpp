@@ -1,4 +1,4 @@
-#include "modbus/modbus_fixture.hpp"
+#include "support/modbus_fixture.hpp"
 
 #include <arpa/inet.h>
 #include <poll.h>
