@@ -15,7 +15,7 @@
 namespace airside::edge {
 
 /// What the command line adds to the site file.
-struct EdgeOptions {
+struct DaemonOptions {
   hal::Sync sync = hal::Sync::full;
   std::optional<CivilTime> until;  ///< stop there; for tests and demos
   double backoff_first_s = 1.0;
@@ -47,7 +47,7 @@ class Daemon {
 
 /// The daemon for the site's topology; none if this build has no such. The site has [modbus]. Errors: hal::InputError.
 /// Source: DESIGN.md, decision 1.
-std::unique_ptr<Daemon> make_daemon(const hal::SiteFile& site, const hal::PointMap& points, const EdgeOptions& options,
-                                    hal::StopFlag stop);
+std::unique_ptr<Daemon> make_daemon(const hal::SiteFile& site, const hal::PointMap& points,
+                                    const DaemonOptions& options, hal::StopFlag stop);
 
 }  // namespace airside::edge

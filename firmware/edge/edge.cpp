@@ -8,8 +8,8 @@ namespace airside::edge {
 // purpose, state_version does too.
 static_assert(sizeof(LearningState<FiveZone, float>) == 706112 && sizeof(RowRecord<FiveZone>) == 4672);
 
-std::unique_ptr<Daemon> make_daemon(const hal::SiteFile& site, const hal::PointMap& points, const EdgeOptions& options,
-                                    hal::StopFlag stop) {
+std::unique_ptr<Daemon> make_daemon(const hal::SiteFile& site, const hal::PointMap& points,
+                                    const DaemonOptions& options, hal::StopFlag stop) {
   std::unique_ptr<Daemon> daemon;
   with_topology(site.topology.c_str(),
                 [&]<class T>(T) { daemon = std::make_unique<Edge<T>>(site, points, options, stop); });

@@ -27,7 +27,7 @@ namespace airside::edge {
 template <Topology T>
 class Edge final : public Daemon {
  public:
-  Edge(const hal::SiteFile& site, const hal::PointMap& points, const EdgeOptions& options, hal::StopFlag stop)
+  Edge(const hal::SiteFile& site, const hal::PointMap& points, const DaemonOptions& options, hal::StopFlag stop)
       : site_(site),
         limits_(hal::signal_limits<T>(points)),
         options_(options),
@@ -89,12 +89,12 @@ class Edge final : public Daemon {
     memory_.row(t, sensed, clock_is_set);  // one of 1970 would stand before all others
     controller_->report(Reason::storage_failed, !memory_.is_well(), t);
     if (memory_.taken_over()) controller_->hold(Reason::two_masters, t, 0);
-    beats_ = controller.cycle().ladder.beats(t);
+    beats_ = controller.cycle().mode_arbiter.beats(t);
     if (beats_) (void)plant_.beat();
     memory_.give_weights(t);
     write_status(t, sensed);
     service_.tell("WATCHDOG=1");  // only a row that came through every stage is a sign of life
-    say_rung(controller.rung(t));
+    say_mode(controller.control_mode(t));
     if (options_.crash_limit > 0 && recent_starts_ > 0 && hal::monotonic_ns() - began_ns_ >= hour_s * 1'000'000'000) {
       starts_.clear();
       recent_starts_ = 0;
@@ -127,14 +127,15 @@ class Edge final : public Daemon {
   /// What is known when control begins.
   void report_start(CivilTime t) {
     began_ns_ = hal::monotonic_ns();
-    controller_->cycle().ladder.tick(t);  // before it is known whether the clock has been set since the last row
+    controller_->cycle().mode_arbiter.tick(t);  // before it is known whether the clock has been set since the last row
     report_clock(t);
     if (options_.crash_limit > 0 && recent_starts_ >= options_.crash_limit) {
       say("{} starts within ten minutes; the schedule runs for an hour", recent_starts_);
       controller_->hold(Reason::crash_loop, t, hour_s);
     }
     if (memory_.state_lost()) controller_->hold(Reason::state_lost, t, 0);
-    beats_ = next_.seconds > 0 && controller_->cycle().ladder.beats(t);  // where it goes on, before the first row too
+    beats_ =
+        next_.seconds > 0 && controller_->cycle().mode_arbiter.beats(t);  // where it goes on, before the first row too
   }
 
   /// A clock before this program was written, or a day before the last row, has not been set since power came back.
@@ -163,11 +164,11 @@ class Edge final : public Daemon {
     said_doubted_ = doubted != nullptr ? std::string_view(doubted->name) : std::string_view{};
   }
 
-  /// One line whenever the rung or its reason changes.
-  void say_rung(const OnRung& on) {
-    if (on == said_rung_) return;
+  /// One line whenever the control mode or its reason changes.
+  void say_mode(const ActiveMode& on) {
+    if (on == said_mode_) return;
     say("{}: {}; {}", text_of(on.mode), why_of(on), way_out_of(on));
-    said_rung_ = on;
+    said_mode_ = on;
   }
 
   /// The AHU, unless a person wants it back: the row that finds his wish comes after its own write.
@@ -224,8 +225,10 @@ class Edge final : public Daemon {
   }
 
   void write_status(CivilTime t, const Expected<Reading<T>>& sensed) {
-    StatusSnapshot s{
-        .site = site_.name, .topology = T::name, .rung = controller_->rung(t), .decision = controller_->decision()};
+    StatusSnapshot s{.site = site_.name,
+                     .topology = T::name,
+                     .control_mode = controller_->control_mode(t),
+                     .decision = controller_->decision()};
     s.fault = sensed ? s.decision.fault : sensed.error();
     // To the controller whatever cannot be used is no number; people want to know why.
     const int signal = s.decision.fault_signal;
@@ -248,7 +251,7 @@ class Edge final : public Daemon {
     s.link_wrong_ids = link.wrong_ids;
     s.link_exceptions = link.exceptions;
     s.setpoint_writes = plant_.setpoint_writes();
-    s.ladder = &controller_->cycle().ladder;
+    s.mode_arbiter = &controller_->cycle().mode_arbiter;
     s.trial = text_of(memory_.trial().state);
     s.trial_refusal = text_of(memory_.trial().refusal);
     s.trial_refusal_field = memory_.trial().refusal_field.data();
@@ -264,7 +267,7 @@ class Edge final : public Daemon {
 
   hal::SiteFile site_;
   LimitsTable<T> limits_;
-  EdgeOptions options_;
+  DaemonOptions options_;
   hal::StopFlag stop_;
   hal::ModbusLink link_;
   hal::ModbusPlant<T> plant_;
@@ -283,9 +286,9 @@ class Edge final : public Daemon {
   int recent_starts_ = 0;
   std::int64_t began_ns_ = 0;  ///< of this run
   CivilTime newest_row_;       ///< the latest that a clock which can be right has told
-  Spell clock_is_behind_;
+  PersistentCondition clock_is_behind_;
   std::string_view said_doubted_;
-  OnRung said_rung_;
+  ActiveMode said_mode_;
 };
 
 }  // namespace airside::edge

@@ -272,7 +272,7 @@ class EdgeMemory {
   /// has seen it.
   void set_other_aside() {
     state_lost_ = true;
-    const hal::StoreResult<void> aside = store_->set_aside();
+    const hal::StoreResult<void> aside = store_->archive_foreign_state();
     if (aside) say("it is kept there as other-*; control begins anew");
     if (!aside) say("it cannot be set aside: {}; each row tries again", hal::text_of(aside.error().fault));
   }
@@ -280,10 +280,10 @@ class EdgeMemory {
   /// The state's medium came after the start. What it holds is worth more than what was learned since.
   void resume_late(CivilTime t) {
     const bool known = state_lost_;
-    const Ladder since_start = controller_.cycle().ladder;
+    const ModeArbiter since_start = controller_.cycle().mode_arbiter;
     const Found found = load_state(true);
     if (found == Found::nothing) begin_from_blob();
-    controller_.cycle().ladder.join_releases(since_start, t);
+    controller_.cycle().mode_arbiter.join_releases(since_start, t);
     const bool waits_for_person = found == Found::nothing && since_start.active(Reason::state_lost, t);
     if (state_lost_ && (!known || waits_for_person)) controller_.hold(Reason::state_lost, t, 0);
   }
@@ -303,11 +303,11 @@ class EdgeMemory {
   /// released must not be written to.
   Found forget_weights() {
     const auto counters = record_.trial.counter;
-    Ladder ladder = record_.cycle.ladder;
-    ladder.keep_only_releases();
+    ModeArbiter mode_arbiter = record_.cycle.mode_arbiter;
+    mode_arbiter.keep_only_releases();
     const Found nothing = forget();
     record_.trial.counter = counters;
-    controller_.cycle().ladder = ladder;
+    controller_.cycle().mode_arbiter = mode_arbiter;
     return nothing;
   }
 

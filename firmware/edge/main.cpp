@@ -28,7 +28,7 @@ int run(int argc, char** argv) {
       "2 bad command line.",
       "airsided"};
   std::string site_path, until;
-  edge::EdgeOptions options;
+  edge::DaemonOptions options;
   bool check_only = false, no_sync = false;
   app.add_option("--site", site_path, "site file, such as /etc/airside/site.toml")->required();
   app.add_option("--until", until, "stop at this local time, such as 2021-08-20T00:00:00");

@@ -49,14 +49,14 @@ class FixedText {
 };
 
 /// `"alarms":[{"reason":"sensor drifts","since":"2026-..."}]`, gravest numbers last.
-void add_alarms(FixedText& text, CivilTime now, const Ladder* ladder) {
+void add_alarms(FixedText& text, CivilTime now, const ModeArbiter* mode_arbiter) {
   text.add(",\"alarms\":[");
   const char* between = "";
-  for (int i = 1; i < reason_count && ladder != nullptr; ++i) {
+  for (int i = 1; i < reason_count && mode_arbiter != nullptr; ++i) {
     const auto reason = static_cast<Reason>(i);
-    if (!ladder->active(reason, now)) continue;
+    if (!mode_arbiter->active(reason, now)) continue;
     std::array<char, hal::civil_text_size> since{};
-    hal::write_civil_text(since.data(), {ladder->since_s(reason)});
+    hal::write_civil_text(since.data(), {mode_arbiter->since_s(reason)});
     text.add("{}{{\"reason\":\"{}\",\"since\":\"{}\"}}", between, text_of(reason),
              std::string_view(since.data(), since.size()));
     between = ",";
@@ -78,11 +78,11 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.add("{{\"time\":\"{}\"", std::string_view(time.data(), time.size()));
   text.string("site", s.site);
   text.string("topology", s.topology);
-  text.string("state", text_of(s.rung.mode));
-  text.string("reason", text_of(s.rung.reason));
-  text.string("why", why_of(s.rung));
-  text.string("way_out", way_out_of(s.rung));
-  add_alarms(text, now, s.ladder);
+  text.string("state", text_of(s.control_mode.mode));
+  text.string("reason", text_of(s.control_mode.reason));
+  text.string("why", why_of(s.control_mode));
+  text.string("way_out", way_out_of(s.control_mode));
+  add_alarms(text, now, s.mode_arbiter);
   text.string("fault", text_of(s.fault));
   text.string("fault_signal", s.fault_signal);
   text.add(",\"has_weights\":{}", s.has_weights);

@@ -16,7 +16,7 @@ namespace airside::edge {
 struct StatusSnapshot {
   std::string_view site;
   std::string_view topology;
-  OnRung rung;
+  ActiveMode control_mode;
   const Decision& decision;
   Fault fault = Fault::none;
   double setpoint_degc = Decision::none;
@@ -31,8 +31,8 @@ struct StatusSnapshot {
   std::string_view trial = "none";          ///< of pushed weights
   std::string_view trial_refusal = "none";  ///< why the last pushed blob was refused
   std::string_view trial_refusal_field = {};
-  std::uint32_t pushed_crc = 0;    ///< checksum of the last blob that was taken
-  const Ladder* ladder = nullptr;  ///< every active reason becomes an alarm
+  std::uint32_t pushed_crc = 0;               ///< checksum of the last blob that was taken
+  const ModeArbiter* mode_arbiter = nullptr;  ///< every active reason becomes an alarm
   /// After its instant, when the row began and when it had been committed; none where a simulated plant sets the pace.
   double row_late_ms = Decision::none, row_done_ms = Decision::none;
   double ours_error_k = Decision::none, schedule_error_k = Decision::none;

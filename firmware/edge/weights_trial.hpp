@@ -46,7 +46,7 @@ struct TrialRecord {
   std::int64_t begun_s = 0;    ///< when they came
   std::int64_t until_s = 0;    ///< before then the trial does not end
   std::uint32_t worse_cycles = 0;
-  std::uint32_t tried_cycles = 0;  ///< that these weights foretold while the box was in control
+  std::uint32_t tried_cycles = 0;  ///< that these weights predicted while the box was in control
   double error_sum_k2 = 0;         ///< of those forecasts
   double before_error_k2 = 0;      ///< mean square error of the weights before
   double head_error_sum_k2 = 0;    ///< as error_sum_k2, of their room head; 0 where the room kept its own
@@ -149,7 +149,7 @@ class WeightsTrial {
     if (header->security_counter <= counter->highest) return old;
     if (const BlobError wrong = WeightBlob<T>::check_values(*payload_); wrong.fault != Fault::none) return wrong;
     std::copy(payload_->weights.begin(), payload_->weights.end(), weights_->flat().begin());
-    const auto wild = controller.wildness(payload_->scaler, *weights_);
+    const auto wild = controller.forecast_deviation(payload_->scaler, *weights_);
     if (!(wild.canary_k <= 0)) return {Fault::blob_value, "canary states"};
     if (!(wild.replay_k <= wildest_replay_k)) return {Fault::blob_value, "forecasts of what this room did"};
     const bool head = wants_head<T>(controller, *payload_);
@@ -181,7 +181,7 @@ class WeightsTrial {
     return {Fault::none, ""};
   }
 
-  /// A trial ends when its day is over and enough of it was foretold by the new weights while the box was in control:
+  /// A trial ends when its day is over and enough of it was predicted by the new weights while the box was in control:
   /// neither a day on the schedule nor a clock that was set forward shows anything of them. It ends at once when they
   /// act wildly. What the weights before decided is not held against them.
   bool supervise(CivilTime t, Controller<T>& controller, TrialRecord& record) {
@@ -195,7 +195,7 @@ class WeightsTrial {
     constexpr std::uint32_t patience = 3;
     if (record.worse_cycles >= patience) return roll_back(controller, record, "the schedule would do better");
     if (d.reason == Reason::gain_reversed &&
-        controller.cycle().ladder.since_s(Reason::gain_reversed) >= record.begun_s) {
+        controller.cycle().mode_arbiter.since_s(Reason::gain_reversed) >= record.begun_s) {
       return roll_back(controller, record, "rooms answer the wrong way round");
     }
     const double error_k2 = record.error_sum_k2 / std::max(record.tried_cycles, 1U);
@@ -219,7 +219,7 @@ class WeightsTrial {
   static void count(const Decision& d, TrialRecord& record) {
     const bool worse = d.reason == Reason::worse_than_schedule || d.reason == Reason::worse_for_long;
     record.worse_cycles = worse ? record.worse_cycles + 1 : 0;
-    if (d.mode > Mode::run || !std::isfinite(d.network_error_k)) return;
+    if (d.mode > ControlMode::run || !std::isfinite(d.network_error_k)) return;
     ++record.tried_cycles;
     record.error_sum_k2 += d.network_error_k * d.network_error_k;
     if (record.took_head != 0 && std::isfinite(d.head_error_k)) {
@@ -281,7 +281,7 @@ class WeightsTrial {
     if (read) {
       controller.learning() = *before_;
       controller.cycle().has_weights = 1;
-      if (controller.go_back(present) != Fault::none) say("the weights before are not finite");
+      if (controller.roll_back(present) != Fault::none) say("the weights before are not finite");
     }
     if (record.had_weights == 0 || way_is_gone) controller.drop_weights();  // which asks for no copy
     controller.cycle().network_error_k2 = record.before_error_k2;

@@ -74,7 +74,7 @@ StoreResult<RowLog> RowLog::open(const char* dir, const TopologyCounts& counts, 
 }
 
 StoreResult<void> RowLog::make_ready() {
-  if (dir_.is_open() && dir_.is_away_from(path_.c_str())) dir_.close();
+  if (dir_.is_open() && dir_.is_replaced_at(path_.c_str())) dir_.close();
   if (!dir_.is_open()) {
     auto folder = StorageFile::open_dir(path_.c_str());
     if (!folder) return tl::make_unexpected(folder.error());
@@ -253,7 +253,7 @@ StoreResult<void> RowLog::start_file(FileId id) {
 
 /// What is written to a folder or a file that was taken away is not where people look for it, or gone when it closes.
 /// No row is removed for that: what lies at the path by now may be a copy that holds all of them.
-void RowLog::let_go() {
+void RowLog::release_files() {
   (void)sync_rows();  // what was only renamed keeps its rows
   file_.close();
   left_ = std::max(left_, FileId{position_.day, position_.part});
@@ -263,7 +263,7 @@ void RowLog::let_go() {
 }
 
 StoreResult<void> RowLog::append(const LogRow& row) {
-  if (ready_ && (dir_.is_away_from(path_.c_str()) || (file_.is_open() && file_.is_nameless()))) let_go();
+  if (ready_ && (dir_.is_replaced_at(path_.c_str()) || (file_.is_open() && file_.is_unlinked()))) release_files();
   if (!ready_) {
     ready_ = make_ready();
     if (!ready_) return ready_;

@@ -68,7 +68,7 @@ class RowLog {
   static constexpr CivilTime before_all{std::numeric_limits<std::int64_t>::min()};
 
   StoreResult<void> make_ready();
-  void let_go();
+  void release_files();
   StoreResult<void> follow(const LogPosition& committed);
   std::size_t max_files() const { return static_cast<std::size_t>(limits_.max_files); }
   void keep(FileId id, std::size_t most);

@@ -109,13 +109,13 @@ StoreResult<void> DurableStore::open_everything() {
 
 bool DurableStore::lacks_files() const {
   const StorageFile* files[] = {&lock_, &row_[0], &row_[1], &learning_[0], &learning_[1], &replay_[0], &replay_[1]};
-  return std::ranges::any_of(files, [](const StorageFile* file) { return file->is_nameless(); });
+  return std::ranges::any_of(files, [](const StorageFile* file) { return file->is_unlinked(); });
 }
 
 /// What is written to files without a name is lost at the next start. Where only files are gone, memory knows best
 /// what belongs into new ones; another folder may hold state that is worth more.
-void DurableStore::let_go() {
-  if (dir_.is_away_from(path_.c_str())) {
+void DurableStore::release_files() {
+  if (dir_.is_replaced_at(path_.c_str())) {
     dir_.close();
     out_of_reach_ = true;
     highest_generation_ = 0;
@@ -128,7 +128,7 @@ void DurableStore::let_go() {
   learning_in_doubt_ = rewrite_replay_ = true;
 }
 
-StoreResult<void> DurableStore::set_aside() {
+StoreResult<void> DurableStore::archive_foreign_state() {
   // Rows last: by them the next start sees that there is more to rename.
   const char* const(*names[3])[2] = {&replay_names, &learning_names, &row_names};
   const StorageFile(*files[3])[2] = {&replay_, &learning_, &row_};
@@ -205,12 +205,13 @@ StoreResult<void> DurableStore::commit(const StoredState& state) {
       state.replay.size() != layout_.transition_bytes * layout_.ring_capacity) {
     return fail(StoreFault::wrong_size, "commit state");
   }
-  if (ready_ && (dir_.is_away_from(path_.c_str()) || lacks_files())) {
-    let_go();
+  if (ready_ && (dir_.is_replaced_at(path_.c_str()) || lacks_files())) {
+    release_files();
     return ready_ = fail(StoreFault::removed, "commit state");
   }
   if (!ready_) {
-    if (dir_.is_open() && dir_.is_away_from(path_.c_str())) let_go();  // or a medium mounted there is never seen
+    if (dir_.is_open() && dir_.is_replaced_at(path_.c_str()))
+      release_files();  // or a medium mounted there is never seen
     ready_ = make_ready();
     if (!ready_) return ready_;
   }

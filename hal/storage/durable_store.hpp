@@ -104,8 +104,8 @@ class DurableStore {
   /// before, and begins anew without them. Until it has succeeded, commit() leaves them alone. A power cut in the
   /// middle is followed by another load() that refuses, and the rest goes the same way. Errors: read_only, no_space,
   /// io; what could not be renamed stays. Cost: no heap.
-  StoreResult<void> set_aside();
-  /// Whether files stand there that set_aside() has kept.
+  StoreResult<void> archive_foreign_state();
+  /// Whether files stand there that archive_foreign_state() has kept.
   bool keeps_other() const;
 
   /// The ring was cleared or refilled other than by pushing: the next commit writes all of it.
@@ -134,7 +134,7 @@ class DurableStore {
                                const char* step);
   StoreResult<void> open_everything();
   bool lacks_files() const;
-  void let_go();
+  void release_files();
   std::size_t stride() const { return sizeof(JournalEntry) + (layout_.transition_bytes + 7) / 8 * 8; }
   std::uint64_t ring_slots() const { return std::uint64_t{layout_.ring_capacity} + layout_.spare_slots; }
   std::uint64_t first_transition(std::uint64_t count) const {

@@ -54,12 +54,12 @@ StoreResult<StorageFile> StorageFile::open_dir(const char* path) {
   return folder;
 }
 
-bool StorageFile::is_nameless() const {
+bool StorageFile::is_unlinked() const {
   struct stat held {};
   return ::fstat(descriptor_, &held) == 0 && held.st_nlink == 0;
 }
 
-bool StorageFile::is_away_from(const char* path) const {
+bool StorageFile::is_replaced_at(const char* path) const {
   struct stat held {
   }, named{};
   if (::fstat(descriptor_, &held) != 0) return false;

@@ -30,10 +30,10 @@ class StorageFile {
   void close();
 
   /// Whether its last name was taken away: what is written to it is gone when it closes.
-  bool is_nameless() const;
+  bool is_unlinked() const;
   /// Of a folder that was opened at `path`: whether that names another one by now, or none. What cannot be looked at
   /// is no other, here and above: a call that failed once must not give up what is open.
-  bool is_away_from(const char* path) const;
+  bool is_replaced_at(const char* path) const;
 
   /// Writes all bytes at an offset.  Errors: no_space, read_only, io; an unknown part may have been written.
   StoreResult<void> write_at(std::span<const std::byte> bytes, std::uint64_t offset, const char* step) const;

@@ -81,7 +81,7 @@ class Mailbox {
   static constexpr const char* wish_names[3] = {hand_back_name, release_name, rollback_name};
   void open();
   /// Whether the open folder is the one at the path.
-  bool stands() const { return dir_.is_open() && !dir_.is_away_from(path_.c_str()); }
+  bool stands() const { return dir_.is_open() && !dir_.is_replaced_at(path_.c_str()); }
   /// Inode 0: it is not there, or a folder. Nothing: that cannot be told now.
   static std::optional<Seen> look(const StorageFile& dir, const char* name);
   bool is_new(int wish, const std::optional<Seen>& seen) const {

@@ -33,7 +33,7 @@ enum class Fault : std::uint8_t {
   disagrees = 22,          ///< far from the median of all rooms
   frozen = 23,             ///< every signal unchanged for too long: the device repeats itself
   write_refused = 24,      ///< the device answered, and refused the setpoint
-  released = 25,           ///< nothing was written, as the ladder asks
+  released = 25,           ///< nothing was written, as the mode arbiter asks
   blob_signature = 26,     ///< not signed, or signed by a key that is unknown or revoked, or changed since
   blob_counter = 27,       ///< as old as or older than one that was installed
   other_device = 28,       ///< the device is not the one that the point map describes

@@ -82,7 +82,7 @@ struct ControllerSettings {
   double hold_s = 1080;       ///< a lost signal keeps its last good value so long
   double writes_per_day = 0;  ///< 0: no limit; else setpoints written on average, for registers in EEPROM
 
-  // Ladder (DESIGN.md "Thresholds of the ladder")
+  // Mode arbiter (DESIGN.md "Thresholds of the mode arbiter")
   double frozen_s = 3600;          ///< all signals unchanged for so long: the device repeats itself
   double disagree_k = 8.0;         ///< a room so far from the median of all is not believed
   double drift_k = 1.0;            ///< a room so far from where it was against the others drifts

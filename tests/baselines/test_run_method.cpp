@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tools/baselines/baseline.hpp"
-#include "tools/study/methods.hpp"
+#include "tools/study/control_methods.hpp"
 
 namespace airside::tools {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "support/program.hpp"
+#include "tools/run/control_run.hpp"
 #include "tools/run/plant_choice.hpp"
-#include "tools/run/session.hpp"
 
 namespace airside::tools {
 namespace {

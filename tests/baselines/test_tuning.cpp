@@ -7,7 +7,7 @@
 
 #include "hal/text/input_error.hpp"
 #include "tools/baselines/tuning.hpp"
-#include "tools/study/methods.hpp"
+#include "tools/study/control_methods.hpp"
 
 namespace airside::tools {
 namespace {

@@ -34,10 +34,10 @@ TEST(EnergyPlusBranch, TellsWhatTheMainRunThenDoes) {
   for (int cycle = 0; cycle < 60; ++cycle) {
     const CivilTime until{plant.time().seconds + cycle_s};
     const double setpoint = 20.0 + cycle % 6;
-    const double foretold = plant.branch_mean_room_temp_degc(setpoint, until);
+    const double predicted = plant.branch_mean_room_temp_degc(setpoint, until);
     plant.set_setpoint(setpoint);
     plant.advance_to(until);
-    ASSERT_EQ(foretold, plant.true_mean_room_temp_degc()) << cycle;
+    ASSERT_EQ(predicted, plant.true_mean_room_temp_degc()) << cycle;
   }
 }
 

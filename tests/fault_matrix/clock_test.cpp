@@ -30,7 +30,7 @@ class ClockDesk : public ::testing::Test {
     hal::SiteFile site = hal::read_site_file(bench.file("site.toml").string(), hal::site_rules());
     site.clock = hal::ClockSource::system;
     const hal::PointMap points = hal::PointMap::load(site.modbus->points);
-    edge::EdgeOptions options;
+    edge::DaemonOptions options;
     options.sync = hal::Sync::none;
     options.crash_limit = 0;
     daemon = edge::make_daemon(site, points, options, {});
@@ -41,7 +41,7 @@ class ClockDesk : public ::testing::Test {
     auto& wired = dynamic_cast<edge::Edge<FiveZone>&>(*daemon);
     const Expected<Reading<FiveZone>> nothing = tl::unexpected(Fault::no_reading);
     EXPECT_TRUE(wired.row(t, nothing, wired.controller()));
-    return !wired.controller().cycle().ladder.active(Reason::clock_not_set, t);
+    return !wired.controller().cycle().mode_arbiter.active(Reason::clock_not_set, t);
   }
 
   static constexpr CivilTime now{1'795'000'320 / 86400 * 86400};  // a midnight of November 2026

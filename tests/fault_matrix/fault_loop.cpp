@@ -242,7 +242,7 @@ void FaultLoop::look_at_write(double a) {
   ++watchman_.writes;
   if (!std::isfinite(a)) return complain(watchman_.not_finite, "a setpoint that is no number");
   if (a < s.limit_min_degc || a > s.limit_max_degc) complain(watchman_.outside, fmt::format("{} degC", a));
-  if (controller_->decision().mode == Mode::release) complain(watchman_.while_released, "a write in RELEASE");
+  if (controller_->decision().mode == ControlMode::release) complain(watchman_.while_released, "a write in RELEASE");
   // Somebody may have moved the register since it was last seen; nobody can know his step.
   const double standing = model_->standing_degc();
   if (standing != seen_standing_degc_) return;

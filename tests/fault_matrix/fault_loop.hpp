@@ -18,7 +18,7 @@
 #include "sim/rc/rc_plant.hpp"
 #include "sim/simulated_plant.hpp"
 #include "support/test_folder.hpp"
-#include "tools/study/methods.hpp"
+#include "tools/study/control_methods.hpp"
 
 namespace airside::fault_matrix {
 
@@ -106,8 +106,8 @@ class FaultLoop {
   /// Mean |room mean - target| in working hours since this was last called.  K.
   double take_dae_k();
   std::uint64_t reason_rows(Reason reason) const { return reason_rows_[static_cast<std::size_t>(reason)]; }
-  Mode gravest() const { return gravest_; }  ///< rung of any decision so far
-  std::vector<double> setpoint_degc;         ///< that stood after each decision
+  ControlMode gravest() const { return gravest_; }  ///< control mode of any decision so far
+  std::vector<double> setpoint_degc;                ///< that stood after each decision
 
  private:
   struct Running {
@@ -153,7 +153,7 @@ class FaultLoop {
   int cycles_left_ = 0;
   double seen_standing_degc_;  ///< what the box last saw or did in the register
   Watchman watchman_;
-  Mode gravest_ = Mode::learn;
+  ControlMode gravest_ = ControlMode::learn;
   std::array<std::uint64_t, reason_count> reason_rows_{};
   double error_sum_k_ = 0;
   int error_count_ = 0;

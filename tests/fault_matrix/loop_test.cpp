@@ -19,16 +19,16 @@ class Room : public ::testing::Test {
  protected:
   Room() {
     loop.cycles(40);
-    EXPECT_EQ(loop.decision().mode, Mode::learn) << text_of(loop.decision().reason);
+    EXPECT_EQ(loop.decision().mode, ControlMode::learn) << text_of(loop.decision().reason);
   }
   ~Room() override {
     EXPECT_EQ(loop.watchman().unsafe(), 0u) << loop.watchman().first;
     EXPECT_EQ(loop.watchman().learned_bad, 0u) << loop.watchman().first;
   }
   std::uint64_t remembered() { return loop.controller().replay().total_pushed(); }
-  Mode mode() const { return loop.decision().mode; }
+  ControlMode mode() const { return loop.decision().mode; }
   Reason reason() const { return loop.decision().reason; }
-  bool active(Reason r) { return loop.controller().cycle().ladder.active(r, loop.box_time()); }
+  bool active(Reason r) { return loop.controller().cycle().mode_arbiter.active(r, loop.box_time()); }
   /// Whether any of the next cycles shows the reason.
   bool shows(Reason r, int cycles) {
     for (int i = 0; i < cycles; ++i) {
@@ -45,28 +45,28 @@ TEST_F(Room, Row01ALostSignalIsHeldForACycleThenTheScheduleRunsAndItComesBack) {
   loop.begin(FaultKind::not_a_number, 6, 2);
   const std::uint64_t before = remembered();
   loop.cycles(1);
-  EXPECT_EQ(mode(), Mode::run);
+  EXPECT_EQ(mode(), ControlMode::run);
   EXPECT_EQ(reason(), Reason::signal_held);
   loop.cycles(2);
-  EXPECT_EQ(mode(), Mode::expert);
+  EXPECT_EQ(mode(), ControlMode::expert);
   EXPECT_EQ(reason(), Reason::signal_lost);
   EXPECT_EQ(loop.decision().fault, Fault::not_finite);
   EXPECT_EQ(loop.decision().fault_signal, 2);
   EXPECT_LE(remembered() - before, 0u) << "nothing of it is remembered";
   loop.cycles(in_cycles(6) + 2);
-  EXPECT_EQ(mode(), Mode::learn) << "polling went on";
+  EXPECT_EQ(mode(), ControlMode::learn) << "polling went on";
 }
 
 TEST_F(Room, Row01WithoutItASignalAtItsLimitIsUsed) {
   loop.begin(FaultKind::set_to, 6, L::rain, 1);  // the end of its range
   loop.cycles(10);
-  EXPECT_EQ(mode(), Mode::learn);
+  EXPECT_EQ(mode(), ControlMode::learn);
 }
 
 TEST_F(Room, Row02AnImpossibleValueIsAnAlarmThenTheSchedule) {
   loop.begin(FaultKind::set_to, 6, 0, 300);
   EXPECT_TRUE(shows(Reason::signal_lost, 4));
-  EXPECT_EQ(mode(), Mode::expert);
+  EXPECT_EQ(mode(), ControlMode::expert);
   EXPECT_EQ(loop.decision().fault, Fault::not_finite) << "its point map lets no such value through";
   EXPECT_EQ(loop.decision().fault_signal, 0);
 }
@@ -74,7 +74,7 @@ TEST_F(Room, Row02AnImpossibleValueIsAnAlarmThenTheSchedule) {
 TEST_F(Room, Row02WithoutItAWarmRoomIsNoFault) {
   loop.begin(FaultKind::offset, 2, 0, 0.8);
   loop.cycles(8);
-  EXPECT_EQ(mode(), Mode::learn);
+  EXPECT_EQ(mode(), ControlMode::learn);
 }
 
 TEST_F(Room, Row03AJumpIsRejectedUntilThreeSamplesConfirmIt) {
@@ -91,7 +91,7 @@ TEST_F(Room, Row03WithoutItABoxThatClosesIsFollowedAtOnce) {
   loop.begin(FaultKind::set_to, 1, L::vav_on + 1, 0);
   loop.cycles(2);
   EXPECT_NE(loop.decision().fault, Fault::rate_exceeded);
-  EXPECT_EQ(mode(), Mode::learn);
+  EXPECT_EQ(mode(), ControlMode::learn);
 }
 
 TEST_F(Room, Row04AStuckRoomAmongMovingOnesEndsInTheScheduleAndFreezesLearning) {
@@ -102,24 +102,24 @@ TEST_F(Room, Row04AStuckRoomAmongMovingOnesEndsInTheScheduleAndFreezesLearning) 
   const std::uint64_t before = remembered();
   loop.cycles(5);
   EXPECT_EQ(remembered(), before);
-  EXPECT_EQ(mode(), Mode::expert);
+  EXPECT_EQ(mode(), ControlMode::expert);
   loop.clear();
   loop.cycles(4);
-  EXPECT_EQ(mode(), Mode::learn);
+  EXPECT_EQ(mode(), ControlMode::learn);
 }
 
 TEST_F(Room, Row04WithoutItNoRoomOfAWeekIsCalledStuck) {
   loop.cycles(7 * cycles_per_day);
   EXPECT_EQ(loop.reason_rows(Reason::signal_lost), 0u);
-  EXPECT_EQ(loop.gravest(), Mode::learn);
+  EXPECT_EQ(loop.gravest(), ControlMode::learn);
 }
 
 TEST_F(Room, Row05AStaleSignalIsHeldForACycleThenTheScheduleRuns) {
   loop.begin(LoopFault::stale, 6, 4, 7200);
   loop.cycles(1);
-  EXPECT_EQ(mode(), Mode::run);
+  EXPECT_EQ(mode(), ControlMode::run);
   loop.cycles(1);
-  EXPECT_EQ(mode(), Mode::expert) << "no more than one cycle";
+  EXPECT_EQ(mode(), ControlMode::expert) << "no more than one cycle";
   EXPECT_EQ(loop.decision().fault, Fault::stale);
   EXPECT_EQ(loop.decision().fault_signal, 4);
 }
@@ -127,32 +127,32 @@ TEST_F(Room, Row05AStaleSignalIsHeldForACycleThenTheScheduleRuns) {
 TEST_F(Room, Row05WithoutItAFewMinutesAreFresh) {
   loop.begin(LoopFault::stale, 6, 4, 300);
   loop.cycles(10);
-  EXPECT_EQ(mode(), Mode::learn);
+  EXPECT_EQ(mode(), ControlMode::learn);
 }
 
 TEST_F(Room, Row06OneRoomFarFromAllOthersIsReplacedByTheirMedianAndTwoEndInTheSchedule) {
   loop.begin(FaultKind::offset, 30, 1, 11);
   loop.cycles(4);
   EXPECT_EQ(reason(), Reason::room_disagrees);
-  EXPECT_EQ(mode(), Mode::run);
+  EXPECT_EQ(mode(), ControlMode::run);
   EXPECT_NEAR(loop.decision().room_mean_degc, 25.25, 1.5) << "not the 2 K that the room would add";
   loop.begin(FaultKind::offset, 30, 3, -11);
   loop.cycles(4);
-  EXPECT_EQ(mode(), Mode::expert);
+  EXPECT_EQ(mode(), ControlMode::expert);
   EXPECT_EQ(loop.decision().fault, Fault::disagrees);
 }
 
 TEST_F(Room, Row06WithoutItAClosedBoxMayHaveAWarmRoom) {
   loop.begin(FaultKind::offset, 30, 1, 4);
   loop.cycles(20);
-  EXPECT_EQ(mode(), Mode::learn);
+  EXPECT_EQ(mode(), ControlMode::learn);
 }
 
 TEST_F(Room, Row07ASensorThatDriftsIsAnAlarmWithoutLearning) {
   loop.cycles(14 * cycles_per_day);  // what is usual must be known
   loop.begin(FaultKind::drift, 40 * 24, 2, 0.3);
   ASSERT_TRUE(shows(Reason::sensor_drifts, 15 * cycles_per_day));
-  EXPECT_EQ(mode(), Mode::run);
+  EXPECT_EQ(mode(), ControlMode::run);
   const auto& learning = loop.controller().learning();
   const std::uint64_t before = learning.learner.steps(), pushed = remembered();
   const auto updates = learning.head.updates();
@@ -172,7 +172,7 @@ TEST_F(Room, Row23AClampedSetpointIsAnAlarmAndTheTakenOneIsLearnedFrom) {
   const std::uint64_t before = remembered();
   loop.cycles(6);
   EXPECT_TRUE(active(Reason::setpoint_altered));
-  EXPECT_EQ(mode(), Mode::learn) << "an alarm, no more";
+  EXPECT_EQ(mode(), ControlMode::learn) << "an alarm, no more";
   EXPECT_GT(remembered(), before);
   const auto& learning = loop.controller().learning();
   const double applied =
@@ -191,12 +191,12 @@ TEST_F(Room, Row24AnotherHandsSetpointIsLeftAloneForFourHours) {
   loop.begin(FaultKind::setpoint_by_hand, 0, -1, 22.7);
   const std::uint64_t before = remembered();
   loop.cycles(in_cycles(3.9));
-  EXPECT_EQ(mode(), Mode::release);
+  EXPECT_EQ(mode(), ControlMode::release);
   EXPECT_EQ(reason(), Reason::overridden);
   EXPECT_EQ(loop.standing_degc(), 22.7);
   EXPECT_EQ(remembered(), before) << "nothing is learned from it";
   loop.cycles(2);
-  EXPECT_EQ(mode(), Mode::learn) << "its time is over";
+  EXPECT_EQ(mode(), ControlMode::learn) << "its time is over";
   EXPECT_NE(loop.standing_degc(), 22.7);
 }
 
@@ -213,21 +213,21 @@ TEST_F(Room, Row24WithoutItARestartedAhuIsTakenOverAtOnce) {
   loop.begin(LoopFault::no_answer, 0.15);
   loop.begin(FaultKind::restarted, 0, -1, 20.3);
   loop.cycles(2);
-  EXPECT_EQ(mode(), Mode::learn);
+  EXPECT_EQ(mode(), ControlMode::learn);
   EXPECT_NE(loop.standing_degc(), 20.3);
 }
 
 TEST_F(Room, Row25AThirdTakeBackInADayIsReleaseUntilAPersonHandsBack) {
   loop.begin(FaultKind::setpoint_fought, 20, -1, 23.4);
   EXPECT_TRUE(shows(Reason::two_masters, in_cycles(20)));
-  EXPECT_EQ(mode(), Mode::release);
-  EXPECT_FALSE(loop.controller().cycle().ladder.beats(loop.box_time())) << "the AHU's own controller takes over";
+  EXPECT_EQ(mode(), ControlMode::release);
+  EXPECT_FALSE(loop.controller().cycle().mode_arbiter.beats(loop.box_time())) << "the AHU's own controller takes over";
   loop.clear();
   loop.cycles(3 * cycles_per_day);
   EXPECT_EQ(reason(), Reason::two_masters);
   loop.controller().hand_back();
   loop.cycles(3);
-  EXPECT_EQ(mode(), Mode::learn);
+  EXPECT_EQ(mode(), ControlMode::learn);
 }
 
 TEST_F(Room, Row25WithoutItOneHandADayIsNoFight) {
@@ -238,13 +238,13 @@ TEST_F(Room, Row25WithoutItOneHandADayIsNoFight) {
   EXPECT_EQ(loop.reason_rows(Reason::two_masters), 0u);
   EXPECT_EQ(loop.reason_rows(Reason::overridden), static_cast<std::uint64_t>(4 * 42))
       << "4 h and a cycle each, in rows";
-  EXPECT_EQ(mode(), Mode::learn);
+  EXPECT_EQ(mode(), ControlMode::learn);
 }
 
 TEST_F(Room, Row27SupplyAirThatIgnoresItsSetpointFreezesLearningAndIsAnAlarm) {
   loop.begin(FaultKind::setpoint_ignored, 30);
   ASSERT_TRUE(shows(Reason::supply_ignores_setpoint, in_cycles(28)));
-  EXPECT_EQ(mode(), Mode::run);
+  EXPECT_EQ(mode(), ControlMode::run);
   const auto& learning = loop.controller().learning();
   const std::uint64_t before = learning.learner.steps(), pushed = remembered();
   const auto updates = learning.head.updates();
@@ -268,7 +268,7 @@ TEST_F(Room, Row31AfterASleepTheMissedCyclesAreSkippedAndNothingIsLearnedAcrossI
   EXPECT_EQ(loop.controller().learning().cycles, cycles + 2) << "no burst";
   EXPECT_LE(remembered() - before, 1u) << "only the cycle after it";
   loop.cycles(4);
-  EXPECT_EQ(mode(), Mode::learn);
+  EXPECT_EQ(mode(), ControlMode::learn);
 }
 
 TEST_F(Room, Row31WithoutItEveryCycleFollowsTheOneBefore) {
@@ -285,7 +285,7 @@ TEST_F(Room, Row51MomentsThatAreNoNumbersNeverReachTheWeightsInUse) {
   loop.cycles(3);
   EXPECT_TRUE(all_finite(loop.controller().learning().weights));
   EXPECT_TRUE(all_finite(loop.controller().learning().learner.first_moment()));
-  EXPECT_LT(mode(), Mode::expert);
+  EXPECT_LT(mode(), ControlMode::expert);
   loop.cycles(10);
   EXPECT_NE(loop.controller().learning().weights.values, before) << "and learning goes on";
 }
@@ -300,9 +300,9 @@ TEST_F(Room, Row52AHeadThatBelievesInAnotherGainGoesToTheScheduleAndLearnsItAnew
   auto& head = loop.controller().learning().head;
   head.theta()(HeadFeatures::setpoint_change) = -2;
   EXPECT_TRUE(shows(Reason::gain_reversed, 2));
-  EXPECT_EQ(mode(), Mode::expert);
+  EXPECT_EQ(mode(), ControlMode::expert);
   loop.cycles(3 * cycles_per_day);
-  EXPECT_EQ(mode(), Mode::learn) << text_of(reason());
+  EXPECT_EQ(mode(), ControlMode::learn) << text_of(reason());
   EXPECT_GT(head.gain(loop.controller().settings()), 0.2);
 }
 
@@ -316,7 +316,7 @@ TEST_F(Room, Row53ADeviceThatRepeatsItselfIsRememberedOnceAndEndsInTheSchedule) 
   const std::uint64_t before = remembered();
   loop.cycles(in_cycles(3));
   EXPECT_EQ(loop.decision().fault, Fault::frozen);
-  EXPECT_EQ(mode(), Mode::expert);
+  EXPECT_EQ(mode(), ControlMode::expert);
   EXPECT_LE(remembered() - before, 3u);
 }
 

@@ -19,7 +19,7 @@ constexpr int recovery_cycles = 2 * cycles_per_day + 10;  ///< holds of a day en
 struct Outcome {
   Watchman seen;
   bool came_back = false;
-  std::string stands;  ///< rung and reason at the end
+  std::string stands;  ///< control mode and reason at the end
 };
 
 /// Faults of both rows begin within three hours of each other, again and again; then all is well.
@@ -48,7 +48,7 @@ Outcome disturb(const MatrixRow* a, const MatrixRow* b, int cycles, std::uint64_
   loop.controller().hand_back();
   loop.cycles(recovery_cycles);
   const Decision& d = loop.decision();
-  return {loop.watchman(), d.mode <= Mode::run, fmt::format("{}: {}", text_of(d.mode), text_of(d.reason))};
+  return {loop.watchman(), d.mode <= ControlMode::run, fmt::format("{}: {}", text_of(d.mode), text_of(d.reason))};
 }
 
 TEST(FaultPairs, NoPairWritesAnythingUnsafeAndControlComesBack) {
@@ -101,7 +101,7 @@ TEST(FaultPairs, WithoutAFaultTheRigDecidesAsTheSimulation) {
   EXPECT_EQ(calm.seen.unsafe() + calm.seen.learned_bad + calm.seen.weights_broken, 0u);
   FaultLoop loop(prepared_room());
   loop.cycles(3 * cycles_per_day);
-  EXPECT_EQ(loop.gravest(), Mode::learn);
+  EXPECT_EQ(loop.gravest(), ControlMode::learn);
   tools::Trial trial = prepared_room().trial;
   trial.days = 3;
   tools::Prepared again = tools::prepare(trial);

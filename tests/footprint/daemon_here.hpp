@@ -21,7 +21,7 @@ class DaemonHere {
     const hal::PointMap points = hal::PointMap::load(site.modbus->points);
     const std::int64_t open =
         bench_.trial().expert_days * std::int64_t{86400} + tools::start_of(bench_.trial().plant).seconds;
-    edge::EdgeOptions options;
+    edge::DaemonOptions options;
     options.sync = hal::Sync::full;
     options.until = CivilTime{open + static_cast<std::int64_t>(rows) * row_s};
     daemon_ = edge::make_daemon(site, points, options, hal::StopFlag(&stop_));

@@ -72,7 +72,7 @@ bool load(View input) {
     if (!state) {
       // What is another's is not written over, and makes room once it was set aside.
       FUZZ_CLAIM(!store->commit({found.learning, found.row, found.replay, 0, {}, true}));
-      FUZZ_CLAIM(store->set_aside() && store->keeps_other());
+      FUZZ_CLAIM(store->archive_foreign_state() && store->keeps_other());
     }
     // The next row: one transition is pushed, learning moves, and all of it is committed.
     found.row[0] ^= std::byte{1};

@@ -183,14 +183,14 @@ TEST(Refit, FollowsParametersThatMoveAndMagnitudesThatBend) {
   as_true[0].steps = 0.3 / 0.25;  // the probe is three quarters
   EXPECT_LT(whole.cost, refitter.at(as_true, moved, whole.tangent).cost + 60);
   const Refit about_none = refitter.about_itself(none);
-  const Foretold told = refitter.foretold(whole, about_none);
+  const Foretold told = refitter.predicted(whole, about_none);
   EXPECT_GT(told.gain, 0) << "parameters take over most of the box's part, not all";
   EXPECT_GT(told.expected, told.gain) << "duties that differ by chance are counted in it";
-  EXPECT_EQ(refitter.foretold(whole, whole).gain, 0);
+  EXPECT_EQ(refitter.predicted(whole, whole).gain, 0);
   Refit wrong = whole;  // which acts the other way on the days that were not fitted
   const Eigen::Index left_out = 5 * bins_per_day;
   wrong.residual.bottomRows(left_out) += (whole.residual - none.residual).bottomRows(left_out);
-  EXPECT_LT(refitter.foretold(wrong, about_none).gain, -told.expected);
+  EXPECT_LT(refitter.predicted(wrong, about_none).gain, -told.expected);
 }
 
 TEST(CaseFile, SaysWhichKeyIsWrong) {

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "tools/cli/command.hpp"
-#include "tools/study/methods.hpp"
+#include "tools/study/control_methods.hpp"
 #include "tools/study/table.hpp"
 
 namespace airside::tools {

@@ -31,18 +31,18 @@ TEST(StorageFile, AFolderIsAwayWhereItsPathNamesAnotherOneOrNone) {
   put();
   auto opened = StorageFile::open_dir(path.c_str());
   ASSERT_TRUE(opened);
-  EXPECT_FALSE(opened->is_away_from(path.c_str()) || opened->is_nameless());
+  EXPECT_FALSE(opened->is_replaced_at(path.c_str()) || opened->is_unlinked());
   std::filesystem::rename(path, folder.file("c"));
-  EXPECT_TRUE(opened->is_away_from(path.c_str()));
-  EXPECT_FALSE(opened->is_nameless()) << "it only has another name";
+  EXPECT_TRUE(opened->is_replaced_at(path.c_str()));
+  EXPECT_FALSE(opened->is_unlinked()) << "it only has another name";
   put();
-  EXPECT_TRUE(opened->is_away_from(path.c_str()));
+  EXPECT_TRUE(opened->is_replaced_at(path.c_str()));
   std::filesystem::remove_all(folder.file("a"));
   std::ofstream(folder.file("a")).put('x');
-  EXPECT_FALSE(opened->is_away_from(path.c_str())) << "where nobody can look it may still be";
+  EXPECT_FALSE(opened->is_replaced_at(path.c_str())) << "where nobody can look it may still be";
   std::filesystem::remove(folder.file("c"));
-  EXPECT_TRUE(opened->is_nameless());
-  EXPECT_TRUE(opened->is_away_from(path.c_str()));
+  EXPECT_TRUE(opened->is_unlinked());
+  EXPECT_TRUE(opened->is_replaced_at(path.c_str()));
 }
 
 TEST(AtomicFile, CutAtEveryByteLeavesTheOldFile) {

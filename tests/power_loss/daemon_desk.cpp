@@ -95,7 +95,7 @@ void DaemonDesk::keep(const std::string& name) {
   fs::copy(box(), file(name), fs::copy_options::recursive);
 }
 
-void DaemonDesk::go_back(const std::string& name, int row, const std::map<std::int64_t, double>& setpoints) {
+void DaemonDesk::roll_back(const std::string& name, int row, const std::map<std::int64_t, double>& setpoints) {
   reset();
   fs::copy(file(name), box(), fs::copy_options::recursive | fs::copy_options::overwrite_existing);
   const std::scoped_lock lock(plant_);

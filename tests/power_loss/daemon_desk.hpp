@@ -57,9 +57,9 @@ class DaemonDesk {
   void reset();
   /// Runs airsided until `row` rows of the scored days are over, or it dies.
   DaemonRun run(int row, const ProbeOrder& order = {}, bool sync = false, const std::vector<std::string>& more = {});
-  /// Copies the box aside; go_back() makes box and plant as they were then, after `row` rows under these setpoints.
+  /// Copies the box aside; roll_back() makes box and plant as they were then, after `row` rows under these setpoints.
   void keep(const std::string& name);
-  void go_back(const std::string& name, int row, const std::map<std::int64_t, double>& setpoints);
+  void roll_back(const std::string& name, int row, const std::map<std::int64_t, double>& setpoints);
   /// Puts a signed blob with this counter, or a wish, into the inbox; recorded if `record` names a write log.
   void push(int counter, const std::string& record = "");
   void wish(const std::string& name, const std::string& record = "");

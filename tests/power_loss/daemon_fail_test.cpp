@@ -42,7 +42,7 @@ class FailedCalls : public ::testing::Test {
     desk.push(1);
     desk.keep("push");
     learn(parts[1]);
-    desk.go_back("push", 3, before_push);
+    desk.roll_back("push", 3, before_push);
     EXPECT_EQ(desk.run(10).code, 0);
     before_rollback = desk.setpoints();
     desk.wish("rollback");
@@ -60,7 +60,7 @@ class FailedCalls : public ::testing::Test {
     if (part.from == 0) {
       desk.reset();
     } else {
-      desk.go_back(part.name, part.from, part.from == 3 ? before_push : before_rollback);
+      desk.roll_back(part.name, part.from, part.from == 3 ? before_push : before_rollback);
     }
   }
   void learn(Part& part) {

@@ -169,7 +169,7 @@ TEST(Restart, Row24WithoutAnotherHandADeviceAtItsDefaultIsTakenOver) {
   desk.keep("box_then");
   auto setpoints = desk.setpoints();
   setpoints[desk.time_of(9).seconds] = 28.0;  // the AHU's own, while nobody beats
-  desk.go_back("box_then", 10, setpoints);
+  desk.roll_back("box_then", 10, setpoints);
   ASSERT_EQ(desk.run(20).code, 0) << desk.said();
   const auto status = nlohmann::json::parse(desk.status(), nullptr, false);
   EXPECT_EQ(status["reason"], "none") << status.dump();

@@ -383,7 +383,7 @@ TEST(DurableStore, StateOfAnotherTopologyCanBeSetAsideAndIsWholeThere) {
     StateScript script(other);
     if (times == 0) {
       ASSERT_FALSE(store.load(script.buffers()).has_value());
-      ASSERT_TRUE(store.set_aside().has_value());
+      ASSERT_TRUE(store.archive_foreign_state().has_value());
       EXPECT_EQ(store.load(script.buffers())->outcome, LoadOutcome::none);
     } else {
       EXPECT_EQ(store.load(script.buffers())->outcome, LoadOutcome::newest);
@@ -412,7 +412,7 @@ TEST(DurableStore, StateOfAnotherTopologyCanBeSetAsideAndIsWholeThere) {
       ASSERT_FALSE(loaded.has_value()) << cut_after;
       script.advance_to(8);
       EXPECT_EQ(store.commit(script.stored()).error().fault, StoreFault::unread) << "nothing is written over";
-      ASSERT_TRUE(store.set_aside().has_value());
+      ASSERT_TRUE(store.archive_foreign_state().has_value());
     }
     EXPECT_TRUE(store.keeps_other());
     for (const auto& [name, bytes] : good) {
@@ -425,7 +425,7 @@ TEST(DurableStore, StateOfAnotherTopologyCanBeSetAsideAndIsWholeThere) {
   std::filesystem::remove(folder.file("row.b"));
   DurableStore again = open_store(folder);
   for (const char* name : {"row.b", "other-row.b"}) std::filesystem::remove(folder.file(name));
-  EXPECT_EQ(again.set_aside().error().fault, StoreFault::not_found);
+  EXPECT_EQ(again.archive_foreign_state().error().fault, StoreFault::not_found);
 }
 
 TEST(DurableStore, AReplacedReplayIsWrittenWhole) {

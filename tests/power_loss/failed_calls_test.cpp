@@ -345,11 +345,11 @@ TEST(FailedCalls, TakeNoFolderForAwayThatCouldNotBeLookedAt) {
   const auto opened = StorageFile::open_dir(folder.c_str());
   ASSERT_TRUE(opened);
   failing = {.at = 1, .sticky = true};
-  const bool away = opened->is_away_from(folder.c_str()), nameless = opened->is_nameless();
+  const bool away = opened->is_replaced_at(folder.c_str()), nameless = opened->is_unlinked();
   failing = {};
   EXPECT_FALSE(away || nameless);
   std::filesystem::remove(folder.c_str());
-  EXPECT_TRUE(opened->is_away_from(folder.c_str()) && opened->is_nameless());
+  EXPECT_TRUE(opened->is_replaced_at(folder.c_str()) && opened->is_unlinked());
 }
 
 TEST(FailedCalls, LeaveAFolderThatWasMadeOrSayWhy) {

@@ -160,7 +160,7 @@ TEST_F(OutOfReach, AreNotWrittenOverWhereTheyAreOfAnotherTopologyUntilTheyWereSe
   for (int i = 0; i < 2; ++i) EXPECT_EQ(store.commit(mine.stored()).error().fault, StoreFault::unread);
   StateScript found(other);
   EXPECT_EQ(store.load(found.buffers()).error().fault, StoreFault::other_layout);
-  ASSERT_TRUE(store.set_aside());
+  ASSERT_TRUE(store.archive_foreign_state());
   EXPECT_TRUE(store.commit(mine.stored()));
   EXPECT_EQ(folder.image().at("other-row.a"), kept);
 }

@@ -41,16 +41,16 @@ class EachFault : public ::testing::TestWithParam<FaultCase> {};
 TEST_P(EachFault, EndsInTheScheduleIsNamedAndIsLeftBehind) {
   Rig rig;
   rig.cycles(6);
-  ASSERT_EQ(rig.decision().mode, Mode::learn);
+  ASSERT_EQ(rig.decision().mode, ControlMode::learn);
   const std::uint64_t remembered = rig.controller->replay().total_pushed();
   rig.cycles(4, GetParam().spoil);
-  EXPECT_EQ(rig.decision().mode, Mode::expert);
+  EXPECT_EQ(rig.decision().mode, ControlMode::expert);
   EXPECT_EQ(rig.decision().fault, GetParam().fault) << text_of(rig.decision().fault);
   EXPECT_EQ(rig.decision().command.setpoint_degc(), expert_setpoint_degc(product_settings(), rig.decision().time));
   EXPECT_EQ(rig.controller->replay().total_pushed(), remembered) << "a faulty sample was remembered";
   rig.cycles(1);
   EXPECT_EQ(rig.decision().fault, Fault::none) << text_of(rig.decision().fault);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
   EXPECT_EQ(rig.controller->replay().total_pushed(), remembered)
       << "the cycle that the fault began in was learned from";
   rig.cycles(1);
@@ -65,7 +65,7 @@ TEST(ControllerFaults, AShortLossOfOneSensorIsHeldAndControlGoesOnWithoutLearnin
   rig.cycles(6);
   const std::uint64_t remembered = rig.controller->replay().total_pushed();
   rig.row(set(2, Rig::nan));
-  EXPECT_EQ(rig.decision().mode, Mode::run);
+  EXPECT_EQ(rig.decision().mode, ControlMode::run);
   EXPECT_EQ(rig.decision().fault, Fault::not_finite) << "held, and said so";
   EXPECT_EQ(rig.decision().fault_signal, 2);
   EXPECT_EQ(rig.controller->replay().total_pushed(), remembered);
@@ -75,10 +75,10 @@ TEST(ControllerFaults, AJumpIsHeldAndBelievedOnceConfirmed) {
   Rig rig;
   rig.cycles(6);
   rig.cycles(1, set(L::outdoor_temp, -35));  // three rows at the new level
-  EXPECT_EQ(rig.decision().mode, Mode::run);
+  EXPECT_EQ(rig.decision().mode, ControlMode::run);
   EXPECT_EQ(rig.decision().fault, Fault::rate_exceeded);
   rig.cycles(1, set(L::outdoor_temp, -35));
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
 }
 
 TEST(ControllerFaults, ARefusedCommandIsNamedAndItsCycleNotLearnedFrom) {
@@ -110,7 +110,7 @@ TEST(ControllerFaults, WithoutWeightsTheScheduleRunsAndNothingIsWrong) {
   Rig rig;
   rig.controller = std::move(controller);
   rig.cycles(80);
-  EXPECT_EQ(rig.decision().mode, Mode::expert);
+  EXPECT_EQ(rig.decision().mode, ControlMode::expert);
   EXPECT_EQ(rig.decision().fault, Fault::none);
   EXPECT_EQ(rig.decision().command.setpoint_degc(), expert_setpoint_degc(product_settings(), rig.decision().time));
 }
@@ -123,7 +123,7 @@ TEST(ControllerFaults, AForecastThatIsNoNumberYieldsTheSchedule) {
   ControllerSettings s = product_settings();
   rig.now.seconds += 10 * cycle_s;  // the head has no recent past to go by
   rig.row();
-  EXPECT_EQ(rig.decision().mode, Mode::expert);
+  EXPECT_EQ(rig.decision().mode, ControlMode::expert);
   EXPECT_EQ(rig.decision().fault, Fault::forecast_invalid);
   EXPECT_EQ(rig.decision().command.setpoint_degc(), expert_setpoint_degc(s, rig.decision().time));
 }
@@ -139,7 +139,7 @@ TEST(ControllerFaults, AnInfiniteWishOfTheHeadIsNotTakenForTheEndOfTheRange) {
   rig.row();
   EXPECT_FALSE(std::isfinite(rig.decision().head_degc));
   EXPECT_TRUE(std::isfinite(rig.decision().network_degc)) << "which takes over";
-  EXPECT_NE(rig.decision().mode, Mode::expert);
+  EXPECT_NE(rig.decision().mode, ControlMode::expert);
 }
 
 TEST(ControllerFaults, RestoredWeightsThatAreNoNumbersAreRefused) {
@@ -148,7 +148,7 @@ TEST(ControllerFaults, RestoredWeightsThatAreNoNumbersAreRefused) {
   rig.controller->learning().weights.values[100] = std::numeric_limits<float>::infinity();
   EXPECT_EQ(rig.controller->restored(), Fault::state_invalid);
   rig.cycles(2);
-  EXPECT_EQ(rig.decision().mode, Mode::expert);
+  EXPECT_EQ(rig.decision().mode, ControlMode::expert);
 }
 
 }  // namespace

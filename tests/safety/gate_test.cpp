@@ -142,8 +142,8 @@ TEST(Canary, WhatIsNoNumberIsNoSaneForecast) {
   auto& controller = *rig.controller;
   controller.learning().weights.values.fill(std::nanf(""));
   controller.prepare();
-  EXPECT_FALSE(
-      std::isfinite(controller.wildness(controller.learning().scaler, controller.learning().weights).canary_k));
+  EXPECT_FALSE(std::isfinite(
+      controller.forecast_deviation(controller.learning().scaler, controller.learning().weights).canary_k));
   RoomHead<FiveZone> head;
   head.reset(controller.settings(), 0.3, 0.1);
   const auto excess = [&head] {

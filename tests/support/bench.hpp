@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "support/child.hpp"
-#include "tools/study/methods.hpp"
+#include "tools/study/control_methods.hpp"
 
 namespace airside::closed_loop {
 

@@ -72,7 +72,7 @@ class ControllerRig {
       EXPECT_GE(a, controller->settings().limit_min_degc);
       EXPECT_LE(a, controller->settings().limit_max_degc);
       EXPECT_LE(std::abs(a - before), controller->settings().limit_change_k + 1e-9);
-      if (d.mode == Mode::release) {
+      if (d.mode == ControlMode::release) {
         controller->absorb(tl::unexpected(Fault::released));
       } else if (refuses) {
         controller->absorb(tl::unexpected(refusal));

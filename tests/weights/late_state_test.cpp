@@ -39,7 +39,7 @@ class Box {
   CivilTime now() const { return rig_.now; }
   float first_weight() const { return rig_.controller->learning().weights.values[0]; }
   bool has_weights() const { return rig_.controller->cycle().has_weights != 0; }
-  Reason reason() const { return rig_.controller->rung(rig_.now).reason; }
+  Reason reason() const { return rig_.controller->control_mode(rig_.now).reason; }
   void hand_back() { rig_.controller->hand_back(); }
 
  private:

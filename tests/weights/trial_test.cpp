@@ -16,7 +16,7 @@ TEST_F(Trial, Row49WithoutItSoundWeightsAreConfirmedAfterADay) {
   EXPECT_EQ(record.state, TrialState::on_trial);
   rows(2);
   EXPECT_EQ(record.state, TrialState::confirmed);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
 }
 
 TEST_F(Trial, WithoutAPushNothingChanges) {
@@ -88,12 +88,12 @@ TEST_F(Trial, NewWeightsDoNotAnswerForWhatThoseBeforeThemDid) {
   for (int k = 0; k < 40; ++k) cycle.shadow.cycle(s, s.target_degc + 1, 22, 20.5, 0.6);
   rig.cycles(1);
   ASSERT_EQ(rig.decision().reason, Reason::worse_than_schedule);
-  cycle.ladder.hold(Reason::worse_for_long, rig.now, 86400);
+  cycle.mode_arbiter.hold(Reason::worse_for_long, rig.now, 86400);
   push(other(1));
   ASSERT_TRUE(row()) << "and the standing decision is still that of the weights before";
   rows(rows_per_day / 2);
   EXPECT_EQ(record.state, TrialState::on_trial);
-  EXPECT_EQ(rig.decision().mode, Mode::learn) << "they act, else a trial shows nothing";
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn) << "they act, else a trial shows nothing";
   rows(rows_per_day / 2 + 2);
   EXPECT_EQ(record.state, TrialState::confirmed);
 }
@@ -133,7 +133,7 @@ TEST_F(Trial, FirstWeightsAreOnTrialTooAndTheWayBackIsTheSchedule) {
   ASSERT_TRUE(row());
   EXPECT_EQ(record.state, TrialState::on_trial);
   rig.cycles(2);
-  EXPECT_LT(rig.decision().mode, Mode::expert);
+  EXPECT_LT(rig.decision().mode, ControlMode::expert);
   wish("rollback");
   EXPECT_TRUE(row());
   rig.cycles(2);
@@ -275,7 +275,7 @@ TEST_F(Trial, WishesReachTheLadder) {
   wish("hand-back");
   row();
   rig.cycles(2);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 #include <span>
 #include <string>
 
+#include "tools/run/control_run.hpp"
 #include "tools/run/metrics.hpp"
 #include "tools/run/progress.hpp"
-#include "tools/run/session.hpp"
 #include "tools/run/site.hpp"
 
 namespace airside::tools {

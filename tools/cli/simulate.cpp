@@ -10,7 +10,7 @@
 #include "tools/cli/command.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/run_record.hpp"
-#include "tools/study/methods.hpp"
+#include "tools/study/control_methods.hpp"
 
 namespace airside::tools {
 

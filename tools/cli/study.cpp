@@ -11,7 +11,7 @@
 #include "tools/cli/command.hpp"
 #include "tools/cli/study.hpp"
 #include "tools/run/child_jobs.hpp"
-#include "tools/study/methods.hpp"
+#include "tools/study/control_methods.hpp"
 #include "tools/study/table.hpp"
 
 namespace airside::tools {

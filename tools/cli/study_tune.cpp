@@ -10,7 +10,7 @@
 #include "tools/cli/command.hpp"
 #include "tools/cli/study.hpp"
 #include "tools/run/child_jobs.hpp"
-#include "tools/study/methods.hpp"
+#include "tools/study/control_methods.hpp"
 
 namespace airside::tools {
 

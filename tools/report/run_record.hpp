@@ -3,7 +3,7 @@
 // that a logged week and a simulated one are drawn and judged alike.
 
 #include "tools/report/run_report.hpp"
-#include "tools/run/session.hpp"
+#include "tools/run/control_run.hpp"
 
 namespace airside::tools {
 

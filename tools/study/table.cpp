@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "tools/run/metrics.hpp"
-#include "tools/study/methods.hpp"
+#include "tools/study/control_methods.hpp"
 
 namespace airside::tools {
 namespace {

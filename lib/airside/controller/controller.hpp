@@ -78,7 +78,7 @@ class Controller {
   /// A row between two decisions: keeps the validator's memory, and watches.
   void observe(CivilTime t, const Expected<Reading<T>>& sensed) {
     resumed_ = false;
-    cycle_.ladder.tick(t);
+    cycle_.mode_arbiter.tick(t);
     if (!sensed) return;
     see_setpoint(sensed->setpoint_degc);
     const Expected<ValidReading<T>> valid = check(t, *sensed);
@@ -89,15 +89,15 @@ class Controller {
   }
 
   /// Chooses the next setpoint.  validate -> scale -> predict -> score -> blend -> limit.
-  /// Errors: none; every fault is in the decision, and takes it to the rung that the ladder has for it. On rung
-  /// `release` the command must not be written.
+  /// Errors: none; every fault is in the decision, and takes it to the control mode that the mode arbiter has for it.
+  /// On control mode `release` the command must not be written.
   const Decision& decide(CivilTime t, const Expected<Reading<T>>& sensed) {
     const SafetyEnvelope envelope(settings_);
-    cycle_.ladder.tick(t);
+    cycle_.mode_arbiter.tick(t);
     cycle_.budget.earn(settings_.writes_per_day);
     // Where nobody knows the hour, the working hours' setpoint: it costs energy, the night's would cost comfort.
-    const double expert = cycle_.ladder.active(Reason::clock_not_set, t) ? settings_.expert_work_degc
-                                                                         : expert_setpoint_degc(settings_, t);
+    const double expert = cycle_.mode_arbiter.active(Reason::clock_not_set, t) ? settings_.expert_work_degc
+                                                                               : expert_setpoint_degc(settings_, t);
     if (sensed) see_setpoint(sensed->setpoint_degc);
     if (sensed && !(resumed_ && t.seconds - cycle_.last_time.seconds == cycle_s)) adopt_setpoint(t, *sensed);
     if (sensed) cycle_.contact = sensed->contact;
@@ -112,29 +112,29 @@ class Controller {
     has_features_ = false;
     if (!sensed) {
       decision_.fault = sensed.error();
-      return stand_on(Mode::expert, Reason::no_reading);
+      return enter_mode(ControlMode::expert, Reason::no_reading);
     }
     const Expected<ValidReading<T>> valid = check(t, *sensed);
     watch(t, *sensed, valid);
     if (!valid) {
       decision_.fault = valid.error();
       decision_.fault_signal = cycle_.validator.lost_signal();
-      return stand_on(Mode::expert, Reason::signal_lost);
+      return enter_mode(ControlMode::expert, Reason::signal_lost);
     }
     now_ = valid->value();
     usable_ = valid->learnable();
     if (!usable_) name_held_signal();
     decision_.room_mean_degc = valid->room_mean_degc();
     judge(t);
-    if (cycle_.has_weights == 0) return stand_on(Mode::expert, Reason::no_weights);
+    if (cycle_.has_weights == 0) return enter_mode(ControlMode::expert, Reason::no_weights);
     const double proposal = propose(t, cycle_.last_setpoint_degc);
     if (!std::isfinite(proposal)) {
       decision_.fault = Fault::forecast_invalid;
-      return stand_on(Mode::expert, Reason::forecast_invalid);
+      return enter_mode(ControlMode::expert, Reason::forecast_invalid);
     }
     const Reason held = decision_.fault == Fault::disagrees ? Reason::room_disagrees : Reason::signal_held;
-    stand_on(usable_ ? Mode::learn : Mode::run, usable_ ? Reason::none : held);
-    if (decision_.mode < Mode::expert) {
+    enter_mode(usable_ ? ControlMode::learn : ControlMode::run, usable_ ? Reason::none : held);
+    if (decision_.mode < ControlMode::expert) {
       const double in_range = std::clamp(proposal, settings_.action_min_degc, settings_.action_max_degc);
       decision_.command = envelope.limit(worth_a_write(in_range), cycle_.standing, expert);
     }
@@ -145,7 +145,7 @@ class Controller {
   /// Errors: a refused command is remembered as unknown, and nothing is learned from the cycle it would have begun.
   void absorb(const Expected<Applied>& applied) {
     // Where nothing was written, what was read still stands.
-    const bool released = decision_.mode == Mode::release || (!applied && applied.error() == Fault::released);
+    const bool released = decision_.mode == ControlMode::release || (!applied && applied.error() == Fault::released);
     const bool stands = !applied && released;
     const double setpoint = applied ? applied->setpoint_degc : stands ? cycle_.last_setpoint_degc : unknown;
     if (!applied && decision_.fault == Fault::none && !released) decision_.fault = applied.error();
@@ -153,7 +153,7 @@ class Controller {
     cycle_.network_expected_degc = cycle_.head_expected_degc = Decision::none;
     if (usable_ && applied && std::isfinite(setpoint)) expect(decision_.time, setpoint);
     if (completed_ && !repeats_the_last(newest_)) replay_.push(newest_);
-    if (completed_ && decision_.mode == Mode::learn) learn();
+    if (completed_ && decision_.mode == ControlMode::learn) learn();
     const bool follows = decision_.time.seconds - cycle_.last_time.seconds == cycle_s;
     cycle_.features = features_;
     cycle_.has_features = has_features_ && applied ? 1 : 0;
@@ -164,29 +164,29 @@ class Controller {
     if (applied) cycle_.standing.is(setpoint);
     if (!applied && !stands) cycle_.standing.may_be(decision_.command.setpoint_degc());
     cycle_.commanded_degc = applied ? decision_.command.setpoint_degc() : unknown;
-    cycle_.ours = applied && decision_.mode <= Mode::run ? 1 : 0;
+    cycle_.ours = applied && decision_.mode <= ControlMode::run ? 1 : 0;
     const std::int32_t usable_before = follows ? cycle_.usable_cycles : 0;
     cycle_.usable_cycles = usable_ && applied ? std::min<std::int32_t>(usable_before + 1, 3) : 0;
     ++learning_.cycles;
   }
 
   /// What only the surroundings know (storage, clock, restarts, an operator's wish), from t on until it is taken back.
-  void report(Reason reason, bool is_so, CivilTime t) { cycle_.ladder.set(reason, is_so, t); }
+  void report(Reason reason, bool is_so, CivilTime t) { cycle_.mode_arbiter.set(reason, is_so, t); }
   /// The same for a time; for ever where only a person ends it.
-  void hold(Reason reason, CivilTime t, std::int64_t seconds) { cycle_.ladder.hold(reason, t, seconds); }
+  void hold(Reason reason, CivilTime t, std::int64_t seconds) { cycle_.mode_arbiter.hold(reason, t, seconds); }
   /// An operator gives the AHU back: everything that waits for a person ends.
   void hand_back() {
-    cycle_.ladder.hand_back();
-    cycle_.hands = HandsWatch();
+    cycle_.mode_arbiter.hand_back();
+    cycle_.override_monitor = OverrideMonitor();
     cycle_.refused_writes = 0;
   }
 
   const Decision& decision() const { return decision_; }
-  /// Where the ladder stands at t: as the last decision, or on a graver rung that was asked for since.
-  OnRung rung(CivilTime t) const {
-    const Reason since = cycle_.ladder.gravest(t);
-    const Mode asked = rung_of(since).mode;
-    return asked > decision_.mode ? OnRung{asked, since} : OnRung{decision_.mode, decision_.reason};
+  /// Where the mode arbiter stands at t: as the last decision, or on a graver control mode that was asked for since.
+  ActiveMode control_mode(CivilTime t) const {
+    const Reason since = cycle_.mode_arbiter.gravest(t);
+    const ControlMode asked = request_of(since).mode;
+    return asked > decision_.mode ? ActiveMode{asked, since} : ActiveMode{decision_.mode, decision_.reason};
   }
   const ControllerSettings& settings() const { return settings_; }
   const LimitsTable<T>& limits() const { return limits_; }
@@ -219,13 +219,13 @@ class Controller {
   /// How far other weights are from what a room can do: on canary states (canary.hpp), and as the largest error of the
   /// one-cycle forecast of the room mean on the newest remembered transitions.
   /// Units: K, both. Errors: infinite for a forecast that is no number. Cost: at most 36 forecasts and two packings.
-  struct Wildness {
+  struct ForecastDeviation {
     double canary_k, replay_k;
   };
-  Wildness wildness(const Scaler<T>& scaler, const NetworkWeights<T, Scalar>& weights) {
+  ForecastDeviation forecast_deviation(const Scaler<T>& scaler, const NetworkWeights<T, Scalar>& weights) {
     pack(weights, scratch_.kernels, scratch_.packed);
     const ForecastModel<T, Scalar> other{scaler, scratch_.packed, scratch_};
-    Wildness found{canary_excess_k<T>(settings_, scaler, scratch_.packed, scratch_), 0};
+    ForecastDeviation found{canary_excess_k<T>(settings_, scaler, scratch_.packed, scratch_), 0};
     const int n = std::min(replay_.size(), 32);
     for (int age = 0; age < n; ++age) {
       const Remembered past = remembered(replay_.newest(age));
@@ -248,7 +248,7 @@ class Controller {
     start(scaler);
   }
   /// After learning() was overwritten by an older one whose scaler may differ from `present`.
-  Fault go_back(const Scaler<T>& present) {
+  Fault roll_back(const Scaler<T>& present) {
     rescale_memories(present, learning_.scaler);
     forget_comparison();
     resumed_ = false;
@@ -288,9 +288,9 @@ class Controller {
     cycle_.network_expected_degc = cycle_.head_expected_degc = unknown;
     cycle_.shadow.reset();
     cycle_.worse_cycles = 0;
-    cycle_.no_confidence = Spell();
+    cycle_.no_confidence = PersistentCondition();
     for (const Reason r : {Reason::worse_than_schedule, Reason::worse_for_long, Reason::forecasts_doubted}) {
-      cycle_.ladder.set(r, false, cycle_.last_time);
+      cycle_.mode_arbiter.set(r, false, cycle_.last_time);
     }
   }
 
@@ -302,10 +302,10 @@ class Controller {
     return cycle_.validator.check(at);
   }
 
-  /// The gravest of what this decision found and what the ladder remembers.
-  const Decision& stand_on(Mode mode, Reason reason) {
-    const Reason remembered = cycle_.ladder.gravest(decision_.time);
-    const Mode asked = rung_of(remembered).mode;
+  /// The gravest of what this decision found and what the mode arbiter remembers.
+  const Decision& enter_mode(ControlMode mode, Reason reason) {
+    const Reason remembered = cycle_.mode_arbiter.gravest(decision_.time);
+    const ControlMode asked = request_of(remembered).mode;
     const bool graver = asked > mode || (asked == mode && reason == Reason::none);
     decision_.mode = graver ? asked : mode;
     decision_.reason = graver ? remembered : reason;
@@ -331,9 +331,9 @@ class Controller {
     const bool late = std::abs(standing - cycle_.commanded_degc) <= foreign_k;
     if (std::isfinite(known) && !late && !resumed_ && sensed.contact == cycle_.contact) {
       // Who sets again what was left to him fights nobody.
-      const bool fights = decision_.mode != Mode::release && cycle_.hands.third_in_a_day(t);
+      const bool fights = decision_.mode != ControlMode::release && cycle_.override_monitor.third_in_a_day(t);
       const auto patience_s = static_cast<std::int64_t>(settings_.override_h * 3600);
-      cycle_.ladder.hold(fights ? Reason::two_masters : Reason::overridden, t, patience_s);
+      cycle_.mode_arbiter.hold(fights ? Reason::two_masters : Reason::overridden, t, patience_s);
     }
     cycle_.last_setpoint_degc = standing;
     cycle_.usable_cycles = 0;
@@ -344,11 +344,12 @@ class Controller {
     const double away_k = std::abs(sensed.supply_temp_degc - cycle_.last_setpoint_degc);  // NaN: nothing to compare
     const bool ignores = cycle_.supply_ignores.lasts(away_k > settings_.supply_ignored_k, t,
                                                      static_cast<std::int64_t>(settings_.supply_ignored_s));
-    cycle_.ladder.set(Reason::supply_ignores_setpoint, ignores, t);
+    cycle_.mode_arbiter.set(Reason::supply_ignores_setpoint, ignores, t);
     if (!valid) return;
     const Vector& v = valid->value();
     if (valid->learnable()) {
-      cycle_.ladder.set(Reason::sensor_drifts, cycle_.drift.row(v.template head<L::rooms>(), settings_.drift_k), t);
+      cycle_.mode_arbiter.set(Reason::sensor_drifts, cycle_.drift.row(v.template head<L::rooms>(), settings_.drift_k),
+                              t);
     }
     decision_.g36_degc = cycle_.guideline36.setpoint_degc(
         settings_, g36_, t, {v.data(), static_cast<std::size_t>(L::rooms)},
@@ -365,23 +366,23 @@ class Controller {
   /// What the AHU made of a command.
   void account(const Expected<Applied>& applied) {
     const CivilTime t = decision_.time;
-    if (decision_.mode == Mode::release) return;
+    if (decision_.mode == ControlMode::release) return;
     if (!applied && applied.error() == Fault::write_refused) {
       constexpr std::int64_t hour_s = 3600;
-      cycle_.ladder.set(Reason::write_refused, true, t);
-      if (++cycle_.refused_writes >= 2) cycle_.ladder.hold(Reason::writes_refused, t, hour_s);
+      cycle_.mode_arbiter.set(Reason::write_refused, true, t);
+      if (++cycle_.refused_writes >= 2) cycle_.mode_arbiter.hold(Reason::writes_refused, t, hour_s);
     }
     if (!applied) return;
     cycle_.refused_writes = 0;
-    cycle_.ladder.set(Reason::write_refused, false, t);
+    cycle_.mode_arbiter.set(Reason::write_refused, false, t);
     const double altered_k = std::abs(applied->setpoint_degc - decision_.command.setpoint_degc());
     const bool altered = altered_k > std::max(foreign_k, 0.5 * settings_.readback_step_k + 1e-9);
     // What the AHU made another value of was written too, and is again each time.
     const bool written = applied->setpoint_degc != cycle_.last_setpoint_degc || altered;
     if (settings_.writes_per_day > 0 && written) cycle_.budget.spend(settings_.writes_per_day);
-    cycle_.ladder.set(Reason::setpoint_altered, altered, t);
+    cycle_.mode_arbiter.set(Reason::setpoint_altered, altered, t);
     const bool rests = cycle_.excitation.cycle(applied->setpoint_degc, settings_.excitation_k);
-    cycle_.ladder.set(Reason::no_excitation, rests && cycle_.has_weights != 0, t);
+    cycle_.mode_arbiter.set(Reason::no_excitation, rests && cycle_.has_weights != 0, t);
   }
 
   /// Whether the schedule would do better, in working hours.
@@ -390,12 +391,12 @@ class Controller {
     cycle_.shadow.cycle(settings_, decision_.room_mean_degc, cycle_.last_setpoint_degc,
                         expert_setpoint_degc(settings_, cycle_.last_time), learning_.head.gain(settings_));
     const bool worse = cycle_.shadow.worse(settings_.worse_k);
-    cycle_.ladder.set(Reason::worse_than_schedule, worse, t);
+    cycle_.mode_arbiter.set(Reason::worse_than_schedule, worse, t);
     cycle_.worse_cycles = worse ? cycle_.worse_cycles + 1 : 0;
     if (cycle_.worse_cycles * cycle_s < settings_.worse_h * 3600) return;
     constexpr std::int64_t day_s = 86400;
-    cycle_.ladder.hold(Reason::worse_for_long, t, day_s);
-    cycle_.ladder.set(Reason::worse_than_schedule, false, t);
+    cycle_.mode_arbiter.hold(Reason::worse_for_long, t, day_s);
+    cycle_.mode_arbiter.set(Reason::worse_than_schedule, false, t);
     cycle_.shadow.reset();
     cycle_.worse_cycles = 0;
   }
@@ -404,19 +405,19 @@ class Controller {
   /// take weeks to find back, so after a day it begins anew, and learns from the schedule's steps.
   void watch_gain(CivilTime t) {
     constexpr std::int64_t day_s = 86400;
-    const bool suspect = cycle_.ladder.active(Reason::gain_reversed, t) && !learning_.head.gain_is_sane();
+    const bool suspect = cycle_.mode_arbiter.active(Reason::gain_reversed, t) && !learning_.head.gain_is_sane();
     const bool reversed = learning_.head.gain_is_reversed() || suspect;
     if (cycle_.gain_reversed.lasts(reversed, t, day_s)) {
       learning_.head.reset(settings_, settings_.head_gain_prior, settings_.head_gain_prior_sd);
-      cycle_.gain_reversed = Spell();
+      cycle_.gain_reversed = PersistentCondition();
     }
-    cycle_.ladder.set(Reason::gain_reversed, reversed, t);
+    cycle_.mode_arbiter.set(Reason::gain_reversed, reversed, t);
   }
 
   /// What nothing may be learned from though each reading is good: a room that drifts, air that does not follow its
   /// setpoint (a gain learned then would be that of a closed valve), hours that nobody knows.
   bool doubted(CivilTime t) const {
-    const Ladder& on = cycle_.ladder;
+    const ModeArbiter& on = cycle_.mode_arbiter;
     return on.active(Reason::sensor_drifts, t) || on.active(Reason::supply_ignores_setpoint, t) ||
            on.active(Reason::clock_not_set, t);
   }
@@ -503,7 +504,7 @@ class Controller {
     constexpr double least = 0.05;
     constexpr std::int64_t day_s = 86400;
     const bool is_silent = effective_confidence(settings_, cycle_.confidence) < least;
-    cycle_.ladder.set(Reason::forecasts_doubted, cycle_.no_confidence.lasts(is_silent, t, day_s), t);
+    cycle_.mode_arbiter.set(Reason::forecasts_doubted, cycle_.no_confidence.lasts(is_silent, t, day_s), t);
   }
 
   /// predict -> score -> blend. Errors: NaN if neither network nor head gives a number.
@@ -551,7 +552,7 @@ class Controller {
     if (fault != Fault::none && decision_.fault == Fault::none) decision_.fault = fault;
     if (cycle_.refused_updates < settings_.refused_updates) return;
     constexpr std::int64_t day_s = 86400;
-    cycle_.ladder.hold(Reason::learning_refused, decision_.time, day_s);
+    cycle_.mode_arbiter.hold(Reason::learning_refused, decision_.time, day_s);
     cycle_.refused_updates = 0;
   }
 

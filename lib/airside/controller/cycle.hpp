@@ -5,7 +5,7 @@
 
 #include "airside/civil_time.hpp"
 #include "airside/plant.hpp"
-#include "airside/supervision/ladder.hpp"
+#include "airside/supervision/mode_arbiter.hpp"
 
 namespace airside {
 
@@ -36,7 +36,7 @@ requires Plant<Plant_, Topology_> && Clock<Clock_> CivilTime run_cycles(Plant_& 
     const Expected<Reading<Topology_>> sensed = plant.sense();
     if (starts_cycle(t)) {
       const auto& decision = controller.decide(t, sensed);
-      const Expected<Applied> applied = decision.mode == Mode::release
+      const Expected<Applied> applied = decision.mode == ControlMode::release
                                             ? Expected<Applied>(tl::unexpected(Fault::released))
                                             : plant.actuate(decision.command);
       controller.absorb(applied);

@@ -9,7 +9,7 @@
 #include "airside/command.hpp"
 #include "airside/fault.hpp"
 #include "airside/network/losses.hpp"
-#include "airside/supervision/ladder.hpp"
+#include "airside/supervision/mode_arbiter.hpp"
 
 namespace airside {
 
@@ -19,7 +19,7 @@ struct Decision {
 
   CivilTime time;
   Command command;
-  Mode mode = Mode::expert;
+  ControlMode mode = ControlMode::expert;
   Reason reason = Reason::none;  ///< why the mode is what it is
   Fault fault = Fault::none;
   int fault_signal = -1;  ///< index in Layout<T> of the signal that caused the fault, or -1

@@ -11,9 +11,9 @@
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/envelope.hpp"
 #include "airside/supervision/guideline36.hpp"
-#include "airside/supervision/ladder.hpp"
+#include "airside/supervision/mode_arbiter.hpp"
+#include "airside/supervision/monitors.hpp"
 #include "airside/supervision/validation.hpp"
-#include "airside/supervision/watch.hpp"
 #include "airside/supervision/write_budget.hpp"
 
 namespace airside {
@@ -40,14 +40,14 @@ struct CycleState {
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
   Validator<T> validator{};
-  Ladder ladder{};
-  DriftWatch<Layout<T>::rooms> drift{};
-  ExcitationWatch excitation{};
-  ShadowWatch shadow{};
-  HandsWatch hands{};
-  Spell supply_ignores{};
-  Spell gain_reversed{};
-  Spell no_confidence{};
+  ModeArbiter mode_arbiter{};
+  DriftMonitor<Layout<T>::rooms> drift{};
+  ExcitationMonitor excitation{};
+  ScheduleShadowMonitor shadow{};
+  OverrideMonitor override_monitor{};
+  PersistentCondition supply_ignores{};
+  PersistentCondition gain_reversed{};
+  PersistentCondition no_confidence{};
   Guideline36 guideline36{};
   WriteBudget budget{};
   alignas(state_alignment)

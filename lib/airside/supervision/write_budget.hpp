@@ -16,7 +16,7 @@ namespace airside {
 /// Source: RELIABILITY "setpoint writes".
 class WriteBudget {
  public:
-  /// Once a cycle, on every rung.
+  /// Once a cycle, on every control mode.
   void earn(double writes_per_day) {
     tokens_ = std::min(tokens_ + writes_per_day / cycles_per_day, writes_per_day / 4);
   }
@@ -25,7 +25,7 @@ class WriteBudget {
     const double least_k = tokens_ < 1 ? 2.0 : std::max(0.05, 0.5 - 0.09 * tokens_);
     return std::abs(move_k) >= least_k && tokens_ >= 1 - writes_per_day;  // no debt of ours is forgiven
   }
-  /// A setpoint was written, allowed or forced by the ladder; what is forced makes a debt of a day at most.
+  /// A setpoint was written, allowed or forced by the mode arbiter; what is forced makes a debt of a day at most.
   void spend(double writes_per_day) { tokens_ = std::max(tokens_ - 1, -writes_per_day); }
   double tokens() const { return tokens_; }
 

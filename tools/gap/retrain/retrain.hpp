@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tools/gap/model/engine.hpp"
-#include "tools/study/methods.hpp"
+#include "tools/study/control_methods.hpp"
 
 namespace airside::tools::gap {
 

@@ -51,7 +51,7 @@ class Analysis {
     // One effect after another: what the last one adds must help on days that nobody looked at.
     while (now.chosen.size() > 1) {
       const Refit& fewer = without(now, now.chosen.size() - 1);
-      if (refitter_.foretold(now, fewer).gain > 0) break;
+      if (refitter_.predicted(now, fewer).gain > 0) break;
       now = fewer;
       verdict.findings = findings_of(now);
     }
@@ -295,9 +295,9 @@ class Analysis {
     const bool sure =
         std::all_of(v.findings.begin(), v.findings.end(), [](const Finding& f) { return f.why_not.empty(); });
     compare_locked(v);
-    const Foretold foretold = refitter_.foretold(now, unpatched());
-    v.locked.gain = foretold.gain;
-    v.locked.predicted_gain = foretold.expected;
+    const Foretold predicted = refitter_.predicted(now, unpatched());
+    v.locked.gain = predicted.gain;
+    v.locked.predicted_gain = predicted.expected;
     const bool helps = locked_days_agree(v.locked);
     if (more_needed_) {
       v.kind = VerdictKind::unknown;
@@ -314,17 +314,18 @@ class Analysis {
       for (const Finding& f : v.findings) {
         if (v.reason.empty()) v.reason = f.why_not;
       }
-      const bool silent = foretold.expected < rules_.locked_gain && foretold.gain >= contradiction(foretold.expected);
+      const bool silent =
+          predicted.expected < rules_.locked_gain && predicted.gain >= contradiction(predicted.expected);
       if (v.reason.empty()) v.reason = silent ? "the locked days cannot tell" : "the locked days do not agree";
     }
   }
 
-  /// A gain below this is not what was foretold, nor nothing: N(e, 4 e) were the findings right.
+  /// A gain below this is not what was predicted, nor nothing: N(e, 4 e) were the findings right.
   static double contradiction(double expected) {
     return std::min(0.0, expected - 4 * std::sqrt(std::max(0.0, expected)));
   }
 
-  /// A small effect lowers the error by little, even where what it foretold has come true; a large one may be what
+  /// A small effect lowers the error by little, even where what it predicted has come true; a large one may be what
   /// moved parameters would explain there as well, but must not be contradicted.
   bool locked_days_agree(const LockedDays& locked) const {
     const double fell = 1 - locked.score_after / locked.score_before;

@@ -23,10 +23,10 @@ struct Rules {
   double shape_share = 0.15;  ///< but for this share of what the findings explain: no effect has quite its shape,
   double magnitude_share = 0.18;      ///< sd of a magnitude from the twin's other errors, of the way from its null
   double further_share = 0.10;        ///< so one more effect in the same channels must gain this share of that besides
-  double locked_share_gained = 0.10;  ///< by which the locked days' error must fall, if what is foretold is not
+  double locked_share_gained = 0.10;  ///< by which the locked days' error must fall, if what is predicted is not
                                       ///< contradicted there by two of its standard deviations; or it may
   double locked_share_lost = 0.03;    ///< rise by no more than this where
-  double locked_gain_share = 0.3;     ///< so much of the 2 ln likelihood is gained that the findings foretell,
+  double locked_gain_share = 0.3;     ///< so much of the 2 ln likelihood is gained that the findings predict,
   double locked_gain = 10;            ///< but no less than this
   double locked_share = 0.3;          ///< of days locked away at the start
   int most_effects = 3;               ///< and unknown where one more would still gain

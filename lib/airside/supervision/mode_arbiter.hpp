@@ -1,6 +1,6 @@
 #pragma once
-// The ladder LEARN < RUN < EXPERT < RELEASE: the highest rung that any active reason asks for wins. Every reason says
-// why it is there and how it ends.
+// The mode arbiter LEARN < RUN < EXPERT < RELEASE: the highest control mode that any active reason asks for wins. Every
+// reason says why it is there and how it ends.
 
 #include <array>
 #include <cstdint>
@@ -10,26 +10,26 @@
 
 namespace airside {
 
-/// Rungs of the ladder, numbers frozen. Source: RELIABILITY "The ladder".
-enum class Mode : std::uint8_t {
+/// Control modes of the mode arbiter, numbers frozen. Source: RELIABILITY "The mode arbiter".
+enum class ControlMode : std::uint8_t {
   learn = 0,    ///< control and learn
   run = 1,      ///< control with frozen weights
   expert = 2,   ///< the schedule
   release = 3,  ///< nothing is written
 };
 
-constexpr const char* text_of(Mode mode) {
+constexpr const char* text_of(ControlMode mode) {
   switch (mode) {
-    case Mode::learn: return "learn";
-    case Mode::run: return "run";
-    case Mode::expert: return "expert";
-    case Mode::release: return "release";
+    case ControlMode::learn: return "learn";
+    case ControlMode::run: return "run";
+    case ControlMode::expert: return "expert";
+    case ControlMode::release: return "release";
   }
   return "unknown";
 }
 
-/// Why a rung was taken. Frozen numbers: they stand in logs, snapshots and durable state. Those of rung LEARN are
-/// alarms alone.
+/// Why a control mode was taken. Frozen numbers: they stand in logs, snapshots and durable state. Those of control mode
+/// LEARN are alarms alone.
 enum class Reason : std::uint8_t {
   none = 0,
   setpoint_altered = 1,         ///< the AHU took another setpoint than the one written
@@ -64,229 +64,222 @@ enum class Reason : std::uint8_t {
 constexpr int reason_count = 29;
 
 /// What a reason asks for. Texts are whole phrases for log, status and page.
-struct Rung {
+struct ModeRequest {
   const char* name;
-  Mode mode;
+  ControlMode mode;
   bool beats;       ///< the heartbeat goes on, also while nothing is written
   bool for_person;  ///< ends only when a person hands the AHU back
   const char* why;
   const char* way_out;
 };
 
-/// Where a controller stands on the ladder, and why.
-struct OnRung {
-  Mode mode = Mode::learn;
+/// Where a controller stands on the mode arbiter, and why.
+struct ActiveMode {
+  ControlMode mode = ControlMode::learn;
   Reason reason = Reason::none;
-  bool operator==(const OnRung&) const = default;
+  bool operator==(const ActiveMode&) const = default;
 };
 
-constexpr Rung rung_of(Reason reason) {
+constexpr ModeRequest request_of(Reason reason) {
   switch (reason) {
-    case Reason::none: return {"none", Mode::learn, true, false, "all is well", "none needed"};
+    case Reason::none: return {"none", ControlMode::learn, true, false, "all is well", "none needed"};
     case Reason::setpoint_altered:
       return {"setpoint altered",
-              Mode::learn,
+              ControlMode::learn,
               true,
               false,
               "the AHU took another setpoint than the one written",
               "ends with the first setpoint that is taken as written; look for limits in the AHU"};
     case Reason::storage_failed:
       return {"storage failed",
-              Mode::learn,
+              ControlMode::learn,
               true,
               false,
               "state or log cannot be written",
               "ends with the first write that succeeds; look at the disk"};
     case Reason::signal_held:
       return {"signal held",
-              Mode::run,
+              ControlMode::run,
               true,
               false,
               "a signal stands in with its last good value",
               "ends when the signal is back"};
     case Reason::room_disagrees:
       return {"room disagrees",
-              Mode::run,
+              ControlMode::run,
               true,
               false,
               "one room sensor is far from all others, whose median stands in",
               "ends when it is back among them; look at that sensor"};
     case Reason::sensor_drifts:
       return {"sensor drifts",
-              Mode::run,
+              ControlMode::run,
               true,
               false,
               "one room sensor has moved away from the others for days",
               "ends when it stays where it is for two weeks; compare that sensor with a thermometer"};
     case Reason::supply_ignores_setpoint:
       return {"supply ignores setpoint",
-              Mode::run,
+              ControlMode::run,
               true,
               false,
               "supply air stays away from its setpoint",
               "ends when it follows again; look at valve, coil and fan"};
     case Reason::no_excitation:
       return {"no excitation",
-              Mode::run,
+              ControlMode::run,
               true,
               false,
               "the setpoint has hardly moved for a day, nothing can be learned from that",
               "ends when it moves"};
     case Reason::learning_refused:
-      return {"learning refused", Mode::run, true, false, "every update of the weights was refused for a day",
+      return {"learning refused", ControlMode::run, true, false, "every update of the weights was refused for a day",
               "ends after a day"};
     case Reason::worse_than_schedule:
       return {"worse than schedule",
-              Mode::run,
+              ControlMode::run,
               true,
               false,
               "rooms are further from target than the schedule would have them",
               "ends when they are closer again"};
     case Reason::no_weights:
-      return {"no weights",
-              Mode::expert,
-              true,
-              false,
-              "there are no weights yet",
-              "ends with the first weights; airside push"};
+      return {"no weights", ControlMode::expert,        true,
+              false,        "there are no weights yet", "ends with the first weights; airside push"};
     case Reason::signal_lost:
       return {"signal lost",
-              Mode::expert,
+              ControlMode::expert,
               true,
               false,
               "a signal is gone for longer than it may be held",
               "ends when the signal is back"};
     case Reason::no_reading:
-      return {"no reading",
-              Mode::expert,
-              true,
-              false,
-              "the AHU does not answer",
-              "ends with the first answer; look at the bus"};
+      return {"no reading", ControlMode::expert,       true,
+              false,        "the AHU does not answer", "ends with the first answer; look at the bus"};
     case Reason::forecast_invalid:
       return {"forecast invalid",
-              Mode::expert,
+              ControlMode::expert,
               true,
               false,
               "network and head give no number",
               "ends with the first forecast"};
     case Reason::gain_reversed:
       return {"gain reversed",
-              Mode::expert,
+              ControlMode::expert,
               true,
               false,
               "rooms get warmer when supply air gets colder",
               "ends when the schedule's days show a sane answer; look for a heating AHU or exchanged sensors"};
     case Reason::write_refused:
       return {"write refused",
-              Mode::expert,
+              ControlMode::expert,
               true,
               false,
               "the AHU refused a setpoint",
               "ends with the first setpoint that is taken; look at limits and rights of the register"};
     case Reason::clock_not_set:
-      return {"clock not set", Mode::expert, true, false, "the clock cannot be right", "ends when it is set"};
+      return {"clock not set", ControlMode::expert, true, false, "the clock cannot be right", "ends when it is set"};
     case Reason::crash_loop:
       return {"crash loop",
-              Mode::expert,
+              ControlMode::expert,
               true,
               false,
               "the daemon was started too often in ten minutes",
               "ends after an hour without a restart"};
     case Reason::state_lost:
       return {"state lost",
-              Mode::expert,
+              ControlMode::expert,
               true,
               true,
               "no saved state is whole and of this version, though there was one",
               "ends when weights are pushed or the AHU is handed back; look at the disk"};
     case Reason::worse_for_long:
       return {"worse for long",
-              Mode::expert,
+              ControlMode::expert,
               true,
               false,
               "rooms were further from target than the schedule would have had them, for a working day",
               "ends after a day under the schedule"};
     case Reason::overridden:
       return {"overridden",
-              Mode::release,
+              ControlMode::release,
               true,
               false,
               "somebody else has set the setpoint",
               "ends after the override's time, or when the AHU is handed back"};
     case Reason::two_masters:
       return {"two masters",
-              Mode::release,
+              ControlMode::release,
               false,
               true,
               "somebody else sets the setpoint again and again, or another airsided has taken this one's state folder",
               "ends when the AHU is handed back; find the other master"};
     case Reason::writes_refused:
       return {"writes refused",
-              Mode::release,
+              ControlMode::release,
               false,
               false,
               "the AHU refused the schedule's setpoint too",
               "tried again every hour, and when the AHU is handed back"};
     case Reason::map_differs:
       return {"map differs",
-              Mode::release,
+              ControlMode::release,
               false,
               false,
               "the device is not the one that the point map describes",
               "ends when it is; correct points.csv or the address"};
     case Reason::released_by_hand:
-      return {"released by hand",           Mode::release, false, true, "an operator has released the AHU",
+      return {"released by hand",           ControlMode::release, false, true, "an operator has released the AHU",
               "ends when it is handed back"};
     case Reason::map_refused:
       return {"map refused",
-              Mode::learn,
+              ControlMode::learn,
               true,
               false,
               "the device refuses a request that the point map makes",
               "ends when it answers; correct function, address or type in points.csv, airside probe shows which"};
     case Reason::gateway_failed:
       return {"gateway failed",
-              Mode::learn,
+              ControlMode::learn,
               true,
               false,
               "a gateway does not reach the device behind it",
               "ends when it does; look at the gateway and at unit_id"};
     case Reason::order_doubted:
       return {"order doubted",
-              Mode::learn,
+              ControlMode::learn,
               true,
               false,
               "a value makes sense only in another order of its words",
               "ends when it makes sense as the map has it; airside probe shows which order fits"};
     case Reason::forecasts_doubted:
       return {"forecasts doubted",
-              Mode::learn,
+              ControlMode::learn,
               true,
               false,
               "the room's forecasts have been so wrong for a day that the schedule has the say",
               "ends when they come true again; look for what has changed in the room, or push other weights"};
   }
-  return {"unknown", Mode::release, false, true, "unknown", "unknown"};
+  return {"unknown", ControlMode::release, false, true, "unknown", "unknown"};
 }
 
-constexpr const char* text_of(Reason reason) { return rung_of(reason).name; }
+constexpr const char* text_of(Reason reason) { return request_of(reason).name; }
 /// What people read of it. The schedule without a reason is where every controller begins.
-constexpr const char* why_of(OnRung on) {
-  return on == OnRung{Mode::expert, Reason::none} ? "it has decided nothing yet" : rung_of(on.reason).why;
+constexpr const char* why_of(ActiveMode on) {
+  return on == ActiveMode{ControlMode::expert, Reason::none} ? "it has decided nothing yet" : request_of(on.reason).why;
 }
-constexpr const char* way_out_of(OnRung on) {
-  return on == OnRung{Mode::expert, Reason::none} ? "ends with its first cycle" : rung_of(on.reason).way_out;
+constexpr const char* way_out_of(ActiveMode on) {
+  return on == ActiveMode{ControlMode::expert, Reason::none} ? "ends with its first cycle"
+                                                             : request_of(on.reason).way_out;
 }
 
 /// Which reasons are active and until when. Plain bytes: part of the durable state.
-class Ladder {
+class ModeArbiter {
  public:
   /// Keeps `reason` from t for `seconds`, or for ever where only a person ends it. Called again it begins anew.
   constexpr void hold(Reason reason, CivilTime t, std::int64_t seconds) {
     if (reason == Reason::none) return;
     if (!active(reason, t)) since(reason) = t.seconds;
-    until(reason) = rung_of(reason).for_person ? for_ever : t.seconds + seconds;
+    until(reason) = request_of(reason).for_person ? for_ever : t.seconds + seconds;
   }
   /// Active until the next set(reason, false).
   constexpr void set(Reason reason, bool is_so, CivilTime t) {
@@ -303,25 +296,25 @@ class Ladder {
     for (int i = 1; i < reason_count; ++i) {
       const auto r = static_cast<Reason>(i);
       if (r == Reason::map_differs) continue;  // nobody's word makes it the right device
-      if (rung_of(r).for_person || rung_of(r).mode == Mode::release) until(r) = 0;
+      if (request_of(r).for_person || request_of(r).mode == ControlMode::release) until(r) = 0;
     }
   }
   /// Ends everything that does not keep the AHU released. What is known of the clock stays: limits are moved by it.
   constexpr void keep_only_releases() {
     for (int i = 1; i < reason_count; ++i) {
       const auto r = static_cast<Reason>(i);
-      if (rung_of(r).mode != Mode::release && r != Reason::clock_not_set) until(r) = 0;
+      if (request_of(r).mode != ControlMode::release && r != Reason::clock_not_set) until(r) = 0;
     }
   }
-  /// Follows the clock to t. What keeps the AHU released on another ladder, which has followed it there, keeps it on
-  /// this one at least as long, and so does a crash loop; and what the other knows of the clock holds here.
-  constexpr void join_releases(const Ladder& other, CivilTime t) {
+  /// Follows the clock to t. What keeps the AHU released on another mode arbiter, which has followed it there, keeps it
+  /// on this one at least as long, and so does a crash loop; and what the other knows of the clock holds here.
+  constexpr void join_releases(const ModeArbiter& other, CivilTime t) {
     tick(t);
     set(Reason::clock_not_set, other.active(Reason::clock_not_set, t), t);
     for (int i = 1; i < reason_count; ++i) {
       const auto r = static_cast<Reason>(i);
       const auto at = static_cast<std::size_t>(i);
-      if (rung_of(r).mode != Mode::release && r != Reason::crash_loop) continue;
+      if (request_of(r).mode != ControlMode::release && r != Reason::crash_loop) continue;
       if (!other.active(r, t) || other.until_s_[at] <= until(r)) continue;
       since(r) = other.since_s_[at];
       until(r) = other.until_s_[at];
@@ -349,22 +342,23 @@ class Ladder {
   }
   constexpr std::int64_t since_s(Reason reason) const { return since_s_[static_cast<std::size_t>(reason)]; }
 
-  /// The gravest active reason: of the highest rung, the one with the highest number.
+  /// The gravest active reason: of the highest control mode, the one with the highest number.
   constexpr Reason gravest(CivilTime t) const {
     Reason found = Reason::none;
     for (int i = 1; i < reason_count; ++i) {
       const auto r = static_cast<Reason>(i);
       if (!active(r, t)) continue;
-      if (rung_of(r).mode >= rung_of(found).mode) found = r;  // uncovered: so far numbers rise with the rungs
+      if (request_of(r).mode >= request_of(found).mode)
+        found = r;  // uncovered: so far numbers rise with the control modes
     }
     return found;
   }
-  constexpr Mode mode(CivilTime t) const { return rung_of(gravest(t)).mode; }
+  constexpr ControlMode mode(CivilTime t) const { return request_of(gravest(t)).mode; }
   /// Whether the heartbeat may go on: no active reason forbids it.
   constexpr bool beats(CivilTime t) const {
     for (int i = 1; i < reason_count; ++i) {
       const auto r = static_cast<Reason>(i);
-      if (active(r, t) && !rung_of(r).beats) return false;
+      if (active(r, t) && !request_of(r).beats) return false;
     }
     return true;
   }

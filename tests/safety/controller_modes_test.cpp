@@ -1,4 +1,4 @@
-// Each rung is taken for its reason, and left when that ends; without the reason nothing changes.
+// Each control mode is taken for its reason, and left when that ends; without the reason nothing changes.
 
 #include "support/controller_rig.hpp"
 
@@ -22,17 +22,17 @@ void another_hand(Rig& rig, double degc) {
 TEST(ControllerLadder, AnotherHandIsLeftAloneForItsTimeAndNothingIsLearned) {
   Rig rig;
   rig.cycles(6);
-  ASSERT_EQ(rig.decision().mode, Mode::learn);
+  ASSERT_EQ(rig.decision().mode, ControlMode::learn);
   another_hand(rig, 21.0);
   const std::uint64_t remembered = rig.controller->replay().total_pushed();
   rig.cycles(cycles_per_override);
-  EXPECT_EQ(rig.decision().mode, Mode::release);
+  EXPECT_EQ(rig.decision().mode, ControlMode::release);
   EXPECT_EQ(rig.decision().reason, Reason::overridden);
   EXPECT_EQ(rig.setpoint, 21.0) << "it was written over";
   EXPECT_EQ(rig.controller->replay().total_pushed(), remembered) << "the other hand's cycle was learned from";
-  EXPECT_TRUE(rig.controller->cycle().ladder.beats(rig.now));
+  EXPECT_TRUE(rig.controller->cycle().mode_arbiter.beats(rig.now));
   rig.cycles(1);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
   EXPECT_NE(rig.setpoint, 21.0) << "and is taken back after its time";
 }
 
@@ -41,7 +41,7 @@ TEST(ControllerLadder, AWishForReleaseBetweenDecisionAndWriteLeavesWhatStands) {
   rig.cycles(6);
   const std::uint64_t remembered = rig.controller->replay().total_pushed();
   (void)rig.controller->decide(rig.now, Expected<Reading<T>>(rig.reading()));
-  ASSERT_EQ(rig.decision().mode, Mode::learn);
+  ASSERT_EQ(rig.decision().mode, ControlMode::learn);
   rig.controller->absorb(tl::unexpected(Fault::released));
   EXPECT_EQ(rig.decision().fault, Fault::none) << "nothing is wrong";
   EXPECT_EQ(rig.controller->cycle().last_setpoint_degc, rig.setpoint);
@@ -59,9 +59,9 @@ TEST(ControllerLadder, Row49ForecastsThatAreWrongForADayAreTold) {
   }
   EXPECT_GE(cycles, cycles_per_day);
   EXPECT_LE(cycles, cycles_per_day + 40) << "a day after the schedule has the say";
-  EXPECT_EQ(rig.decision().mode, Mode::learn) << "an alarm, no rung: the schedule has the say by itself";
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn) << "an alarm, no rung: the schedule has the say by itself";
   rig.cycles(60);
-  EXPECT_FALSE(rig.controller->cycle().ladder.active(Reason::forecasts_doubted, rig.now));
+  EXPECT_FALSE(rig.controller->cycle().mode_arbiter.active(Reason::forecasts_doubted, rig.now));
 }
 
 TEST(ControllerLadder, Row49WithoutWrongForecastsNoneAreDoubted) {
@@ -84,7 +84,7 @@ TEST(ControllerLadder, ADeviceThatWasOutOfTouchIsNoOtherHand) {
   rig.row(reconnected);
   rig.row(reconnected);
   rig.cycles(1, reconnected);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
   EXPECT_NE(rig.setpoint, 21.0);
 }
 
@@ -122,7 +122,7 @@ TEST(ControllerLadder, ASetpointThatShowsLateIsOurOwn) {
   rig.row();
   rig.row();
   rig.cycles(1);
-  EXPECT_EQ(rig.decision().mode, Mode::learn) << rung_of(rig.decision().reason).why;
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn) << request_of(rig.decision().reason).why;
 }
 
 TEST(ControllerLadder, TheThirdForeignSetpointInADayEndsInReleaseUntilHandedBack) {
@@ -133,13 +133,13 @@ TEST(ControllerLadder, TheThirdForeignSetpointInADayEndsInReleaseUntilHandedBack
     rig.cycles(cycles_per_override);
   }
   EXPECT_EQ(rig.decision().reason, Reason::two_masters);
-  EXPECT_FALSE(rig.controller->cycle().ladder.beats(rig.now)) << "the AHU must take over by itself";
+  EXPECT_FALSE(rig.controller->cycle().mode_arbiter.beats(rig.now)) << "the AHU must take over by itself";
   rig.cycles(10 * cycles_per_day);
   EXPECT_EQ(rig.decision().reason, Reason::two_masters);
   EXPECT_EQ(rig.setpoint, 21.0);
   rig.controller->hand_back();
   rig.cycles(2);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
   EXPECT_NE(rig.setpoint, 21.0);
 }
 
@@ -178,7 +178,7 @@ TEST(ControllerLadder, AnOverrideADayIsNoFight) {
   for (int i = 0; i < 5; ++i) {
     another_hand(rig, 21.0);
     rig.cycles(cycles_per_day + 5);
-    EXPECT_EQ(rig.decision().mode, Mode::learn) << i;
+    EXPECT_EQ(rig.decision().mode, ControlMode::learn) << i;
   }
 }
 
@@ -187,25 +187,25 @@ TEST(ControllerLadder, ARefusedSetpointIsFollowedByTheScheduleThenByRelease) {
   rig.cycles(6);
   rig.refusal = Fault::write_refused;
   rig.cycles(1, {}, true);
-  EXPECT_EQ(rig.decision().mode, Mode::learn) << "the first refusal is known only afterwards";
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn) << "the first refusal is known only afterwards";
   EXPECT_EQ(rig.decision().fault, Fault::write_refused);
   rig.cycles(1, {}, true);
   EXPECT_EQ(rig.decision().reason, Reason::write_refused);
-  EXPECT_EQ(rig.decision().mode, Mode::expert);
+  EXPECT_EQ(rig.decision().mode, ControlMode::expert);
   rig.cycles(1, {}, true);
-  EXPECT_EQ(rig.decision().mode, Mode::release);
+  EXPECT_EQ(rig.decision().mode, ControlMode::release);
   EXPECT_EQ(rig.decision().reason, Reason::writes_refused);
   rig.cycles(3);
-  EXPECT_EQ(rig.decision().mode, Mode::expert) << "after an hour the schedule is tried again";
+  EXPECT_EQ(rig.decision().mode, ControlMode::expert) << "after an hour the schedule is tried again";
   rig.cycles(1);
-  EXPECT_EQ(rig.decision().mode, Mode::learn) << "and taken";
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn) << "and taken";
 }
 
 TEST(ControllerLadder, ALostLinkIsNoRefusal) {
   Rig rig;
   rig.cycles(6);
   rig.cycles(4, {}, true);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
   EXPECT_EQ(rig.decision().fault, Fault::not_applied);
 }
 
@@ -217,14 +217,14 @@ TEST(ControllerLadder, ASetpointThatTheAhuClampsIsAnAlarmAndIsLearnedFromAsTaken
   rig.setpoint = taken;
   rig.controller->absorb(Applied{taken});
   EXPECT_EQ(rig.controller->cycle().last_setpoint_degc, taken);
-  EXPECT_TRUE(rig.controller->cycle().ladder.active(Reason::setpoint_altered, rig.now));
-  EXPECT_EQ(rig.controller->cycle().ladder.mode(rig.now), Mode::learn);
+  EXPECT_TRUE(rig.controller->cycle().mode_arbiter.active(Reason::setpoint_altered, rig.now));
+  EXPECT_EQ(rig.controller->cycle().mode_arbiter.mode(rig.now), ControlMode::learn);
   rig.now.seconds += row_s;
   rig.row();
   rig.row();
   rig.cycles(1);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
-  EXPECT_FALSE(rig.controller->cycle().ladder.active(Reason::setpoint_altered, rig.now));
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
+  EXPECT_FALSE(rig.controller->cycle().mode_arbiter.active(Reason::setpoint_altered, rig.now));
 }
 
 Rig::Spoil supply_off_by(const Rig& rig, double k) {
@@ -238,15 +238,15 @@ TEST(ControllerLadder, SupplyAirThatIgnoresItsSetpointFreezesLearningAfterAWhile
   Rig rig;
   rig.cycles(6, supply_off_by(rig, 0.3));
   rig.cycles(4, supply_off_by(rig, 2.0));
-  EXPECT_EQ(rig.decision().mode, Mode::learn) << "an hour may pass";
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn) << "an hour may pass";
   rig.cycles(2, supply_off_by(rig, 2.0));
-  EXPECT_EQ(rig.decision().mode, Mode::run);
+  EXPECT_EQ(rig.decision().mode, ControlMode::run);
   EXPECT_EQ(rig.decision().reason, Reason::supply_ignores_setpoint);
   const NetworkWeights<T, float> before = rig.controller->learning().weights;
   rig.cycles(3, supply_off_by(rig, 2.0));
   EXPECT_TRUE(rig.same_weights(before));
   rig.cycles(2, supply_off_by(rig, 0.3));
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
 }
 
 TEST(ControllerLadder, OneRoomFarFromTheOthersFreezesLearningAndControlGoesOn) {
@@ -257,12 +257,12 @@ TEST(ControllerLadder, OneRoomFarFromTheOthersFreezesLearningAndControlGoesOn) {
     return Expected<Reading<T>>(r);
   };
   rig.cycles(5, hot);
-  EXPECT_EQ(rig.decision().mode, Mode::run);
+  EXPECT_EQ(rig.decision().mode, ControlMode::run);
   EXPECT_EQ(rig.decision().reason, Reason::room_disagrees);
   EXPECT_EQ(rig.decision().fault_signal, 2);
   EXPECT_LT(rig.decision().room_mean_degc, 27);
   rig.cycles(5);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
 }
 
 TEST(ControllerLadder, AFrozenDeviceEndsInTheSchedule) {
@@ -274,10 +274,10 @@ TEST(ControllerLadder, AFrozenDeviceEndsInTheSchedule) {
     return Expected<Reading<T>>(r);
   };
   rig.cycles(6, frozen);
-  EXPECT_EQ(rig.decision().mode, Mode::expert);
+  EXPECT_EQ(rig.decision().mode, ControlMode::expert);
   EXPECT_EQ(rig.decision().fault, Fault::frozen);
   rig.cycles(1);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
 }
 
 TEST(ControllerLadder, ARepeatedTransitionIsRememberedOnce) {
@@ -305,11 +305,11 @@ TEST(ControllerLadder, AReversedGainEndsInTheScheduleAndASaneOneDoesNot) {
   head.covariance().row(HeadFeatures::setpoint_change).setZero();
   head.covariance()(HeadFeatures::setpoint_change, HeadFeatures::setpoint_change) = 1e-4;
   rig.cycles(1);
-  EXPECT_EQ(rig.decision().mode, Mode::expert);
+  EXPECT_EQ(rig.decision().mode, ControlMode::expert);
   EXPECT_EQ(rig.decision().reason, Reason::gain_reversed);
   head.theta()(HeadFeatures::setpoint_change) = 0.4;
   rig.cycles(2);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
 }
 
 TEST(ControllerLadder, WorseThanTheScheduleFreezesFirstAndEndsInTheScheduleAfterAWorkingDay) {
@@ -317,7 +317,7 @@ TEST(ControllerLadder, WorseThanTheScheduleFreezesFirstAndEndsInTheScheduleAfter
   rig.cycles(6);
   const ControllerSettings& s = rig.controller->settings();
   int frozen = 0;
-  for (int i = 0; i < 2 * cycles_per_day && rig.decision().mode != Mode::expert; ++i) {
+  for (int i = 0; i < 2 * cycles_per_day && rig.decision().mode != ControlMode::expert; ++i) {
     for (int k = 0; k < 40; ++k) rig.controller->cycle().shadow.cycle(s, s.target_degc + 1, 22, 20.5, 0.6);
     rig.cycles(1);
     frozen += rig.decision().reason == Reason::worse_than_schedule;
@@ -325,7 +325,7 @@ TEST(ControllerLadder, WorseThanTheScheduleFreezesFirstAndEndsInTheScheduleAfter
   EXPECT_GT(frozen, 20);
   EXPECT_EQ(rig.decision().reason, Reason::worse_for_long);
   rig.cycles(cycles_per_day + 1);
-  EXPECT_EQ(rig.decision().mode, Mode::learn) << "after a day under the schedule it tries again";
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn) << "after a day under the schedule it tries again";
 }
 
 TEST(ControllerLadder, AnAhuThatTakesAnotherSetpointIsNotWrittenToBeyondTheBudget) {
@@ -363,7 +363,7 @@ TEST(ControllerLadder, Row52ARangeThatKeepsTheRoomsFromTheirTargetIsFoundWorseTh
     s.worse_h = set_h;
     Rig rig(s, {1'627'862'400 + 7 * 3600});
     int ours = 0, frozen = 0;
-    while (rig.decision().mode != Mode::expert || rig.decision().reason == Reason::none) {
+    while (rig.decision().mode != ControlMode::expert || rig.decision().reason == Reason::none) {
       rig.cycles(1);
       frozen += rig.decision().reason == Reason::worse_than_schedule;
       ASSERT_LT(++ours, 3 * cycles_per_day);
@@ -384,10 +384,10 @@ TEST(ControllerLadder, EveryUpdateRefusedForADayFreezesTheWeightsForADay) {
   EXPECT_EQ(rig.decision().fault, Fault::learning_rejected);
   replay.clear();
   rig.cycles(2);
-  EXPECT_EQ(rig.decision().mode, Mode::run);
+  EXPECT_EQ(rig.decision().mode, ControlMode::run);
   EXPECT_EQ(rig.decision().reason, Reason::learning_refused);
   rig.cycles(cycles_per_day);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
 }
 
 TEST(ControllerLadder, WhatTheSurroundingsReportTakesTheRungAndGoesWithIt) {
@@ -395,17 +395,17 @@ TEST(ControllerLadder, WhatTheSurroundingsReportTakesTheRungAndGoesWithIt) {
   rig.cycles(6);
   rig.controller->report(Reason::clock_not_set, true, rig.now);
   rig.cycles(1);
-  EXPECT_EQ(rig.decision().mode, Mode::expert);
+  EXPECT_EQ(rig.decision().mode, ControlMode::expert);
   EXPECT_EQ(rig.decision().reason, Reason::clock_not_set);
   rig.controller->report(Reason::clock_not_set, false, rig.now);
   rig.controller->report(Reason::released_by_hand, true, rig.now);
   const double before = rig.setpoint;
   rig.cycles(3);
-  EXPECT_EQ(rig.decision().mode, Mode::release);
+  EXPECT_EQ(rig.decision().mode, ControlMode::release);
   EXPECT_EQ(rig.setpoint, before);
   rig.controller->hand_back();
   rig.cycles(1);
-  EXPECT_EQ(rig.decision().mode, Mode::learn);
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn);
 }
 
 TEST(ControllerLadder, TheSchedulesAndGuideline36sWishesStandBesideOurs) {

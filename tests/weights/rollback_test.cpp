@@ -18,7 +18,7 @@ TEST_F(WayBack, WeightsThatNobodyPushedAreNotTakenBack) {
   EXPECT_EQ(record.state, TrialState::none);
   EXPECT_TRUE(rig.same_weights(standing));
   rig.cycles(2);
-  EXPECT_LT(rig.decision().mode, Mode::expert);
+  EXPECT_LT(rig.decision().mode, ControlMode::expert);
 }
 
 TEST_F(WayBack, AnotherPushDuringATrialKeepsTheWayBackThatWasProven) {

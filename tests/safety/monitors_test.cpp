@@ -1,6 +1,6 @@
 // What takes days to see: each watch fires on its fault and rests where there is none.
 
-#include "airside/supervision/watch.hpp"
+#include "airside/supervision/monitors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ Rooms rooms_at(int row, SplitMix64& draw) {
 
 /// Days until a sensor that drifts by `k_per_day` is noticed, -1 within 60 days.
 double days_until_noticed(double k_per_day) {
-  DriftWatch<5> watch;
+  DriftMonitor<5> watch;
   SplitMix64 draw(4);
   for (int row = 0; row < 60 * rows_per_day; ++row) {
     Rooms v = rooms_at(row, draw);
@@ -37,16 +37,16 @@ double days_until_noticed(double k_per_day) {
   return -1;
 }
 
-TEST(DriftWatch, NoticesASensorThatDriftsAFifthOfAKelvinADay) {
+TEST(DriftMonitor, NoticesASensorThatDriftsAFifthOfAKelvinADay) {
   const double days = days_until_noticed(0.2);
   EXPECT_GT(days, 3);
   EXPECT_LT(days, 20);
 }
 
-TEST(DriftWatch, RestsWhereRoomsOnlySwing) { EXPECT_EQ(days_until_noticed(0), -1); }
+TEST(DriftMonitor, RestsWhereRoomsOnlySwing) { EXPECT_EQ(days_until_noticed(0), -1); }
 
-TEST(ExcitationWatch, NoticesASetpointThatRestsForADayAndForgetsItWhenItMoves) {
-  ExcitationWatch watch;
+TEST(ExcitationMonitor, NoticesASetpointThatRestsForADayAndForgetsItWhenItMoves) {
+  ExcitationMonitor watch;
   for (int i = 0; i < cycles_per_day - 1; ++i) EXPECT_FALSE(watch.cycle(22, 0.05)) << "not before a day";
   EXPECT_TRUE(watch.cycle(22, 0.05));
   bool rests = true;
@@ -54,9 +54,9 @@ TEST(ExcitationWatch, NoticesASetpointThatRestsForADayAndForgetsItWhenItMoves) {
   EXPECT_FALSE(rests);
 }
 
-TEST(ShadowWatch, FindsTheScheduleCloserOnlyWhereItWouldBe) {
+TEST(ScheduleShadowMonitor, FindsTheScheduleCloserOnlyWhereItWouldBe) {
   const ControllerSettings s = product_settings();
-  ShadowWatch good, bad;
+  ScheduleShadowMonitor good, bad;
   for (int i = 0; i < 20; ++i) {
     good.cycle(s, s.target_degc + 0.05, 22.0, s.expert_work_degc, 0.6);
     bad.cycle(s, s.target_degc + 1.0, 22.0, s.expert_work_degc, 0.6);  // the schedule's 20.5 would be 0.9 K colder
@@ -66,25 +66,25 @@ TEST(ShadowWatch, FindsTheScheduleCloserOnlyWhereItWouldBe) {
   EXPECT_NEAR(bad.schedule_k(), 0.1, 1e-9);
 }
 
-TEST(ShadowWatch, JudgesNothingBeforeItHasSeenHoursAndNothingThatIsNoNumber) {
+TEST(ScheduleShadowMonitor, JudgesNothingBeforeItHasSeenHoursAndNothingThatIsNoNumber) {
   const ControllerSettings s = product_settings();
-  ShadowWatch watch;
+  ScheduleShadowMonitor watch;
   for (int i = 0; i < 11; ++i) watch.cycle(s, s.target_degc + 5, 26, s.expert_work_degc, 0.6);
   EXPECT_FALSE(watch.worse(s.worse_k));
   for (int i = 0; i < 50; ++i) watch.cycle(s, std::nan(""), 26, s.expert_work_degc, 0.6);
   EXPECT_FALSE(watch.worse(s.worse_k));
 }
 
-TEST(HandsWatch, OnlyTheThirdWithinADayIsAFight) {
+TEST(OverrideMonitor, OnlyTheThirdWithinADayIsAFight) {
   constexpr std::int64_t hour_s = 3600, start_s = 1'700'000'000;
-  HandsWatch daily;
+  OverrideMonitor daily;
   for (int day = 0; day < 10; ++day) EXPECT_FALSE(daily.third_in_a_day({start_s + day * 24 * hour_s})) << day;
-  HandsWatch twice;
+  OverrideMonitor twice;
   for (int day = 0; day < 10; ++day) {
     EXPECT_FALSE(twice.third_in_a_day({start_s + day * 24 * hour_s})) << day;
     EXPECT_FALSE(twice.third_in_a_day({start_s + (day * 24 + 8) * hour_s})) << day;
   }
-  HandsWatch fight;
+  OverrideMonitor fight;
   EXPECT_FALSE(fight.third_in_a_day({start_s}));
   EXPECT_FALSE(fight.third_in_a_day({start_s + 5 * hour_s}));
   EXPECT_TRUE(fight.third_in_a_day({start_s + 10 * hour_s}));
@@ -92,8 +92,8 @@ TEST(HandsWatch, OnlyTheThirdWithinADayIsAFight) {
   EXPECT_FALSE(fight.third_in_a_day({start_s})) << "the clock was set back: the count begins anew";
 }
 
-TEST(Spell, LastsOnlyWithoutABreakAndStartsAnewWhenTheClockIsSetBack) {
-  Spell spell;
+TEST(PersistentCondition, LastsOnlyWithoutABreakAndStartsAnewWhenTheClockIsSetBack) {
+  PersistentCondition spell;
   const CivilTime t{1'000'000};
   EXPECT_FALSE(spell.lasts(true, t, 600));
   EXPECT_TRUE(spell.lasts(true, {t.seconds + 600}, 600));
@@ -141,9 +141,9 @@ TEST(WriteBudget, WritesThatWereForcedForWeeksMakeADebtOfADay) {
   EXPECT_LE(cycles, cycles_per_day * 3 / 2);
 }
 
-TEST(ShadowWatch, LearnsNothingFromASetpointThatIsUnknown) {
+TEST(ScheduleShadowMonitor, LearnsNothingFromASetpointThatIsUnknown) {
   const ControllerSettings settings = product_settings();
-  ShadowWatch watch;
+  ScheduleShadowMonitor watch;
   watch.cycle(settings, 30.0, std::nan(""), 20.5, 0.5);
   EXPECT_TRUE(std::isnan(watch.ours_k())) << "not known yet";
   watch.cycle(settings, 30.0, 21.0, 20.5, 0.5);

@@ -1,7 +1,7 @@
 #pragma once
 // What is watched over days beside each single reading: whether sensors drift, supply air follows, the setpoint moves,
 // and whether the schedule would do better. Plain bytes, part of the durable state; every judgement is a bool that the
-// ladder turns into a rung.
+// mode arbiter turns into a control mode.
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 namespace airside {
 
 /// How long something has been so without a break.
-class Spell {
+class PersistentCondition {
  public:
   /// Returns whether it has been so for at least `seconds`.
   constexpr bool lasts(bool is_so, CivilTime t, std::int64_t seconds) {
@@ -34,7 +34,7 @@ class Spell {
 };
 
 /// How often somebody else sets what this controller has set. Source: RELIABILITY row 25.
-class HandsWatch {
+class OverrideMonitor {
  public:
   /// Takes one time more; returns whether it is the third within 24 h.
   constexpr bool third_in_a_day(CivilTime t) {
@@ -53,9 +53,9 @@ class HandsWatch {
 };
 
 /// Whether one room leaves the others slowly: its distance from their mean over a day against that over two weeks.
-/// Shape: one pair of means a room. Units: K. Source: RELIABILITY row 7; DESIGN.md "Thresholds of the ladder".
+/// Shape: one pair of means a room. Units: K. Source: RELIABILITY row 7; DESIGN.md "Thresholds of the mode arbiter".
 template <int Rooms>
-class DriftWatch {
+class DriftMonitor {
  public:
   /// Takes the rooms of one row. Returns whether any has moved by more than `limit_k`.
   template <class Vector>
@@ -82,7 +82,7 @@ class DriftWatch {
 
 /// Whether the setpoint has moved within the last day: standard deviation of the applied setpoints, exponentially
 /// forgotten with a day's time constant.
-class ExcitationWatch {
+class ExcitationMonitor {
  public:
   /// Takes one cycle's applied setpoint. Returns whether it has hardly moved, known only after a day.
   bool cycle(double setpoint_degc, double least_sd_k) {
@@ -102,7 +102,7 @@ class ExcitationWatch {
 /// Our error against that of the schedule's shadow, in working hours: the room mean as it would be had the schedule's
 /// setpoint been applied, by the room head's gain.
 ///   shadow = s + gain (a_expert - a_applied),  errors |s - target|, |shadow - target|, means over a working day
-class ShadowWatch {
+class ScheduleShadowMonitor {
  public:
   void cycle(const ControllerSettings& settings, double room_mean_degc, double applied_degc, double expert_degc,
              double gain) {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sim/faults/faulty_model.hpp"
+#include "tools/run/control_run.hpp"
 #include "tools/run/plant_choice.hpp"
-#include "tools/run/session.hpp"
 
 namespace airside::tools {
 

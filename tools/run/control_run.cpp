@@ -1,4 +1,4 @@
-#include "tools/run/session.hpp"
+#include "tools/run/control_run.hpp"
 
 #include <fmt/format.h>
 

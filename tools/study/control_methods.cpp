@@ -1,4 +1,4 @@
-#include "tools/study/methods.hpp"
+#include "tools/study/control_methods.hpp"
 
 #include <fmt/format.h>
 
