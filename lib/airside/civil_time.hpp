@@ -1,6 +1,7 @@
 #pragma once
 // Local civil time as one integer, and the instants of the control cycle.
 
+#include <compare>
 #include <cstdint>
 
 namespace airside {

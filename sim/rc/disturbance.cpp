@@ -8,7 +8,7 @@
 namespace airside::sim {
 namespace {
 
-enum Stream : std::uint64_t {
+enum DisturbanceStream : std::uint64_t {
   occupancy_of_day = 31,
   arrival_of_day,
   occupancy_of_zone,

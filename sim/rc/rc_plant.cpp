@@ -15,7 +15,7 @@ namespace {
 constexpr double air_j_m3k = 1.2 * 1006;  // heat capacity of a cubic metre of air
 constexpr double evaporation_kj_kg = 2500;
 constexpr double design_room_degc = 25.25;
-enum Stream : std::uint64_t { noise_room = 51, noise_fcu, noise_power, noise_mau, noise_outdoor, noise_supply };
+enum NoiseStream : std::uint64_t { noise_room = 51, noise_fcu, noise_power, noise_mau, noise_outdoor, noise_supply };
 
 double rounded(double value) { return std::round(value * 100) / 100; }
 
