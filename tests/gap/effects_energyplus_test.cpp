@@ -33,7 +33,7 @@ using tools::gap::Task;
 
 const std::vector<Effect>& library() {
   static const std::vector<Effect> effects =
-      load_effects(std::filesystem::path(AIRSIDE_SOURCE_DIR) / "sim" / "effects");
+      load_effects(std::filesystem::path(AIRSIDE_SOURCE_DIR) / "sim" / "effects" / "library");
   return effects;
 }
 
