@@ -6,6 +6,7 @@
 
 #include "firmware/edge/daemon.hpp"
 #include "hal/site/site_settings.hpp"
+#include "hal/system/version.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 
@@ -27,6 +28,7 @@ int run(int argc, char** argv) {
       "While the plant does not answer at the start, it waits. Exit codes: 0 stopped in order, 1 bad input,\n"
       "2 bad command line.",
       "airsided"};
+  app.set_version_flag("--version", hal::version_line("airsided"));
   std::string site_path, until;
   edge::DaemonOptions options;
   bool check_only = false, no_sync = false;

@@ -11,6 +11,7 @@
 
 #include "firmware/page/page_server.hpp"
 #include "hal/site/site_settings.hpp"
+#include "hal/system/version.hpp"
 #include "hal/text/input_error.hpp"
 
 namespace {
@@ -38,6 +39,7 @@ int main(int argc, char** argv) {
       "that may read the state folder and write the inbox. Exit codes: 0 stopped in order, 1 bad input, 2 bad\n"
       "command line.",
       "airside-page"};
+  app.set_version_flag("--version", hal::version_line("airside-page"));
   std::string site_path, ready_file;
   int port = -1;
   app.add_option("--site", site_path, "site file, such as /etc/airside/site.toml")->required();

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "hal/system/version.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/finish_output.hpp"
 
@@ -13,7 +14,7 @@ int main(int argc, char** argv) {
       "by the program of the same name.\n\n"
       "Exit codes: 0 done, 1 bad input, 2 a command line that cannot be understood.",
       "airside"};
-  app.set_version_flag("--version", "airside 0.1.0 (box)");
+  app.set_version_flag("--version", hal::version_line("airside") + " (box)");
   app.require_subcommand(1);
   tools::add_probe(app);
   tools::add_status(app);

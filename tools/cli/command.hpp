@@ -28,6 +28,8 @@ void add_status(CLI::App& app);
 void add_probe(CLI::App& app);
 void add_gap(CLI::App& app);
 void add_pull(CLI::App& app);
+/// Hidden: prints shell completion of all commands that were added before it.
+void add_completion(CLI::App& app);
 
 /// Sends a blob to a web address, with certificates to trust; returns what is to be told of it.
 using SendBlob = nlohmann::json (*)(const std::string& address, std::span<const std::byte> blob, const std::string& ca);

@@ -1,8 +1,9 @@
-// airside: the host's program. One file a subcommand (command_*.cpp).
+// airside: the host's program. One file a subcommand (tools/cli/*.cpp).
 
 #include <csignal>
 #include <cstdio>
 
+#include "hal/system/version.hpp"
 #include "hal/text/input_error.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/finish_output.hpp"
@@ -18,7 +19,7 @@ int main(int argc, char** argv) {
       "Every command that computes takes --json. Exit codes: 0 done, 1 bad input or a run that failed,\n"
       "2 a command line that cannot be understood.",
       "airside"};
-  app.set_version_flag("--version", "airside 0.1.0");
+  app.set_version_flag("--version", hal::version_line("airside"));
   app.require_subcommand(1);
   tools::add_check(app);
   tools::add_init(app);
@@ -36,6 +37,7 @@ int main(int argc, char** argv) {
   tools::add_weights(app, tools::send_over_http);
   tools::add_pull(app);
   tools::add_gap(app);
+  tools::add_completion(app);
   // A limit on the size of files is a complaint like any other, not the end of the program.
   std::signal(SIGXFSZ, SIG_IGN);
   try {

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "airside/supervision/schedule.hpp"
+#include "hal/system/version.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "tools/cli/command.hpp"
@@ -137,7 +138,7 @@ struct ReportCommand {
     const LoggedMethod& charted = methods.front();
     RunRecord record = make_run_record(s, charted.run);
     record.plant = "as logged in " + charted.path;
-    record.versions = "airside 0.1.0";
+    record.versions = hal::version_line("airside");
     record.command = again();
     std::vector<std::string> other_days;
     for (const LoggedMethod& m : methods) {

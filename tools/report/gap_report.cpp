@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 
+#include "hal/system/version.hpp"
 #include "hal/text/civil_text.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/report/gap_charts.hpp"
@@ -557,7 +558,7 @@ class GapReport {
                     {"reference", period(run_.loaded.data.reference, run_.loaded.logs.reference)},
                     {"measured", period(run_.loaded.data.test, run_.loaded.logs.measured)},
                     {"effects tried", std::to_string(run_.responses.test.candidates.size() / 2)},
-                    {"versions", "airside 0.1.0"}};
+                    {"versions", hal::version_line("airside")}};
     if (run_.patched) {
       input_.facts.push_back({"model before", gap::model_digest(run_.patched->before)});
       input_.facts.push_back({"model after", gap::model_digest(run_.patched->after)});
