@@ -35,7 +35,7 @@ def blocks(text):
     """The fenced blocks of a document. A fence that is never closed is a ValueError."""
     found, opened, lines = [], None, []
     for number, line in enumerate(text.split("\n"), 1):
-        fence = re.match(r"\s*```\s*(\S*)\s*(.*)$", line)
+        fence = re.match(r"\s*```([^\s`]*)\s*([^`]*)$", line)
         if not fence:
             lines.append(line)
         elif opened is None:
@@ -52,7 +52,7 @@ def prose_lines(text):
     """(number, line) of every line that is no code: neither fenced nor indented by four blanks."""
     fenced = False
     for number, line in enumerate(text.split("\n"), 1):
-        if re.match(r"\s*```", line):
+        if re.match(r"\s*```[^`]*$", line):
             fenced = not fenced
         elif not fenced and not line.startswith("    "):
             yield number, line
