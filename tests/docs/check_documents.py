@@ -80,7 +80,9 @@ def words(root):
 def references(root):
     """A document that the code names is there, and so is the heading that is quoted behind it."""
     named = re.compile(r"\b((?:docs/)?[A-Za-z_-]+\.md)\b(?:,? \"([^\"]+)\")?(?:, decisions? (\d+))?")
-    known = {os.path.basename(document): document for document in documents(root)}
+    known = {}
+    for document in documents(root):  # the outermost of a name is meant
+        known.setdefault(os.path.basename(document), document)
     for top in CODE:
         for folder, folders, files in os.walk(os.path.join(root, top)):
             folders[:] = [name for name in folders if name not in ("vendor", "found", "data", "docs", "__pycache__")]
