@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 
-from documents import blocks, text_of
+from documents import blocks, documents, text_of
 
 PROGRAMS = ("airside", "airsided", "airside-page", "airside-bench")
 
@@ -133,16 +133,18 @@ def complaints(root, document, said):
 def main():
     options = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     options.add_argument("bin", help="folder of the programs")
-    options.add_argument("documents", nargs="+", help="relative to --root")
+    options.add_argument("documents", nargs="*", help="relative to --root; with --names, all where none is given")
     options.add_argument("--root", default=os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
     options.add_argument("--names", action="store_true", help="run nothing; check that what is named exists")
     options.add_argument("--seconds", type=float, default=500, help="of one document")
-    chosen = options.parse_args()
+    chosen = options.parse_intermixed_args()
     bin_dir, root = os.path.abspath(chosen.bin), os.path.abspath(chosen.root)
-    good = True
-    for document in chosen.documents:
+    if not chosen.documents and not chosen.names:
+        options.error("name the documents whose commands shall be run")
+    good, said = True, Help(bin_dir)
+    for document in chosen.documents or documents(root):
         if chosen.names:
-            found = list(complaints(root, document, Help(bin_dir)))
+            found = list(complaints(root, document, said))
             print("\n".join(found) if found else f"{document}: everything that it names exists")
             good = good and not found
             continue
