@@ -50,7 +50,7 @@ constexpr const char* token_header = "X-Airside-Token";
 /// Host is an address of this machine that the peer has reached, `localhost` if that is a loopback one, or one of
 /// `names`: a name that somebody else's server has pointed at us is none of them. Origin, where there is one, must be
 /// the very scheme and host of the request.
-/// Cost: linear in the head.  Source: RELIABILITY rows 55, 56, 58.
+/// Cost: linear in the head.  Source: docs/box-and-safety.md, rows 55, 56, 58.
 Verdict check_request(const RequestHead& head, const RequestRules& rules);
 
 }  // namespace airside::page

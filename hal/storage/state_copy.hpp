@@ -13,7 +13,7 @@ namespace airside::hal {
 
 /// The file `previous` of the state folder, known by a digest that the row record keeps: the copy stands as
 /// `previous.new` before the commit that names it, and becomes `previous` after it. Whichever generation a power cut
-/// leaves finds its own copy under one of the two names. Bytes in FORMATS.md.
+/// leaves finds its own copy under one of the two names. Bytes in docs/formats.md.
 class StateCopy {
  public:
   /// `meaning`: as in StoreLayout; a copy of another one is not read.

@@ -12,7 +12,8 @@ namespace airside::hal {
 
 /// Writes key id and counter into the header, the digest anew, and the signature behind the payload.
 ///   signature = Ed25519ph(key, "airside weight blob 1\0" | header | payload)
-/// Errors: InputError for bytes that are no whole blob.  Source: RELIABILITY "Weight blob"; FORMATS.md.
+/// Errors: InputError for bytes that are no whole blob.
+/// Source: docs/box-and-safety.md, "Weights that arrive"; docs/formats.md.
 void sign_blob(std::span<std::byte> blob, const SecretKey& key, std::uint64_t counter);
 
 /// The header of a blob that is as it was made: whole, and with the digest of its bytes.

@@ -43,7 +43,7 @@ constexpr SignalText text_of(SignalKind kind) {
   return {"unknown", ""};
 }
 
-/// Whether a kind is a 0/1 status, scaled by its maximum and never standardised (spec 3.1).
+/// Whether a kind is a 0/1 status, scaled by its maximum and never standardised (docs/method.md 3.1).
 constexpr bool is_status(SignalKind kind) {
   return kind == SignalKind::vav_on || kind == SignalKind::fcu_on || kind == SignalKind::rain;
 }
@@ -69,7 +69,8 @@ constexpr SignalId signal_id(int index) {
 }
 
 /// Relation label L_j of Table I: the sign that d(sum S')/dX_j must have.
-/// `vav_label` is the label of "VAV on" (+1 as printed, -1 as physics has it in cooling). Source: spec OPEN-4.
+/// `vav_label` is the label of "VAV on" (+1 as printed, -1 as physics has it in cooling).
+/// Source: docs/method.md, open point 4.
 template <Topology T>
 constexpr double relation_label(int index, double vav_label = 1.0) {
   const SignalKind kind = signal_id<T>(index).kind;

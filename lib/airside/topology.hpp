@@ -34,7 +34,7 @@ struct EightVavFourFcu {
   static constexpr const char* name = "8vav-4fcu-2power";
 };
 
-/// Sizes and positions derived from a topology, in the order of spec 3.1.
+/// Sizes and positions derived from a topology, in the order of docs/method.md 3.1.
 /// The network's input is X = [S rooms | E exogenous | A setpoint].
 template <Topology T>
 struct Layout {

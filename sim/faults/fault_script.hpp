@@ -47,7 +47,7 @@ using FaultScript = std::vector<ScriptedFault>;
 
 /// Reads `begin_h,for_h,fault,signal,magnitude` lines under that header; # begins a comment line. Any order, any
 /// overlap.  Errors: hal::InputError naming line and field; nothing of a bad file is used.
-/// Source: FORMATS.md "Faults of a simulated room".
+/// Source: docs/formats.md "Faults of a simulated room".
 FaultScript read_fault_script(const std::string& path, const hal::TopologyCounts& counts);
 
 }  // namespace airside::sim

@@ -19,7 +19,7 @@ double mean_room_temp_after(const RcPlant& plant, double setpoint_degc, Foresigh
 
 /// The setpoint in [lo, hi], held for one cycle, whose mean room temperature at the cycle's end is nearest to the
 /// target; a limit if the target is out of reach.  degC.
-/// Source: spec 4.3, CLOSED_LOOP floors.  Cost: about 6 simulated cycles, 20 us.
+/// Source: docs/method.md 4.3, 16.4.  Cost: about 6 simulated cycles, 20 us.
 double floor_setpoint(const RcPlant& plant, double target_degc, double lo, double hi, Foresight foresight,
                       int ahead_s = cycle_s);
 

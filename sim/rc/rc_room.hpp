@@ -35,7 +35,7 @@ struct RcRoom {
   std::vector<double> deep_ua_w_k;       ///< zone; mass to that slab; 0: there is none
   double capacity_factor = 1;            ///< times every heat capacity
   double envelope_factor = 1;            ///< times wall and window conductance
-  double window_u_w_m2k = 0.84;          ///< spec OPEN-23
+  double window_u_w_m2k = 0.84;          ///< docs/method.md, open point 23
   double shgc = 0.35;
   double solar_factor_north = 1, solar_factor_east = 1, solar_factor_south = 1, solar_factor_west = 1;
   double solar_to_mass_share = 0.55;
@@ -64,7 +64,7 @@ struct RcRoom {
   double occupancy_start_h = 7.5, occupancy_end_h = 18.75;
   double occupancy_ramp_h = 1.25;
   double occupancy_lunch_dip = 0.25;
-  double occupancy_weekend_factor = 1;  ///< 1: every day is a working day (spec OPEN-19)
+  double occupancy_weekend_factor = 1;  ///< 1: every day is a working day (docs/method.md, open point 19)
   double occupancy_shift_h = 0;         ///< whole profile later by this
   double occupancy_day_sd = 0.10;       ///< of the whole floor, day to day
   double occupancy_zone_sd = 0.15;      ///< of a zone, over some hours
@@ -164,7 +164,8 @@ const RoomField* find_room_field(std::string_view name);
 void check_room(const RcRoom& room, const std::string& place);
 
 /// How far perturbed_room goes: each change has a size drawn from half the figure up to the figure, and a random sign
-/// (spec section 8: 10 to 20 %). The defaults keep the mean zone error between 0.4 and 1.6 K (spec OPEN-24 d).
+/// (docs/method.md 8: 10 to 20 %). The defaults keep the mean zone error between 0.4 and 1.6 K (docs/method.md, open
+/// point 24).
 struct Perturbation {
   double relative = 0.20;       ///< capacities, gains, envelope, mixing, solar, fan coils
   double zone_relative = 0.12;  ///< flow and gain of one zone against the others

@@ -8,7 +8,8 @@
 
 namespace airside::sim {
 
-/// What kind of year; the defaults give a July of 26 to 35 degC a day with sun up to 900 W/m2 (spec OPEN-22).
+/// What kind of year; the defaults give a July of 26 to 35 degC a day with sun up to 900 W/m2 (docs/method.md, open
+/// point 22).
 struct Climate {
   Location location{"synthetic Taiwan-like site", 24.8, 120.97, 8.0, 30.0};
   double mean_temp_degc = 24.4;      ///< of the year

@@ -1,5 +1,5 @@
-// Static pretraining, a peer of the method (spec 7.3, OPEN-27): the same days of the same twin under schedules that
-// were fixed beforehand, with as many transitions and optimiser steps as the agent has.
+// Static pretraining, a peer of the method (docs/method.md 7.3, open point 27): the same days of the same twin under
+// schedules that were fixed beforehand, with as many transitions and optimiser steps as the agent has.
 
 #include <gtest/gtest.h>
 

@@ -150,7 +150,7 @@ TEST(FitRoom, FindsAChangedSuiteAndPredictsLockedDays) {
   EXPECT_LT(parameter(fit, "outside wall").told, 0.9);
 }
 
-/// Not a test of one figure but the table of DESIGN.md: rooms of another structure, five seeds. Minutes; asked for by
+/// Not a test of one figure but a table: rooms of another structure, five seeds. Minutes; asked for by
 /// name.
 TEST(FitRoom, DISABLED_TableOfPerturbedRooms) {
   const sim::RcRoom start = sim::load_room("301");

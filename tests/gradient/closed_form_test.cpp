@@ -1,4 +1,4 @@
-// The long-term branch learns what can be written down (spec 4.3): for the plant s' = s + k (s_inf(a) - s),
+// The long-term branch learns what can be written down (docs/method.md 4.3): for the plant s' = s + k (s_inf(a) - s),
 // D = -g k (s_1 - s_inf) / (1 - g (1 - k)).
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// The facts that the method prints about its room (spec OPEN-24) and what the prototypes found of the floors.
+// The facts that the method prints about its room (docs/method.md, open point 24) and what the prototypes found of the
+// floors.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// How confidence grows and falls (spec 6.2), and what it makes of two setpoints.
+// How confidence grows and falls (docs/method.md 6.2), and what it makes of two setpoints.
 
 #include "airside/supervision/confidence.hpp"
 
@@ -20,7 +20,7 @@ TEST(Confidence, GrowsToOneWhileForecastsComeTrue) {
   const ControllerSettings s = paper_settings();
   double c = s.confidence_initial;
   for (int night_cycle = 0; night_cycle < 23; ++night_cycle) c = confidence_step(s, c, 0.0);
-  EXPECT_GT(c, 0.98) << "spec 6.2: before work begins on the first day";
+  EXPECT_GT(c, 0.98) << "docs/method.md 6.2: before work begins on the first day";
   EXPECT_LT(c, 1.0);
 }
 

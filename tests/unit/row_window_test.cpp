@@ -1,4 +1,4 @@
-// Which pairs of logged rows are transitions (spec OPEN-1).
+// Which pairs of logged rows are transitions (docs/method.md, open point 1).
 
 #include "airside/learning/row_window.hpp"
 

@@ -1,4 +1,4 @@
-// Scaling: floors against quiet signals, one scale for all rooms, status left alone (spec OPEN-3).
+// Scaling: floors against quiet signals, one scale for all rooms, status left alone (docs/method.md, open point 3).
 
 #include "airside/network/scaler.hpp"
 

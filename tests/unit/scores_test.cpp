@@ -1,4 +1,4 @@
-// The law of the score (spec 6.1): what it prefers follows from its two weights alone; and the rule for ties.
+// The law of the score (docs/method.md 6.1): what it prefers follows from its two weights alone; and the rule for ties.
 
 #include "airside/forecast/scores.hpp"
 

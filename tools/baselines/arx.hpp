@@ -45,7 +45,7 @@ struct ArxSettings {
 ///   a_t = a_{t-1} + ((1 - rho) (target - s_t) - p ds_t - c' dx_t) / clip(b)
 /// x: mean FCU temperature, last power meter, MAU outlet temperature, FCUs on, VAVs on.
 /// Fitted on the history rows (6 min apart, setpoint constant over both cycles), then recursive.
-/// Source: CLOSED_LOOP, first table.
+/// Source: docs/results.md, "Peers".
 class ArxBaseline final : public BaselineController {
  public:
   ArxBaseline(const ControllerSettings& site, const ArxSettings& settings);

@@ -54,7 +54,7 @@ class BaselineController {
 /// Mean of the finite room temperatures, degC; NaN when there is none.
 double room_mean_degc(const sim::Sensors& sensors);
 
-/// Clamped to the action range of `site`, then rounded to its resolution. degC. Source: spec OPEN-18.
+/// Clamped to the action range of `site`, then rounded to its resolution. degC. Source: docs/method.md, open point 18.
 double admissible_setpoint_degc(double setpoint_degc, const ControllerSettings& site);
 
 /// Builds a baseline by the name that studies and command lines use; see baseline_names(). What is tuned takes the

@@ -7,7 +7,7 @@
 namespace airside::tools {
 
 /// Drives a room by trim and respond: each row of 6 min makes the three steps of 2 min that fell into it, on the
-/// requests of its reading.  Source: BASELINES.
+/// requests of its reading.  Source: docs/results.md, "Guideline 36".
 class Guideline36Baseline final : public BaselineController {
  public:
   Guideline36Baseline(const ControllerSettings& site, const Guideline36Settings& settings, std::string name)

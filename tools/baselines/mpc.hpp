@@ -30,7 +30,7 @@ void solve_box_quadratic(const Eigen::MatrixXd& h, const Eigen::VectorXd& f, dou
 /// that makes it free of offset: d_{t+1} = d_t + l (s_{t+1} - predicted). Each cycle the setpoints of N cycles are
 /// found and the first is held:
 ///   min sum_k (s_{t+k})^2 + w (u_{t+k-1} - u_{t+k-2})^2,  u in the site's action range
-/// Source: BASELINES, "Model predictive control".
+/// Source: docs/results.md, "Peers".
 class MpcBaseline final : public BaselineController {
  public:
   MpcBaseline(const ControllerSettings& site, const MpcSettings& settings);

@@ -17,7 +17,7 @@ struct PidGains {
   bool operator==(const PidGains&) const = default;
 };
 
-constexpr PidGains pid_spec_gains() { return {}; }  ///< Source: spec 11
+constexpr PidGains pid_spec_gains() { return {}; }  ///< Source: docs/method.md 11
 
 /// Positional PID around a fixed offset.
 ///   A = clamp(22.5 + kp e + ki int(e) dt + kd de/dt)

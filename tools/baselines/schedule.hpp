@@ -5,7 +5,7 @@
 
 namespace airside::tools {
 
-/// 20.5 degC in working hours, 25 degC outside. Source: spec 6.3.
+/// 20.5 degC in working hours, 25 degC outside. Source: docs/method.md 6.3.
 class ScheduleBaseline final : public BaselineController {
  public:
   explicit ScheduleBaseline(const ControllerSettings& site) : site_(site) {}
@@ -16,7 +16,7 @@ class ScheduleBaseline final : public BaselineController {
   ControllerSettings site_;
 };
 
-/// The same setpoint day and night, degC. Source: BASELINES (c).
+/// The same setpoint day and night, degC. Source: docs/results.md, "Peers".
 class ConstantBaseline final : public BaselineController {
  public:
   ConstantBaseline(const ControllerSettings& site, double setpoint_degc)

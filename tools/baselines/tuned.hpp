@@ -1,6 +1,6 @@
 #pragma once
 // What `airside study tune` found, frozen: the gains of the tuned peers, plant by plant. Days and rooms of the search
-// are never scored; DESIGN.md, "Peers", has the grids and the figures.
+// are never scored; docs/results.md, "Peers", has the grids and the figures.
 
 #include "tools/baselines/pid.hpp"
 

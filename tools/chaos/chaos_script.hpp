@@ -1,5 +1,5 @@
 #pragma once
-// What the chaos proxy does to which exchange: faults by name, and rules that say when. Grammar: FORMATS.md, "Bus
+// What the chaos proxy does to which exchange: faults by name, and rules that say when. Grammar: docs/formats.md, "Bus
 // fault script".
 
 #include <array>

@@ -45,7 +45,7 @@ std::vector<std::pair<const char*, std::string>> header_fields(const BlobFacts& 
       {"payload bytes", std::to_string(h.payload_bytes)}};
 }
 
-/// The field's name as FORMATS.md writes it.
+/// The field's name as docs/formats.md writes it.
 std::string key_of(std::string name) {
   std::replace(name.begin(), name.end(), ' ', '_');
   return name;

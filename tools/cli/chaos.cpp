@@ -151,7 +151,7 @@ void add_chaos(CLI::App& app) {
   c->add_option("--listen", self->listen_port, "port to listen at, 0 for any")->check(CLI::Range(0, 65535));
   c->add_option("--address", self->address, "address to listen at")->capture_default_str();
   c->add_option("--to", self->to, "HOST:PORT of the true server")->required();
-  c->add_option("--script", self->script, "fault script (FORMATS.md, \"Bus fault script\")");
+  c->add_option("--script", self->script, "fault script (docs/formats.md, \"Bus fault script\")");
   c->add_option(
        "--fault", self->faults,
        "a fault and when, as late:p=0.1,s=3 or exception:on=write,code=4. Conditions: p=PROBABILITY,\n"

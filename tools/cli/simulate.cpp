@@ -152,8 +152,9 @@ void add_simulate(CLI::App& app) {
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   c->add_option("--history", self->history, "log whose rows are remembered instead of the simulated schedule days");
-  c->add_option("--faults", self->faults,
-                "CSV of faults of sensors and AHU in the controlled days (FORMATS.md, \"Faults of a simulated room\")");
+  c->add_option(
+      "--faults", self->faults,
+      "CSV of faults of sensors and AHU in the controlled days (docs/formats.md, \"Faults of a simulated room\")");
   c->add_option("--compare", self->compare, "further methods on the same days, comma-separated")->delimiter(',');
   c->add_option("--log", self->log, "CSV of the controlled rows");
   c->add_option("--history-log", self->history_log, "CSV of the schedule days' rows");

@@ -239,8 +239,9 @@ void append(ControlRun& run, ControlRun&& more) {
 template <Topology T>
 ControlRun run_varied_schedule(const Site& site, sim::PlantModel& plant, CivilTime until, std::uint64_t seed,
                                const OnProgress& progress) {
-  // spec OPEN-27: the working setpoint of each day is drawn from {19.5 .. 21.5}. Limits of the site's machinery bind
-  // nobody in a twin: by default they would make 20 of 19.5, and two steps of one that is larger than the expert's.
+  // docs/method.md, open point 27: the working setpoint of each day is drawn from {19.5 .. 21.5}. Limits of the site's
+  // machinery bind nobody in a twin: by default they would make 20 of 19.5, and two steps of one that is larger than
+  // the expert's.
   constexpr double lowest_degc = 19.5, step_k = 0.5;
   ControllerSettings unbound = site.settings;
   unbound.limit_min_degc = std::min(site.settings.limit_min_degc, lowest_degc);

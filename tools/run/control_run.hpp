@@ -39,7 +39,7 @@ Metrics metrics_of(const Site& site, const ControlRun& run);
 /// The expert's schedule from the plant's present to `until`.
 ControlRun run_schedule(const Site& site, sim::PlantModel& plant, CivilTime until, const OnProgress& progress = {});
 
-/// Who acts in the twin while weights are pretrained (spec 7.2, 7.3, OPEN-27).
+/// Who acts in the twin while weights are pretrained (docs/method.md 7.2, 7.3, open point 27).
 enum class Pretrainer {
   agent,            ///< dynamic: it controls and learns
   drawn_schedules,  ///< static: each day's working setpoint is drawn from {19.5, 20.0 .. 21.5}
@@ -59,20 +59,20 @@ struct Pretraining {
   std::uint64_t transitions = 0;  ///< remembered: any row of day 1 may start one, then every cycle
 };
 
-/// Dynamic pretraining (spec 7.2): day 1 under the schedule fits the scaler, then the agent controls the twin and
-/// learns until `until`.  Static (7.3): all days under schedules that are fixed beforehand, then training; where no
+/// Dynamic pretraining (docs/method.md 7.2): day 1 under the schedule fits the scaler, then the agent controls the twin
+/// and learns until `until`.  Static (7.3): all days under schedules that are fixed beforehand, then training; where no
 /// reading is refused, with as many transitions and optimiser steps as the agent has of the same days.
 Pretraining pretrain(const Site& site, sim::PlantModel& plant, CivilTime until, const PretrainOptions& options,
                      const OnProgress& progress = {});
 
 struct FineTuneOptions {
-  int steps = 3000;  ///< optimiser steps (spec 8, OPEN-12)
+  int steps = 3000;  ///< optimiser steps (docs/method.md 8, open point 12)
   std::uint64_t seed = 1;
   std::string provenance;
 };
 
-/// Transfer (spec 8): the source's scaler and weights, fine-tuned on the target's logged schedule days; the room head
-/// starts from the source's gain and is fitted to the same rows. An empty `source` trains from scratch.
+/// Transfer (docs/method.md 8): the source's scaler and weights, fine-tuned on the target's logged schedule days; the
+/// room head starts from the source's gain and is fitted to the same rows. An empty `source` trains from scratch.
 /// Errors: hal::InputError for a blob that does not fit, or a log without a single transition.
 BlobBytes fine_tune(const Site& site, const BlobBytes& source, const std::vector<hal::LogRow>& rows,
                     const FineTuneOptions& options, const OnProgress& progress = {});

@@ -24,7 +24,7 @@ struct EnergyRow {
   double power_kw = 0;
 };
 
-/// What counts as target and as scored time. Source: spec 2, 6.3, 9.
+/// What counts as target and as scored time. Source: docs/method.md 2, 6.3, 9.
 struct MetricsSettings {
   double target_degc = 25.25;
   int work_start_s = 7 * 3600;            ///< second of day; the first scored cycle starts at or after it
@@ -78,7 +78,7 @@ struct Metrics {
 ///   one
 /// Errors: hal::InputError on no sample, on a value that is not finite, on times that do not increase, on a
 ///   changing number of rooms, and when no sample falls into working hours.
-/// Source: spec 9.
+/// Source: docs/method.md 9.
 Metrics compute_metrics(std::span<const CycleSample> samples, std::span<const EnergyRow> energy,
                         const MetricsSettings& settings = {});
 

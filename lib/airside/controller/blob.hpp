@@ -1,5 +1,5 @@
 #pragma once
-// The weight blob: scaler, network weights, room head and provenance in one checked piece of bytes. FORMATS.md has
+// The weight blob: scaler, network weights, room head and provenance in one checked piece of bytes. docs/formats.md has
 // the byte table; this header is the only code that knows it.
 
 #include <array>
@@ -17,7 +17,7 @@ namespace airside {
 
 static_assert(std::endian::native == std::endian::little, "the blob codec copies little-endian memory");
 
-/// Why a blob was refused, and the field of FORMATS.md that says so.
+/// Why a blob was refused, and the field of docs/formats.md that says so.
 struct BlobError {
   Fault fault;
   const char* field;

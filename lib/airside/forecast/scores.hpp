@@ -1,6 +1,6 @@
 #pragma once
 // Which candidate setpoint is best, given what the network expects of each. Five rooms become one number first
-// (their mean): per-room scores freeze the controller as soon as one room is at target (spec OPEN-14).
+// (their mean): per-room scores freeze the controller as soon as one room is at target (docs/method.md, open point 14).
 
 #include <cmath>
 #include <span>
@@ -9,7 +9,8 @@
 
 namespace airside {
 
-/// score = |S - T| - a_s |S_long - T| - b_s |S_long - S| - move (a - a_last)^2.  Units: degC.  Source: spec 6.1.
+/// score = |S - T| - a_s |S_long - T| - b_s |S_long - S| - move (a - a_last)^2.  Units: degC.
+/// Source: docs/method.md 6.1.
 inline double setpoint_score(const ControllerSettings& s, double room_degc, double room_long_degc, double move_k) {
   return std::abs(room_degc - s.target_degc) - s.score_alpha * std::abs(room_long_degc - s.target_degc) -
          s.score_beta * std::abs(room_long_degc - room_degc) - s.move_penalty * move_k * move_k;
@@ -17,7 +18,8 @@ inline double setpoint_score(const ControllerSettings& s, double room_degc, doub
 
 /// Index of the best candidate: the highest score; among scores within `tie_degc` of it the one nearest to the last
 /// applied setpoint, then the lower one.
-/// Shape: scores and candidates of equal length. Errors: -1 if no score is finite.  Source: spec OPEN-16.
+/// Shape: scores and candidates of equal length. Errors: -1 if no score is finite.
+/// Source: docs/method.md, open point 16.
 inline int best_candidate(const ControllerSettings& s, std::span<const double> scores,
                           std::span<const double> candidates_degc, double last_degc) {
   double highest = -HUGE_VAL;

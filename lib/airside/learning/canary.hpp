@@ -16,8 +16,9 @@ namespace airside {
 /// How far a network's forecasts on canary states lie outside what a room can do; 0 for a sane one.
 /// Rooms 1 K above and below target, every VAV on, setpoint at both ends of its range: excess = sum of
 /// (|S' - S| - 15)+ over the four forecasts and of (S'(coldest) - S'(warmest) - 0.5)+ over the two rooms.
-/// Units: K. Errors: infinite if a forecast is no number. Cost: four forecasts.  Source: RELIABILITY row 49,
-/// DESIGN.md 3.
+/// Units: K. Errors: infinite if a forecast is no number. Cost: four forecasts.
+/// Source: docs/box-and-safety.md, row 49;
+/// docs/method.md 16.3.
 template <Topology T, class Scalar>
 double canary_excess_k(const ControllerSettings& settings, const Scaler<T>& scaler,
                        const PackedWeights<T, Scalar>& weights, NetworkScratch<T, Scalar>& scratch) {
@@ -52,7 +53,8 @@ double canary_excess_k(const ControllerSettings& settings, const Scaler<T>& scal
 /// One unit of each regressor, and each slot's disturbance, must move the room by 5 K a cycle at most; the gain must
 /// not be reversed beyond doubt; nothing may be less known than by 10 K: excess = sum of (|theta| - 5)+, of
 /// -(theta_gain + 2 sd)- and of (sd - 10)+.
-/// Units: K. Errors: not 0 for what is no number. Cost: O(states).  Source: RELIABILITY row 49, DESIGN.md 3.
+/// Units: K. Errors: not 0 for what is no number. Cost: O(states).
+/// Source: docs/box-and-safety.md, row 49; docs/method.md 16.3.
 template <Topology T>
 double canary_excess_k(const typename RoomHead<T>::State& theta, typename RoomHead<T>::ConstCovariance covariance) {
   constexpr double widest_move_k = 5, least_known_k = 10;

@@ -43,7 +43,7 @@ class ReplayRing {
 
   /// Fills `index` with n = min(index.size(), size()) different slots, uniformly drawn, the `recent` newest always
   /// among them. Floyd's method: a draw a slot, so the same generator state gives the same slots.
-  /// Returns n.  Cost: O(n + Capacity/64) time, Capacity/8 bytes of stack.  Source: spec OPEN-12.
+  /// Returns n.  Cost: O(n + Capacity/64) time, Capacity/8 bytes of stack.  Source: docs/method.md, open point 12.
   int sample(SplitMix64& generator, std::span<std::uint32_t> index, int recent = 0) const {
     const int have = size();
     const int n = std::min(static_cast<int>(index.size()), have);

@@ -1,6 +1,6 @@
 #pragma once
 // From logged 6-min rows to 18-min transitions. A transition counts only if the setpoint was constant over it: under
-// the schedule almost every row starts one, under the agent every third (spec OPEN-1).
+// the schedule almost every row starts one, under the agent every third (docs/method.md, open point 1).
 
 #include <array>
 #include <cmath>

@@ -15,7 +15,7 @@
 namespace airside {
 
 /// Shape: T. Cost: updates_per_cycle optimiser steps, one evaluation and eight forecasts.
-/// Source: DESIGN.md 3, RELIABILITY rows 49, 51, 53.
+/// Source: docs/method.md 16.3; docs/box-and-safety.md, rows 49, 51, 53.
 template <Topology T, class Scalar>
 class ShadowTraining {
  public:

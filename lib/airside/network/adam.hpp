@@ -1,5 +1,5 @@
 #pragma once
-// Adam: bias-corrected, epsilon outside the root, no decay, no clipping (spec OPEN-12).
+// Adam: bias-corrected, epsilon outside the root, no decay, no clipping (docs/method.md, open point 12).
 
 #include <cstdint>
 

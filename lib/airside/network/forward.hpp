@@ -22,7 +22,7 @@ void pack(const NetworkWeights<T, Scalar>& weights, const Kernels<Scalar>& kerne
   }
 }
 
-/// out = phi(W x + b) for `rows` rows, LeakyReLU phi.  Source: spec Eqs 1-4.
+/// out = phi(W x + b) for `rows` rows, LeakyReLU phi.  Source: docs/method.md 3.2.
 template <Topology T, class Scalar>
 void layer_forward(const Kernels<Scalar>& kernels, const PackedWeights<T, Scalar>& w, Layer layer, int rows,
                    const Scalar* x, int x_stride, Scalar* out, int out_stride) {
@@ -76,7 +76,7 @@ void decode(const Kernels<Scalar>& kernels, const PackedWeights<T, Scalar>& w, i
       {a.tdb_1.row(0), latent_width, w.weight(Layer::dec), width, deviation.row(0), width, rows, latent_width, width});
 }
 
-/// What the network foresees for one setpoint. Units: scaled (spec OPEN-7).
+/// What the network foresees for one setpoint. Units: scaled (docs/method.md, open point 7).
 template <Topology T, class Scalar>
 struct RoomForecast {
   std::array<Scalar, Layout<T>::rooms> short_term;  ///< S', one cycle ahead

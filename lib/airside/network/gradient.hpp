@@ -1,6 +1,6 @@
 #pragma once
 // The reverse and tangent passes of one tile, by hand. LeakyReLU networks are piecewise linear, so the gradient
-// constraint needs no second derivative (spec 4.4):
+// constraint needs no second derivative (docs/method.md 4.4):
 //   delta_l = d(sum S')/d(pre-activation l), u_l = tangent of v after layer l:  dL_GC/dW_l = delta_l u_{l-1}^T.
 // Rows 0..n-1 carry the losses' own gradient, rows n..2n-1 the constraint's: one product sums both.
 
@@ -25,7 +25,7 @@ void load_tile(const BatchView<T, Scalar>& batch, int first, int rows, bool succ
 }
 
 /// Y = g (F_TDB + F_STRB - S1) with the target network, which is the one packed, on (S1, E1, A): Dec(f_res + f_short)
-/// is both. Source: spec 4, term 2.
+/// is both. Source: docs/method.md 4, term 2.
 template <Topology T, class Scalar>
 void bootstrap_tile(const BatchView<T, Scalar>& batch, int first, int rows, double gamma,
                     NetworkScratch<T, Scalar>& s) {
@@ -123,7 +123,8 @@ void losses_reverse(const NetworkWeights<T, Scalar>& w, int n, NetworkScratch<T,
   back(Layer::enc_a_1, d.joint, encoder_width, d.enc_a, a.enc_a.row(0), false);
 }
 
-/// Tangent pass u_l = phi' (W_l u_{l-1}) from the seeds in rows n..2n-1 of the inputs.  Source: spec 4.4, step 4.
+/// Tangent pass u_l = phi' (W_l u_{l-1}) from the seeds in rows n..2n-1 of the inputs.
+/// Source: docs/method.md 4.4, step 4.
 template <Topology T, class Scalar>
 void constraint_tangent(int n, NetworkScratch<T, Scalar>& s) {
   auto& a = s.act;

@@ -14,7 +14,7 @@ template <Topology T>
 struct LearnerSettings {
   LossSettings<T> loss;
   AdamSettings adam;
-  int sync_every = 100;  ///< optimiser steps from one copy of the target to the next (spec OPEN-11)
+  int sync_every = 100;  ///< optimiser steps from one copy of the target to the next (docs/method.md, open point 11)
 };
 
 /// Target network, Adam's moments and the count of steps; the weights themselves are the caller's.

@@ -15,7 +15,7 @@ struct LossWeights {
 };
 
 /// strb, tdb, rc, rec: mean over rooms; gc: sum over inputs; all: mean over the batch, unweighted.
-/// total: weighted sum.  Units: scaled (spec OPEN-7, OPEN-9).
+/// total: weighted sum.  Units: scaled (docs/method.md, open points 7 and 9).
 struct LossTerms {
   double strb = 0, tdb = 0, gc = 0, rc = 0, rec = 0, total = 0;
 };
@@ -52,7 +52,7 @@ struct BatchView {
 ///   L_STRB = mean (S1 - S')^2          L_TDB = mean (D' - Y)^2, no gradient through Y
 ///   L_RC = mean max(0, -(S1 - S) D')   L_rec = mean (S^ - S)^2
 /// Shape: samples first .. first+rows-1 of the batch; outputs in scratch.short_term, deviation, reconstruction,
-/// bootstrap_of (Y); derivatives to scratch.d_*.  Source: spec 4.
+/// bootstrap_of (Y); derivatives to scratch.d_*.  Source: docs/method.md 4.
 template <Topology T, class Scalar>
 void output_losses(const BatchView<T, Scalar>& batch, int first, int rows, const LossWeights& weights,
                    NetworkScratch<T, Scalar>& scratch, LossTerms& sum) {
@@ -95,7 +95,7 @@ void output_losses(const BatchView<T, Scalar>& batch, int first, int rows, const
 /// The gradient constraint of one tile: L_GC = sum_j max(0, -L_j F_j), and the tangents v that its weight gradient
 /// starts from, v_j = -L_j w_gc / N where it is violated, else 0.
 /// Shape: F = slope_s on [S E] plus slope_a on [E A]; v restricted to each encoder goes to rows rows..2rows-1 of
-/// its inputs.  Source: spec 4.4, step 3.
+/// its inputs.  Source: docs/method.md 4.4, step 3.
 template <Topology T, class Scalar>
 void constraint_loss(int rows, int batch_size, const LossSettings<T>& settings, NetworkScratch<T, Scalar>& scratch,
                      LossTerms& sum) {

@@ -5,7 +5,7 @@
 //   Enc_A : [E A] -> 32 -> 32 = f_A          P_STRB  : z -> 64 -> 32 = f_short
 //   Dec   : 32 -> rooms, shared              P_TDB   : z -> 64 -> 32 = f_res
 //   S' = Dec(f_short)   D' = Dec(f_res + f_short) - S' = W_dec f_res   S^ = Dec(f_S)
-// LeakyReLU after every layer but Dec.  Source: spec 3.2.
+// LeakyReLU after every layer but Dec.  Source: docs/method.md 3.2.
 
 #include <Eigen/Core>
 #include <array>
@@ -143,7 +143,7 @@ void initialise(NetworkWeights<T, Scalar>& weights, SplitMix64& generator, doubl
   }
 }
 
-/// Weights and biases uniform in +-1/sqrt(fan_in).  Source: spec OPEN-6.
+/// Weights and biases uniform in +-1/sqrt(fan_in).  Source: docs/method.md, open point 6.
 template <Topology T, class Scalar>
 void initialise_uniform(NetworkWeights<T, Scalar>& weights, SplitMix64& generator) {
   initialise(weights, generator, 1.0);

@@ -1,6 +1,6 @@
 #pragma once
 // From SI to the network's units and back. A scaler is fitted once on the source domain, frozen, and travels in
-// the blob: refitting it on a target would silently change the transferred function (spec OPEN-3).
+// the blob: refitting it on a target would silently change the transferred function (docs/method.md, open point 3).
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -50,7 +50,7 @@ class ScalerFit {
   }
 
   /// The scaler, with floors: 0.5 K for temperatures, 5 % of the mean (at least 0.05 kW) for power; the setpoint takes
-  /// the action range's midpoint and range/sqrt(12).  Source: spec OPEN-3.
+  /// the action range's midpoint and range/sqrt(12).  Source: docs/method.md, open point 3.
   Scaler<T> fit(const ControllerSettings& s) const {
     using L = Layout<T>;
     Scaler<T> out;

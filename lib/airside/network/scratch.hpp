@@ -47,7 +47,8 @@ struct TileRows {
 };
 
 /// Activations of one forward pass. Rows 0..n-1 hold values; where Rows is twice a tile, rows n..2n-1 hold the
-/// tangents of the gradient constraint (spec 4.4, step 4), so that one kernel call sums both weight gradients.
+/// tangents of the gradient constraint (docs/method.md 4.4, step 4), so that one kernel call sums both weight
+/// gradients.
 template <Topology T, class Scalar, int Rows>
 struct TileActivations {
   static constexpr int signals_width = padded_columns(Layout<T>::signals);
@@ -65,7 +66,7 @@ struct TileActivations {
 };
 
 /// Signals of the reverse pass, derivative with respect to pre-activations. Rows 0..n-1 of the loss, rows n..2n-1
-/// of the sum of S' (spec 4.4, step 2).
+/// of the sum of S' (docs/method.md 4.4, step 2).
 template <class Scalar>
 struct TileDeltas {
   static constexpr int rows = 2 * tile_samples;

@@ -19,7 +19,7 @@ enum class CoolingLoop : std::uint8_t {
   airflow,  ///< airflow / maximum: 1 while the VAV is open
 };
 
-/// Source: BASELINES.
+/// Source: docs/results.md, "Guideline 36".
 struct Guideline36Settings {
   double sp_min_degc = 12.0;
   double sp_max_degc = 16.0;  ///< also SP0

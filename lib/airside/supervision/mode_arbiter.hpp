@@ -10,7 +10,7 @@
 
 namespace airside {
 
-/// Control modes of the mode arbiter, numbers frozen. Source: RELIABILITY "The mode arbiter".
+/// Control modes of the mode arbiter, numbers frozen. Source: docs/box-and-safety.md, "Control modes".
 enum class ControlMode : std::uint8_t {
   learn = 0,    ///< control and learn
   run = 1,      ///< control with frozen weights

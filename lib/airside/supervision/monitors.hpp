@@ -33,7 +33,7 @@ class PersistentCondition {
   std::int64_t begun_ = 0;
 };
 
-/// How often somebody else sets what this controller has set. Source: RELIABILITY row 25.
+/// How often somebody else sets what this controller has set. Source: docs/box-and-safety.md, row 25.
 class OverrideMonitor {
  public:
   /// Takes one time more; returns whether it is the third within 24 h.
@@ -53,7 +53,7 @@ class OverrideMonitor {
 };
 
 /// Whether one room leaves the others slowly: its distance from their mean over a day against that over two weeks.
-/// Shape: one pair of means a room. Units: K. Source: RELIABILITY row 7; DESIGN.md "Thresholds of the mode arbiter".
+/// Shape: one pair of means a room. Units: K. Source: docs/box-and-safety.md, row 7 and "Thresholds".
 template <int Rooms>
 class DriftMonitor {
  public:

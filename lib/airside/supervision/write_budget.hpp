@@ -13,7 +13,7 @@ namespace airside {
 ///   tokens += writes_per_day / 80, at most a quarter of a day's;  a move counts if |move| >= 0.5 K - 0.09 K tokens,
 ///   and never below 0.05 K; without a token it must be 2 K
 /// so that the long average keeps the budget, and a large move is never late. Plain bytes, part of the durable state.
-/// Source: RELIABILITY "setpoint writes".
+/// Source: docs/box-and-safety.md, "Write budget".
 class WriteBudget {
  public:
   /// Once a cycle, on every control mode.

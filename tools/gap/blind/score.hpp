@@ -1,6 +1,6 @@
 #pragma once
 // How good the verdicts of the blind tests are: verdicts and answer key in, shares with their uncertainty beside the
-// targets out. Nothing here knows how a verdict came about. Both formats are in FORMATS.md.
+// targets out. Nothing here knows how a verdict came about. Both formats are in docs/formats.md.
 
 #include <map>
 #include <nlohmann/json.hpp>
@@ -12,7 +12,7 @@
 
 namespace airside::tools::gap {
 
-/// What a share or a median must reach. Source: GAP.md, "Blind tests".
+/// What a share or a median must reach. Source: docs/gap-workflow.md, "Blind tests".
 struct Target {
   double value = 0;
   bool at_least = true;  ///< false: at most
@@ -48,7 +48,7 @@ struct Confusion {
   std::vector<std::vector<int>> counts;
 };
 
-/// What a set is made of. Planned: GAP.md's table; 0 where it has none.
+/// What a set is made of. Planned: docs/gap-workflow.md, "Blind tests"; 0 where it has none.
 struct SetFacts {
   std::string set;
   int cases = 0, planned = 0;
@@ -88,7 +88,7 @@ struct ScoreTable {
 ScoreTable score(const nlohmann::json& verdicts, const nlohmann::json& key,
                  const std::map<std::string, double>& null_of);
 
-/// Everything, as FORMATS.md says.
+/// Everything, as docs/formats.md says.
 nlohmann::json json_of(const ScoreTable& table);
 
 /// For people: what was tested, targets, slices, spreads, the most frequent confusions, warnings. UTF-8, 120 columns.

@@ -23,7 +23,7 @@ struct NullBlocks {
 /// Sizes of nuisances are those of a grid, one after the other, that make the blocks most probable:
 ///   ln p = -1/2 sum_b (r_b' M_b r_b + ln det M_b^-1)
 /// Cost: no simulation; scores of all candidates once a block, a metric of each block for every size tried.  Source:
-/// DESIGN.md, "Gap workflow".
+/// docs/gap-workflow.md, "3. Reference period".
 NullBlocks null_blocks(const ReferenceFit& fit, const Responses& responses, const Window& window, int block_days = 4);
 
 }  // namespace airside::tools::gap

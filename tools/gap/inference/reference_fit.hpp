@@ -43,7 +43,8 @@ struct ReferenceFit {
 /// fan's power and its flow) must be the same combination in the reference and in the measured period. An engine that
 /// spares runs keeps the responses about the twin itself, in both periods.
 ///   d = (J'J + I)^-1 J' r, J and r whitened.
-/// Errors: as simulate.  Cost: six simulations and one a parameter, beside the responses.  Source: GAP.md, step 2.
+/// Errors: as simulate.  Cost: six simulations and one a parameter, beside the responses.
+/// Source: docs/gap-workflow.md, "3. Reference period".
 ReferenceFit fit_reference(const Engine& engine, const Responses& responses, const Window& window, int jobs = 1);
 
 /// Bins that count: not the first day, which remembers an unknown start.

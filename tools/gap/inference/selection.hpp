@@ -89,7 +89,7 @@ class Selection {
 
   /// All candidates, best first; of the two directions of each place only the better.
   ///   g_k = (z' M_s r)^2 / z' M_s z, one-sided.
-  /// Source: GAP.md, step 5.
+  /// Source: docs/gap-workflow.md, "4. Score of an effect".
   std::vector<Score> scores(const Eigen::VectorXd& residual) const;
   /// M_s v.
   Eigen::VectorXd times(const Eigen::VectorXd& v) const;

@@ -19,7 +19,7 @@ Eigen::MatrixXd binned(const sim::ChannelTable& table);
 /// that are correlated across channels and larger at the hours at which people come, go and move.
 /// A thermostat's duty is compared in means of 3 h: when within them a fan coil ran is a matter of chance, and a sum of
 /// squares of chance differs by more from one run to the next than effects gain.
-/// Source: GAP.md, step 4.
+/// Source: docs/gap-workflow.md, "3. Reference period".
 class NoiseModel {
  public:
   static constexpr int order = 2;

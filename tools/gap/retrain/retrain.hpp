@@ -88,7 +88,7 @@ Retraining retrain(const RetrainPlan& plan, const std::function<void()>& done);
 /// Steps of which done() tells.
 std::size_t retrain_steps(const RetrainPlan& plan);
 
-/// Units are in the names.  Format: FORMATS.md.
+/// Units are in the names.  Format: docs/formats.md.
 nlohmann::json json_of(const Retraining& retraining);
 /// The table for a terminal.
 std::string text_of(const Retraining& retraining);

@@ -11,7 +11,7 @@ namespace airside {
 /// Columns of every matrix that a kernel writes come in multiples of this.
 constexpr int kernel_columns = 16;
 
-/// LeakyReLU's slope below zero.  Source: spec 3.2.
+/// LeakyReLU's slope below zero.  Source: docs/method.md 3.2.
 constexpr double leaky_slope = 0.2;
 
 /// out = end(start + x w), start = bias row, `out` itself, or 0.
