@@ -21,7 +21,7 @@ struct ForecastModel {
 };
 
 /// predict -> score.  Shape: T. Cost: two passes of at most max_candidates forecasts; nothing is allocated.
-/// Source: docs/method.md 6.1, open points 14 to 16.
+/// Source: docs/method.md 6.1, open points 14-16.
 template <Topology T, class Scalar>
 class CandidateSearch {
  public:

@@ -80,7 +80,7 @@ class Validator {
   /// Checks every signal: finite, fresh, in range, not too fast, not stuck; replaces a lost one by its last good
   /// value for at most hold_s, and a single room far from all others by the median of the rooms.
   /// Errors: the first fault whose value can no longer be held; frozen, if no signal has changed for frozen_s;
-  /// disagrees, if more than one room does. Cost: O(signals).  Source: docs/box-and-safety.md, rows 1 to 6.
+  /// disagrees, if more than one room does. Cost: O(signals).  Source: docs/box-and-safety.md, rows 1-6.
   Expected<ValidReading<T>> check(const Reading<T>& reading) {
     ValidReading<T> out;
     out.time_ = reading.time;
