@@ -243,6 +243,7 @@ class Edge final : public Daemon {
     s.rejected_updates = controller_->learning().rejected;
     s.replay_transitions = static_cast<std::uint64_t>(controller_->replay().size());
     s.generation = memory_.generation();
+    s.lost_until = memory_.lost_until();
     s.has_weights = controller_->cycle().has_weights != 0;
     s.storage = memory_.storage();
     const hal::LinkCounters& link = link_.counters();

@@ -51,7 +51,7 @@ class EdgeMemory {
         sync_(sync),
         controller_(controller),
         log_row_(hal::make_log_row(hal::counts_of<T>())),
-        trial_(site.keys_dir, site.inbox_dir, site.state_dir, layout().meaning, sync, site.scope),
+        trial_(site.keys_dir, site.inbox_dir, site.state_dir, layout().meaning, sync, site.scope, site.log_dir),
         export_(site.state_dir, site.name, sync) {}
 
   /// Sizes of the durable state of this topology and build.
@@ -78,7 +78,10 @@ class EdgeMemory {
   /// Loads the newest good state, else begins from the blob, else leaves the controller as it is. Returns the time of
   /// the last row, 0 where there was no state.
   CivilTime resume() {
+    is_new_ = !trial_.has_counters() && !(log_ && log_->holds_past());
     const Found found = load_state();
+    if (found == Found::nothing && !record_was_whole_ && !is_new_ && store_ && store_->ready()) lose_state();
+    trial_.join_counters(record_.trial, record_was_whole_ || (is_new_ && !state_lost_));
     if (found == Found::nothing) {
       begin_from_blob();
       if (blob_bytes_ > 0) remember_history();
@@ -112,6 +115,7 @@ class EdgeMemory {
     }
     // At a start a locked folder ends the daemon; later it means that another one has taken it.
     taken_over_ = !committed && committed.error().fault == hal::StoreFault::locked;
+    if (committed && !has_committed_) find_late_loss(t);
     has_committed_ = has_committed_ || committed;
     row_committed_ = committed.has_value();
     if (committed) {
@@ -134,6 +138,8 @@ class EdgeMemory {
   bool is_well() const { return std::strcmp(storage_, "ok") == 0; }
   /// There was state, and none of it is whole and of this version and topology.
   bool state_lost() const { return state_lost_; }
+  /// Until when what was lost had been learned, as far as row record or log know; 0 where nothing was lost.
+  CivilTime lost_until() const { return lost_until_; }
   /// Another daemon uses the state folder, so the AHU is its.
   bool taken_over() const { return taken_over_; }
   bool release_waits() const { return trial_.release_waits(); }
@@ -244,10 +250,12 @@ class EdgeMemory {
     }
     if (found->outcome == hal::LoadOutcome::none) {
       // Kept files of another version beside none of this one: a start that did not come to its first row.
-      state_lost_ = found->damaged_records > 0 || store_->keeps_other();
-      if (state_lost_) say("state in {}: no saved generation is whole and of this version", site_.state_dir);
-      return forget();
+      const bool lost = found->damaged_records > 0 || store_->keeps_other();
+      record_was_whole_ = found->row_is_whole;
+      if (lost) lose_state();
+      return record_was_whole_ ? forget_weights() : forget();
     }
+    record_was_whole_ = true;
     if (record_.blob_crc != blob_crc_) {
       say("the site names other weights than the state grew from; starting from them");
       return forget_weights();
@@ -258,20 +266,36 @@ class EdgeMemory {
     controller_.restore_decision(record_.decision);
     if (controller_.restored() != Fault::none) {
       say("state in {}: saved weights are not finite", site_.state_dir);
-      state_lost_ = true;
+      lose_state();
       return forget_weights();
     }
     if (log_ && !late) note(log_->resume(found->log), "log");  // late, rows since the start stand there
     char row[hal::civil_text_size];
     const std::string_view text(row, static_cast<std::size_t>(hal::write_civil_text(row, record_.row_time) - row));
     say("resuming after row {} ({}, generation {})", text, hal::text_of(found->outcome), found->generation);
+    if (found->dropped_transitions > 0) {
+      say("{} of {} transitions are damaged and left out of the replay", found->dropped_transitions,
+          found->dropped_transitions + std::min<std::uint64_t>(found->replay_count, Ring::capacity));
+    }
     return Found::state;
+  }
+
+  /// There was state on this box, and what was learned is gone: the schedule runs until a person has seen it.
+  void lose_state() {
+    state_lost_ = true;
+    lost_until_ = record_was_whole_ ? record_.row_time : CivilTime{};
+    if (log_ && log_->ready() && log_->position().bytes > 0) lost_until_ = std::max(lost_until_, log_->last_time());
+    say("state in {}: no saved generation is whole and of this version", site_.state_dir);
+    if (lost_until_.seconds == 0) return say("what this box had learned is lost");
+    char row[hal::civil_text_size];
+    const std::string_view text(row, static_cast<std::size_t>(hal::write_civil_text(row, lost_until_) - row));
+    say("what this box had learned until row {} is lost", text);
   }
 
   /// What another topology or version has learned is lost to this one, but not gone: the schedule runs until a person
   /// has seen it.
   void set_other_aside() {
-    state_lost_ = true;
+    lose_state();
     const hal::StoreResult<void> aside = store_->archive_foreign_state();
     if (aside) say("it is kept there as other-*; control begins anew");
     if (!aside) say("it cannot be set aside: {}; each row tries again", hal::text_of(aside.error().fault));
@@ -282,10 +306,18 @@ class EdgeMemory {
     const bool known = state_lost_;
     const ModeArbiter since_start = controller_.cycle().mode_arbiter;
     const Found found = load_state(true);
+    trial_.join_counters(record_.trial, record_was_whole_);
     if (found == Found::nothing) begin_from_blob();
     controller_.cycle().mode_arbiter.join_releases(since_start, t);
     const bool waits_for_person = found == Found::nothing && since_start.active(Reason::state_lost, t);
     if (state_lost_ && (!known || waits_for_person)) controller_.hold(Reason::state_lost, t, 0);
+  }
+
+  /// The first commit of a start whose state folder was out of reach, onto a medium that turned out to be empty.
+  void find_late_loss(CivilTime t) {
+    if (is_new_ || record_was_whole_ || state_lost_) return;
+    lose_state();
+    controller_.hold(Reason::state_lost, t, 0);
   }
 
   /// Undoes what load_state() may have overwritten.
@@ -338,6 +370,9 @@ class EdgeMemory {
   bool has_committed_ = false, row_committed_ = false;
   bool learning_exchanged_ = false;  ///< and not committed yet
   bool state_lost_ = false, taken_over_ = false;
+  bool is_new_ = false;            ///< at the start nothing said that this box had ever committed
+  bool record_was_whole_ = false;  ///< the last load found a whole row record, with its counters and releases
+  CivilTime lost_until_;
   const char* storage_ = "ok";
 };
 

@@ -110,6 +110,9 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.count("rejected_updates", s.rejected_updates);
   text.count("replay_transitions", s.replay_transitions);
   text.count("generation", s.generation);
+  std::array<char, hal::civil_text_size> lost{};
+  if (s.lost_until.seconds != 0) hal::write_civil_text(lost.data(), s.lost_until);
+  text.string("lost_until", std::string_view(lost.data(), s.lost_until.seconds != 0 ? lost.size() : 0));
   text.string("pushed_weights", s.trial);
   text.add(",\"pushed_crc\":\"{:08x}\"", s.pushed_crc);
   text.string("pushed_refusal", s.trial_refusal);

@@ -23,6 +23,7 @@ struct StatusSnapshot {
   std::span<const double> room_temp_degc = {};
   double target_degc = Decision::none;
   std::string_view fault_signal = {};  ///< name of the signal at fault, or empty
+  CivilTime lost_until = {};           ///< as of DaemonState; 0: nothing was lost at this start
   std::uint64_t cycles = 0, rejected_updates = 0, replay_transitions = 0, generation = 0;
   bool has_weights = false;
   std::string_view storage = "ok";  ///< or what is wrong with it

@@ -14,8 +14,10 @@
 #include "airside/controller/history.hpp"
 #include "airside/controller/instances.hpp"
 #include "firmware/edge/say.hpp"
+#include "hal/storage/digest64.hpp"
 #include "hal/storage/state_copy.hpp"
 #include "hal/weights/blob_file.hpp"
+#include "hal/weights/counter_ledger.hpp"
 #include "hal/weights/mailbox.hpp"
 #include "hal/weights/signature.hpp"
 
@@ -36,10 +38,7 @@ constexpr const char* text_of(TrialState state) {
 /// What is known of pushed weights. Plain bytes; part of the row record, so that weights and counter change in one
 /// commit.
 struct TrialRecord {
-  struct Counter {
-    hal::KeyId key{};
-    std::uint64_t highest = 0;  ///< of the blobs taken from this key
-  };
+  using Counter = hal::KeyCounter;
   std::array<Counter, hal::KeyRing::max_keys> counter{};
   TrialState state = TrialState::none;
   std::uint32_t blob_crc = 0;  ///< of the weights in question
@@ -69,10 +68,11 @@ class WeightsTrial {
   static constexpr double bad_error_k = 1.0;  ///< forecasts of 18 min that err so, and more than those before, are bad
 
   WeightsTrial(const std::string& keys_dir, const std::string& inbox_dir, const std::string& state_dir,
-               std::uint64_t meaning, hal::Sync sync, std::string scope)
+               std::uint64_t meaning, hal::Sync sync, std::string scope, const std::string& log_dir = {})
       : keys_dir_(keys_dir),
         inbox_dir_(inbox_dir),
         copy_(state_dir, meaning, sync),
+        counters_(state_dir, log_dir, sync),
         scope_(std::move(scope)),
         bytes_(std::make_unique<std::array<std::byte, WeightBlob<T>::max_bytes>>()),
         payload_(std::make_unique<Payload>()),
@@ -80,8 +80,11 @@ class WeightsTrial {
     read_keys();
   }
 
-  /// Opens or makes the inbox; before, nothing is collected.
-  void open_inbox() { mailbox_ = hal::Mailbox(inbox_dir_); }
+  /// Opens or makes the inbox, and reads the counters that lie apart; before, nothing is collected.
+  void open_inbox() {
+    mailbox_ = hal::Mailbox(inbox_dir_);
+    counters_.read();
+  }
   /// Whether a person wants the AHU back and no row has told so yet.
   bool release_waits() const { return mailbox_.release_waits(); }
   /// The state is another one, to which nothing of what lies in the inbox was told yet.
@@ -89,6 +92,14 @@ class WeightsTrial {
     mailbox_.tell_anew();
     staged_copy_ = 0;
     finish_mail_ = false;
+    exchange_waits_ = false;
+  }
+  /// Whether this box has committed before, by the counters that lie apart.
+  bool has_counters() const { return counters_.exists(); }
+  /// Joins the counters of the state with those that lie apart. `is_known`: the record is whole, or the box is new.
+  void join_counters(const TrialRecord& record, bool is_known) {
+    counters_.join(record.counter, is_known);
+    if (!counters_.is_known()) say("what was pushed before is unknown: weights are refused until their key is listed");
   }
   /// Once a row, before its commit. Returns whether the learning state was exchanged.
   bool row(CivilTime t, Controller<T>& controller, TrialRecord& record) {
@@ -127,6 +138,9 @@ class WeightsTrial {
     if (finish_mail_) finish_mail_ = !mailbox_.finish(accepted_);
     if (staged_copy_ != 0) (void)copy_.settle(staged_copy_);  // where it fails, load() finds it as it is
     staged_copy_ = 0;
+    if (exchange_waits_) counters_.settle(exchanged_key_);
+    exchange_waits_ = false;
+    counters_.keep();
   }
 
  private:
@@ -147,6 +161,12 @@ class WeightsTrial {
     const BlobError old{Fault::blob_counter, "security_counter"};
     if (counter == nullptr) return old;  // uncovered: a ring holds no more keys than there are counters
     if (header->security_counter <= counter->highest) return old;
+    const std::uint64_t digest = std::max<std::uint64_t>(hal::digest64(bytes), 1);
+    switch (counters_.judge(**key, header->security_counter, digest)) {
+      case hal::CounterLedger::Verdict::newer: break;
+      case hal::CounterLedger::Verdict::old: return old;
+      case hal::CounterLedger::Verdict::unknown: return {Fault::counter_unknown, "security_counter"};
+    }
     if (const BlobError wrong = WeightBlob<T>::check_values(*payload_); wrong.fault != Fault::none) return wrong;
     std::copy(payload_->weights.begin(), payload_->weights.end(), weights_->flat().begin());
     const auto wild = controller.forecast_deviation(payload_->scaler, *weights_);
@@ -156,6 +176,10 @@ class WeightsTrial {
     const typename RoomHead<T>::ConstCovariance covariance(payload_->head_covariance.data());
     if (head && !(canary_excess_k<T>(payload_->head_theta, covariance) <= 0)) {
       return {Fault::blob_value, "room head on canary states"};
+    }
+    // Before anything is exchanged: a power cut may leave the counter ahead of the weights, never behind them.
+    if (!counters_.raise(header->key_id, header->security_counter, digest, keys_)) {
+      return {Fault::state_invalid, "counter of pushed weights"};
     }
     // Weights that are on trial themselves are no way back: the copy that was made before them stays the one.
     if (record.state != TrialState::on_trial) {
@@ -169,6 +193,8 @@ class WeightsTrial {
     }
     exchange_payload<T>(controller, *payload_);
     counter->highest = header->security_counter;
+    exchanged_key_ = header->key_id;
+    exchange_waits_ = true;
     record.state = TrialState::on_trial;
     record.begun_s = t.seconds;
     record.until_s = t.seconds + trial_s;
@@ -313,12 +339,14 @@ class WeightsTrial {
   hal::KeyRing keys_;
   hal::Mailbox mailbox_{""};
   hal::StateCopy copy_;
+  hal::CounterLedger counters_;
   std::string scope_;
   std::unique_ptr<std::array<std::byte, WeightBlob<T>::max_bytes>> bytes_;
   std::unique_ptr<Payload> payload_;
   std::unique_ptr<NetworkWeights<T, float>> weights_;
   std::unique_ptr<Learning> before_ = std::make_unique<Learning>();
-  bool finish_mail_ = false, accepted_ = false;
+  hal::KeyId exchanged_key_{};
+  bool finish_mail_ = false, accepted_ = false, exchange_waits_ = false;  ///< the last: for its commit
   std::uint64_t staged_copy_ = 0;  ///< digest of a copy that waits for the commit that names it
 };
 

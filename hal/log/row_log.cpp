@@ -133,6 +133,7 @@ StoreResult<void> RowLog::remove(FileId id) {
 StoreResult<void> RowLog::open_newest() {
   position_ = {};
   last_time_ = before_all;
+  rows_before_last_ = false;
   file_.close();
   while (file_count_ > 0) {
     const FileId id = files_[file_count_ - 1];
@@ -177,6 +178,7 @@ StoreResult<void> RowLog::find_last_row() {
     if (time && tail.substr(row, last - row).find('\0') == std::string_view::npos) {
       // A file of another day than its rows: what follows must still go to a file that sorts behind it.
       last_time_ = std::max(*time, CivilTime{position_.day * 86400 - 1});
+      rows_before_last_ = begin + row > header_.size();
       break;
     }
     // A line that is no row: the header (nothing logged), or what a power cut left of a row.

@@ -57,6 +57,9 @@ class RowLog {
   /// Time of the last row; before any row, the smallest time.
   CivilTime last_time() const { return last_time_; }
   std::size_t files() const { return file_count_; }
+  /// Whether more than one row lies here, as far as that was looked for at the last opening. One alone may be of a box
+  /// that lost power before its first commit.
+  bool holds_past() const { return file_count_ > 1 || rows_before_last_; }
 
  private:
   struct FileId {
@@ -100,7 +103,8 @@ class RowLog {
   LogPosition resume_at_;               ///< of the last resume(); done again by a log that was not ready. bytes 0: none
   bool sync_failed_ = false;
   bool new_file_unsynced_ = false;
-  bool other_header_ = false;  ///< the newest file has other columns: the next row starts a new file
+  bool rows_before_last_ = false;  ///< in the newest file, when it was opened
+  bool other_header_ = false;      ///< the newest file has other columns: the next row starts a new file
 };
 
 }  // namespace airside::hal

@@ -55,17 +55,19 @@ enum class LoadOutcome : std::uint8_t {
   none = 0,               ///< no usable generation: first start, or everything is damaged
   newest = 1,             ///< the last commit
   older = 2,              ///< the last commit is damaged; an earlier one, whole
-  replay_incomplete = 3,  ///< weights and row are whole, but of the replay only the newest transitions
+  replay_incomplete = 3,  ///< weights and row are whole, but some transitions of the replay are not
 };
 
-/// What load() found. On none the buffers hold nothing of use.
+/// What load() found. On none the buffers hold nothing of use, but the row where row_is_whole.
 struct LoadedState {
   LoadOutcome outcome = LoadOutcome::none;
   std::uint64_t generation = 0;
   std::uint64_t learning_generation = 0;
   std::uint64_t replay_count = 0;  ///< value for the ring's count; smaller than committed on replay_incomplete
   LogPosition log;
-  std::uint32_t damaged_records = 0;  ///< slots that hold something else than a whole record
+  std::uint32_t damaged_records = 0;  ///< slots that hold something else than a whole record, or lack what a row names
+  bool row_is_whole = false;          ///< on none: `row` is that of the newest commit whose row is whole
+  std::uint64_t dropped_transitions = 0;  ///< on replay_incomplete: damaged ones, which the ring closes over
 };
 
 /// Text for logs.
@@ -144,8 +146,9 @@ class DurableStore {
   std::uint64_t run_length(std::uint64_t number, std::uint64_t end) const;
   StoreResult<void> write_replay(std::uint64_t first, std::uint64_t end, std::uint64_t epoch,
                                  std::span<const std::byte> replay);
-  /// Returns the first transition from which on all are whole.
-  std::uint64_t read_replay(const RecordHeader& header, std::span<std::byte> replay);
+  /// Reads what is whole of the replay: transition k to slot k % ring_capacity, or those that are whole one behind the
+  /// other to the slots from 0 on. Returns how many are damaged.
+  std::uint64_t read_replay(const RecordHeader& header, std::span<std::byte> replay, bool close_gaps);
   StoreResult<void> write_record(const StorageFile& file, const RecordHeader& header, const StoredState& state) const;
   /// A header that is not whole comes back with generation 0.
   RecordHeader read_header(const StorageFile& file, RecordKind kind);
@@ -154,8 +157,9 @@ class DurableStore {
   bool read_row_copy(int slot, const RecordHeader& header, std::span<std::byte> row) const;
   void scan();
   struct Candidate;
-  bool read_candidate(const Candidate& candidate, const StateBuffers& into);
-  LoadedState adopt(const Candidate& candidate, std::uint64_t first_whole, std::span<std::byte> replay);
+  bool read_candidate(const Candidate& candidate, const StateBuffers& into, bool& learning_is_damaged);
+  LoadedState adopt(const Candidate& candidate, std::uint64_t damaged_transitions);
+  LoadedState nothing_whole(std::span<std::byte> row);
 
   StoreLayout layout_;
   Sync sync_ = Sync::full;

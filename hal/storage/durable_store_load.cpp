@@ -17,6 +17,11 @@ bool read_whole(const StorageFile& file, std::span<std::byte> into, std::uint64_
   return false;
 }
 
+/// The slot of the newer record for i = 0, of the other one for 1.
+int newer_first(const RecordHeader (&headers)[2], int i) {
+  return headers[0].generation >= headers[1].generation ? i : 1 - i;
+}
+
 }  // namespace
 
 /// A generation that load() may choose: a row record with its learning record, or a learning record with its copy
@@ -86,11 +91,11 @@ bool DurableStore::read_learning(int slot, const RecordHeader& header, std::span
   return read_whole(learning_[slot], learning, payload_offset) && digest64(learning) == header.learning_digest;
 }
 
-std::uint64_t DurableStore::read_replay(const RecordHeader& header, std::span<std::byte> replay) {
+std::uint64_t DurableStore::read_replay(const RecordHeader& header, std::span<std::byte> replay, bool close_gaps) {
   const std::uint64_t end = header.replay_count;
   const std::size_t size = layout_.transition_bytes;
-  std::uint64_t first_whole = first_transition(end);
-  for (std::uint64_t number = first_whole; number < end;) {
+  std::uint64_t damaged = 0, whole = 0;
+  for (std::uint64_t number = first_transition(end); number < end;) {
     const std::uint64_t run = run_length(number, end);
     const std::span<std::byte> chunk(scratch_.get(), static_cast<std::size_t>(run) * stride());
     std::memset(chunk.data(), 0, chunk.size());
@@ -102,23 +107,27 @@ std::uint64_t DurableStore::read_replay(const RecordHeader& header, std::span<st
       std::memcpy(&entry, record.data(), sizeof entry);
       const auto bytes = record.subspan(sizeof entry, size);
       if (entry.number != number || entry.digest != digest64(bytes, number ^ (header.epoch << 40))) {
-        first_whole = number + 1;
+        ++damaged;
         continue;
       }
-      const auto slot = static_cast<std::size_t>(number % layout_.ring_capacity);
+      const auto slot = static_cast<std::size_t>((close_gaps ? whole++ : number) % layout_.ring_capacity);
       std::memcpy(replay.data() + slot * size, bytes.data(), size);
     }
   }
-  return first_whole;
+  return damaged;
 }
 
-bool DurableStore::read_candidate(const Candidate& candidate, const StateBuffers& into) {
+bool DurableStore::read_candidate(const Candidate& candidate, const StateBuffers& into, bool& learning_is_damaged) {
   const bool row = candidate.row_slot >= 0 ? read_row(candidate.row_slot, candidate.header, into.row)
                                            : read_row_copy(candidate.learning_slot, candidate.header, into.row);
-  return row && read_learning(candidate.learning_slot, candidate.header, into.learning);
+  if (!row) return false;
+  if (read_learning(candidate.learning_slot, candidate.header, into.learning)) return true;
+  learning_is_damaged = true;
+  ++damaged_;
+  return false;
 }
 
-LoadedState DurableStore::adopt(const Candidate& candidate, std::uint64_t first_whole, std::span<std::byte> replay) {
+LoadedState DurableStore::adopt(const Candidate& candidate, std::uint64_t damaged_transitions) {
   const RecordHeader& h = candidate.header;
   const LogPosition log{h.log_day, h.log_part, h.log_bytes};
   committed_ = {h.generation,
@@ -145,15 +154,30 @@ LoadedState DurableStore::adopt(const Candidate& candidate, std::uint64_t first_
   state.replay_count = h.replay_count;
   state.log = log;
   state.damaged_records = damaged_;
-  if (first_whole != first_transition(h.replay_count)) {
-    // The whole transitions become numbers 0, 1, 2 ..., so they must start in slot 0.
-    const auto slot = static_cast<std::ptrdiff_t>(first_whole % layout_.ring_capacity);
-    std::rotate(replay.begin(), replay.begin() + slot * static_cast<std::ptrdiff_t>(layout_.transition_bytes),
-                replay.end());
-    state.replay_count = h.replay_count - first_whole;
+  if (damaged_transitions > 0) {  // those that are whole have become numbers 0, 1, 2 ...
+    state.replay_count = h.replay_count - first_transition(h.replay_count) - damaged_transitions;
+    state.dropped_transitions = damaged_transitions;
     rewrite_replay_ = true;
   }
   return state;
+}
+
+/// Where no generation is whole. A row without its learning record, and learning records of more than a first commit
+/// that was cut off, are of a state that is lost.
+LoadedState DurableStore::nothing_whole(std::span<std::byte> row) {
+  LoadedState none;
+  const bool committed = row_header_[0].generation > 0 || row_header_[1].generation > 0;
+  if (committed || highest_generation_ > 1) damaged_ = std::max(damaged_, 1U);
+  none.damaged_records = damaged_;
+  for (int i = 0; i < 2 && !none.row_is_whole; ++i) {
+    const int slot = newer_first(row_header_, i);
+    none.row_is_whole = row_header_[slot].generation > 0 && read_row(slot, row_header_[slot], row);
+  }
+  for (int i = 0; i < 2 && !none.row_is_whole; ++i) {
+    const int slot = newer_first(learning_header_, i);
+    none.row_is_whole = learning_header_[slot].generation > 0 && read_row_copy(slot, learning_header_[slot], row);
+  }
+  return none;
 }
 
 StoreResult<LoadedState> DurableStore::load(const StateBuffers& into) {
@@ -168,9 +192,6 @@ StoreResult<LoadedState> DurableStore::load(const StateBuffers& into) {
   Candidate candidates[6];  // two rows, each with two learning records that may be alike, and these alone
   int count = 0;
   bool whole_row[2] = {false, false};
-  const auto newer_first = [](const RecordHeader(&headers)[2], int i) {
-    return headers[0].generation >= headers[1].generation ? i : 1 - i;
-  };
   for (int i = 0; i < 2; ++i) {
     const int slot = newer_first(row_header_, i);
     const RecordHeader& header = row_header_[slot];
@@ -195,15 +216,17 @@ StoreResult<LoadedState> DurableStore::load(const StateBuffers& into) {
   for (int slot = 0; slot < 2; ++slot) {
     if (whole_row[slot]) newest = std::max(newest, row_header_[slot].generation);
   }
+  bool learning_is_damaged[2] = {false, false};
   for (const bool take_incomplete : {false, true}) {
     for (int i = 0; i < count; ++i) {
-      if (!read_candidate(candidates[i], into)) continue;
+      bool& is_damaged = learning_is_damaged[candidates[i].learning_slot];
+      if (is_damaged || !read_candidate(candidates[i], into, is_damaged)) continue;
       const RecordHeader& header = candidates[i].header;
-      const std::uint64_t first_whole = read_replay(header, into.replay);
-      const bool complete = first_whole == first_transition(header.replay_count);
-      if (!complete && !take_incomplete) continue;
-      LoadedState state = adopt(candidates[i], first_whole, into.replay);
-      state.outcome = !complete                                                    ? LoadOutcome::replay_incomplete
+      std::uint64_t damaged = read_replay(header, into.replay, false);
+      if (damaged > 0 && !take_incomplete) continue;
+      if (damaged > 0) damaged = read_replay(header, into.replay, true);
+      LoadedState state = adopt(candidates[i], damaged);
+      state.outcome = damaged > 0                                                  ? LoadOutcome::replay_incomplete
                       : candidates[i].row_slot >= 0 && header.generation == newest ? LoadOutcome::newest
                                                                                    : LoadOutcome::older;
       return state;
@@ -211,9 +234,7 @@ StoreResult<LoadedState> DurableStore::load(const StateBuffers& into) {
   }
   refused_ = other_layout_;
   if (other_layout_) return tl::make_unexpected(StoreError{StoreFault::other_layout, 0, "load state"});
-  LoadedState none;
-  none.damaged_records = damaged_;
-  return none;
+  return nothing_whole(into.row);
 }
 
 }  // namespace airside::hal

@@ -94,6 +94,12 @@ BlobComplaint complaint_of(Fault fault) {
     case Fault::blob_counter:
       return {"a blob as old as one that was taken, or older", "a higher counter",
               "airside sign it again, if it is really to be taken"};
+    case Fault::counter_unknown:
+      return {
+          "nothing that says which blobs of this key were taken: state and counters are lost",
+          "a counter above the last one that was taken",
+          "write a line `KEY_ID LAST_COUNTER` into the file `counters` of [weights] keys (both stand in `airside blob "
+          "inspect` of the last blob that was pushed; 0 takes any), then push again"};
     case Fault::blob_taken_back:
       return {"a rollback that came after it", "a blob that nobody took back", "push it again, if it is to be taken"};
     case Fault::state_invalid:

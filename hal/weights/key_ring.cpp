@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <charconv>
 #include <filesystem>
 #include <stdexcept>
 #include <vector>
@@ -24,6 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view public_word = "airside-public-key-1", secret_word = "airside-secret-key-1";
 constexpr const char* revoked_name = "revoked";
+constexpr const char* counters_name = "counters";
 static_assert(sizeof(PublicKey::bytes) == crypto_sign_PUBLICKEYBYTES);
 static_assert(sizeof(SecretKey::bytes) == crypto_sign_SECRETKEYBYTES);
 
@@ -71,7 +73,7 @@ bool read_hex(std::string_view hex, std::span<std::uint8_t> bytes) {
          sodium_hex2bin(bytes.data(), bytes.size(), hex.data(), hex.size(), nullptr, nullptr, nullptr) == 0;
 }
 
-constexpr std::size_t key_file_bytes = 512, revoked_file_bytes = 16384;
+constexpr std::size_t key_file_bytes = 512, list_file_bytes = 16384;
 
 void refuse_longer(const std::string& path, const std::string& text, std::size_t most) {
   if (text.size() <= most) return;
@@ -95,10 +97,10 @@ KeyName read_key(const std::string& path, std::string_view word, std::array<std:
   return KeyName(line.name);
 }
 
-/// Calls `take(id)` for each key id of the text of a file `revoked`. Returns the number of the first line that is
-/// none, 0 for a good list.
+/// Calls `take(id, rest)` for each line of a list of key ids. Returns the number of the first line that has none or
+/// whose rest is not taken, 0 for a good list.
 template <class Take>
-int read_revoked(std::string_view text, const Take& take) {
+int read_id_list(std::string_view text, const Take& take) {
   for (int number = 1; !text.empty(); ++number) {
     std::string_view line = first_line(text);
     text.remove_prefix(std::min(text.size(), line.size() + 1));
@@ -106,10 +108,30 @@ int read_revoked(std::string_view text, const Take& take) {
     const std::string_view id = take_word(line);
     if (id.empty()) continue;
     KeyId key{};
-    if (!line.empty() || !read_hex(id, key)) return number;
-    take(key);
+    if (!read_hex(id, key) || !take(key, line)) return number;
   }
   return 0;
+}
+
+/// As read_id_list, of lines that hold the id alone.
+template <class Take>
+int read_revoked(std::string_view text, const Take& take) {
+  return read_id_list(text, [&take](const KeyId& id, std::string_view rest) {
+    if (rest.empty()) take(id);
+    return rest.empty();
+  });
+}
+
+/// As read_id_list, of lines with a counter behind the id.
+template <class Take>
+int read_counters(std::string_view text, const Take& take) {
+  return read_id_list(text, [&take](const KeyId& id, std::string_view rest) {
+    std::uint64_t counter = 0;
+    const auto read = std::from_chars(rest.data(), rest.data() + rest.size(), counter);
+    if (rest.empty() || read.ec != std::errc() || read.ptr != rest.data() + rest.size()) return false;
+    take(id, counter);
+    return true;
+  });
 }
 
 /// The bytes of a small file, read to `buffer`. -1: none that can be read; longer than the buffer is not whole.
@@ -183,6 +205,14 @@ void KeyRing::revoke(const KeyId& id) {
   }
 }
 
+void KeyRing::give_counter(const KeyId& id, std::uint64_t counter) {
+  for (PublicKey& key : keys_) {
+    if (key.id != id) continue;
+    key.last_counter = std::max(counter, key.last_counter);  // of two lines the stricter one
+    key.counter_given = true;
+  }
+}
+
 KeyRing KeyRing::load(const std::string& dir) {
   need_sodium();
   KeyRing ring;
@@ -198,14 +228,25 @@ KeyRing KeyRing::load(const std::string& dir) {
                      "remove those of people who send no weights any more");
   }
   for (const fs::path& file : files) ring.add(read_public_key(file.string()));
-  const fs::path list = fs::path(dir) / revoked_name;
-  if (!fs::exists(list)) return ring;
-  const std::string text = read_text_file(list.string(), "key ids in hex, one a line");
-  refuse_longer(list.string(), text, revoked_file_bytes);
-  const int bad = read_revoked(text, [&ring](const KeyId& id) { ring.revoke(id); });
-  if (bad != 0) {
-    throw InputError(fmt::format("{}:{}", list.string(), bad), "a line that is none", "a key id of 16 hex digits",
+  const auto text_of_list = [&dir](const char* name, const char* what) {
+    const fs::path list = fs::path(dir) / name;
+    if (!fs::exists(list)) return std::string();
+    std::string text = read_text_file(list.string(), what);
+    refuse_longer(list.string(), text, list_file_bytes);
+    return text;
+  };
+  const std::string revoked = text_of_list(revoked_name, "key ids in hex, one a line");
+  if (const int bad = read_revoked(revoked, [&ring](const KeyId& id) { ring.revoke(id); }); bad != 0) {
+    throw InputError(fmt::format("{}/{}:{}", dir, revoked_name, bad), "a line that is none",
+                     "a key id of 16 hex digits",
                      "take it from `airsided --check`, which lists the keys, or from `airside blob inspect`");
+  }
+  const std::string counters = text_of_list(counters_name, "key ids in hex, each with a counter, one a line");
+  const auto give = [&ring](const KeyId& id, std::uint64_t counter) { ring.give_counter(id, counter); };
+  if (const int bad = read_counters(counters, give); bad != 0) {
+    throw InputError(fmt::format("{}/{}:{}", dir, counters_name, bad), "a line that is none",
+                     "a key id of 16 hex digits and the last counter that was taken from it",
+                     "take both from `airside blob inspect` of the last blob that was pushed");
   }
   return ring;
 }
@@ -223,11 +264,22 @@ std::string describe(const KeyRing& ring) {
 const char* KeyRing::revoke_listed(int dir_fd) {
   struct stat status {};
   if (::fstatat(dir_fd, revoked_name, &status, 0) != 0 && errno == ENOENT) return nullptr;
-  std::array<char, revoked_file_bytes> text;
+  std::array<char, list_file_bytes> text;
   const long got = read_small(dir_fd, revoked_name, text);
   if (got < 0) return "cannot be read, or is longer than 16 kB: no key is trusted";
   const int bad = read_revoked({text.data(), static_cast<std::size_t>(got)}, [this](const KeyId& id) { revoke(id); });
   return bad == 0 ? nullptr : "has a line that is no key id of 16 hex digits: no key is trusted";
+}
+
+const char* KeyRing::give_listed_counters(int dir_fd) {
+  struct stat status {};
+  if (::fstatat(dir_fd, counters_name, &status, 0) != 0 && errno == ENOENT) return nullptr;
+  std::array<char, list_file_bytes> text;
+  const long got = read_small(dir_fd, counters_name, text);
+  if (got < 0) return "cannot be read, or is longer than 16 kB; left out";
+  const int bad = read_counters({text.data(), static_cast<std::size_t>(got)},
+                                [this](const KeyId& id, std::uint64_t counter) { give_counter(id, counter); });
+  return bad == 0 ? nullptr : "has a line that is no key id with a counter; it and those behind it are left out";
 }
 
 const char* KeyRing::reload(const char* dir, Tell tell) {
@@ -255,6 +307,8 @@ const char* KeyRing::reload(const char* dir, Tell tell) {
     if (!add(key)) tell(name, "is one more than the 16 that a box keeps; left out");
     return true;
   });
+  if (const char* left_out = give_listed_counters(folder.descriptor()); left_out != nullptr)
+    tell(counters_name, left_out);
   const char* wrong = revoke_listed(folder.descriptor());
   if (!listed) wrong = "stands in a folder that cannot be listed: no key is trusted";  // uncovered: one that was opened
   if (wrong == nullptr) return nullptr;

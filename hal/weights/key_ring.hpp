@@ -28,6 +28,8 @@ struct PublicKey {
   std::array<std::uint8_t, 32> bytes{};
   KeyId id{};  ///< first bytes of BLAKE2b of the key, as in a blob's header
   bool revoked = false;
+  bool counter_given = false;      ///< by the file `counters` of the keys folder
+  std::uint64_t last_counter = 0;  ///< then: blobs up to this one are old
   KeyName name;
 };
 
@@ -48,7 +50,8 @@ std::string secret_key_text(const SecretKey& key);
 PublicKey read_public_key(const std::string& path);
 SecretKey read_secret_key(const std::string& path);
 
-/// The keys of a folder: `*.pub`, and those named in a file `revoked`, one key id in hex a line.
+/// The keys of a folder: `*.pub`, those named in a file `revoked`, one key id in hex a line, and the last counters that
+/// a person has written into a file `counters`, a key id and a number a line.
 class KeyRing {
  public:
   static constexpr std::size_t max_keys = 16;  ///< as many as a box keeps counters for
@@ -72,7 +75,9 @@ class KeyRing {
 
  private:
   void revoke(const KeyId& id);
+  void give_counter(const KeyId& id, std::uint64_t counter);
   const char* revoke_listed(int dir_fd);
+  const char* give_listed_counters(int dir_fd);
 
   std::array<PublicKey, max_keys> keys_{};
   std::size_t size_ = 0;

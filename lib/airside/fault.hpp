@@ -39,6 +39,7 @@ enum class Fault : std::uint8_t {
   other_device = 28,       ///< the device is not the one that the point map describes
   blob_taken_back = 29,    ///< whoever sent it asked for a way back before it was tried
   no_way_back = 30,        ///< the weights before the pushed ones cannot be read
+  counter_unknown = 31,    ///< what was taken before is lost, so that a blob cannot be told to be newer
 };
 
 constexpr const char* text_of(Fault fault) {
@@ -74,6 +75,7 @@ constexpr const char* text_of(Fault fault) {
     case Fault::other_device: return "other device";
     case Fault::blob_taken_back: return "blob taken back";
     case Fault::no_way_back: return "no way back";
+    case Fault::counter_unknown: return "counter unknown";
   }
   return "unknown";
 }

@@ -97,6 +97,7 @@ FaultLoop::FaultLoop(const PreparedRoom& prepared)
   trial_ = std::make_unique<edge::WeightsTrial<T>>(prepared.folder.file("keys").string(), (folder_ / "inbox").string(),
                                                    folder_.string(), 5, hal::Sync::none, "Room 301");
   trial_->open_inbox();
+  trial_->join_counters(record_, true);
   pushed_ = controller_->replay().total_pushed();
   controller_->prepare();
 }
@@ -139,6 +140,7 @@ void FaultLoop::restart(const Saved& from) {
   trial_ = std::make_unique<edge::WeightsTrial<T>>(prepared_.folder.file("keys").string(), (folder_ / "inbox").string(),
                                                    folder_.string(), 5, hal::Sync::none, "Room 301");
   trial_->open_inbox();
+  trial_->join_counters(record_, true);
 }
 
 void FaultLoop::kill(bool from_older) {

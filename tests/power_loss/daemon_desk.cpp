@@ -209,7 +209,9 @@ void DaemonDesk::wish(const std::string& name, const std::string& record) {
 
 std::vector<std::string> DaemonDesk::rows() const {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(box() / "log")) files.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(box() / "log")) {
+    if (entry.path().extension() == ".csv") files.push_back(entry.path());
+  }
   std::sort(files.begin(), files.end());
   std::vector<std::string> rows;
   for (const fs::path& path : files) {

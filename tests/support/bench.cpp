@@ -174,7 +174,9 @@ std::unique_ptr<Child> Bench::start_daemon(bool sync, const std::vector<std::str
 
 LogText Bench::log() const {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder_ / "log")) files.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(folder_ / "log")) {
+    if (entry.path().extension() == ".csv") files.push_back(entry.path());
+  }
   std::sort(files.begin(), files.end());
   LogText text;
   for (const fs::path& path : files) {
@@ -190,6 +192,7 @@ std::size_t Bench::logged_rows() const {
   std::size_t files = 0;
   fs::path newest;
   for (const auto& entry : fs::directory_iterator(folder_ / "log")) {
+    if (entry.path().extension() != ".csv") continue;
     ++files;
     newest = std::max(newest, entry.path());
   }

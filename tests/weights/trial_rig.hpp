@@ -27,10 +27,13 @@ class Trial : public ::testing::Test {
     open();
     rig.cycles(6);
   }
-  void open() {
+  /// A process's trial of weights; `is_known`: as WeightsTrial::join_counters().
+  void open(bool is_known = true) {
     trial = std::make_unique<edge::WeightsTrial<T>>(folder.file("keys").string(), folder.file("inbox").string(),
-                                                    folder.file("state").string(), 5, hal::Sync::none, "Room 301");
+                                                    folder.file("state").string(), 5, hal::Sync::none, "Room 301",
+                                                    folder.file("log").string());
     trial->open_inbox();
+    trial->join_counters(record, is_known);
   }
 
   void push(const Bytes& bytes) {
