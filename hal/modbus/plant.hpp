@@ -79,6 +79,7 @@ class ModbusPlant {
     if (setpoint_slot_ >= 0) reading.setpoint_degc = poller_.value(setpoint_slot_);
     setpoint_.saw(reading.setpoint_degc);
     if (supply_slot_ >= 0) reading.supply_temp_degc = poller_.value(supply_slot_);
+    if (flow_slot_ >= 0) reading.flows = poller_.value(flow_slot_);
     reading.time = clock_.now();
     if (clock_slot_ >= 0) {
       if (poller_.fault(clock_slot_) != Fault::none) return tl::unexpected(Fault::no_reading);
@@ -147,7 +148,8 @@ class ModbusPlant {
     return !other_device_;
   }
 
-  /// Signals in the order of Layout<T>, then whatever else the map has of setpoint, supply_temp, clock, heartbeat.
+  /// Signals in the order of Layout<T>, then whatever else the map has of setpoint, supply_temp, ahu_on, clock,
+  /// heartbeat.
   std::vector<Point> points_to_read(const PointMap& map) {
     map.check_topology(T::vavs, T::fcus, T::powers);
     std::vector<Point> points;
@@ -159,6 +161,7 @@ class ModbusPlant {
     };
     setpoint_slot_ = add(setpoint_.readback());
     supply_slot_ = add(map.find("supply_temp"));
+    flow_slot_ = add(map.find("ahu_on"));
     clock_slot_ = add(map.find("clock_s"));
     const Point* beat = map.find("device_heartbeat");
     const Point* only_read = map.find("heartbeat");
@@ -168,7 +171,7 @@ class ModbusPlant {
   }
 
   ModbusLink* link_;
-  int setpoint_slot_ = -1, supply_slot_ = -1, clock_slot_ = -1, beat_slot_ = -1;
+  int setpoint_slot_ = -1, supply_slot_ = -1, flow_slot_ = -1, clock_slot_ = -1, beat_slot_ = -1;
   ModbusSetpoint setpoint_;
   SystemClock clock_;
   ModbusPoller poller_;

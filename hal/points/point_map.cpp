@@ -26,11 +26,12 @@ struct KnownPoint {
   const char* name;
   const char* unit;
 };
-constexpr std::array<KnownPoint, 10> single_points = {{{"mau_temp", "degc"},
+constexpr std::array<KnownPoint, 11> single_points = {{{"mau_temp", "degc"},
                                                        {"outdoor_temp", "degc"},
                                                        {"rain", ""},
                                                        {"setpoint", "degc"},
                                                        {"supply_temp", "degc"},
+                                                       {"ahu_on", ""},
                                                        {"clock_s", "s"},
                                                        {"clock_advance_s", "s"},
                                                        {"heartbeat", ""},

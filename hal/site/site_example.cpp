@@ -17,7 +17,7 @@ std::string example_site_text(const std::string& topology) {
 room_temp_degc = 25.25   # mean of the rooms to hold, degC
 work_start = "07:00"     # local time; standard time unless daylight_saving is set
 work_end = "19:00"
-weekday_only = false     # true: Saturday and Sunday are days off
+weekday_only = false     # true: Saturday and Sunday are days off, with a daily profile of their own
 
 [setpoint]               # supply-air temperature setpoint
 min_degc = 20.0          # the controller chooses from min to max
@@ -25,6 +25,7 @@ max_degc = 26.0
 step_k = 0.1
 max_change_k = 4.5       # largest change from one 18-min cycle to the next
 round_k = 0.01           # resolution of what is written
+outside = "step"         # a setpoint found outside min and max: "step" max_change_k a cycle towards them, or "jump" inside
 
 [expert]                 # the schedule that the room had before, and falls back to
 work_degc = 20.5         # in working hours
@@ -78,6 +79,11 @@ port = 8350
 names = []               # host names that people may call it by, such as ["ahu-3.example.org"]
 tls_cert = ""            # PEM files
 tls_key = ""
+
+[ahu]                    # when its fan runs: at other times supply air cannot follow its setpoint, which is no alarm
+fan_start = "00:00"      # local time; a point ahu_on (1 runs, 0 stands still) in the point map goes before
+fan_end = "24:00"
+weekday_only = false     # true: it stands still on Saturday and Sunday
 
 # A model of the building, for training before anything is installed:
 # [twin]

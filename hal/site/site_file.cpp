@@ -28,6 +28,9 @@ constexpr OwnKey own_keys[] = {
     {"work_start_h", "work_start in [target]"},
     {"work_end_h", "work_end in [target]"},
     {"weekday_only", "weekday_only in [target]"},
+    {"fan_start_h", "fan_start in [ahu]"},
+    {"fan_end_h", "fan_end in [ahu]"},
+    {"fan_weekday_only", "weekday_only in [ahu]"},
     {"daylight_saving", "daylight_saving in [clock]"},
     {"utc_offset_h", "utc_offset_h in [clock]"},
     {"action_min_degc", "min_degc in [setpoint]"},
@@ -35,6 +38,7 @@ constexpr OwnKey own_keys[] = {
     {"action_step_k", "step_k in [setpoint]"},
     {"limit_change_k", "max_change_k in [setpoint]"},
     {"round_k", "round_k in [setpoint]"},
+    {"outside_jump", "outside in [setpoint]"},
     {"expert_work_degc", "work_degc in [expert]"},
     {"expert_off_degc", "off_degc in [expert]"},
 };
@@ -117,12 +121,25 @@ void read_target(TomlSection root, SiteFile& out) {
   root.refuse_unknown_keys();
 }
 
+void read_ahu(TomlSection root, SiteFile& out) {
+  out.fan_start_s = root.time_of_day("fan_start", out.fan_start_s);
+  out.fan_end_s = root.time_of_day("fan_end", out.fan_end_s);
+  out.fan_weekday_only = root.flag("weekday_only", out.fan_weekday_only);
+  if (out.fan_start_s >= out.fan_end_s) {
+    const char* key = root.has("fan_end") ? "fan_end" : "fan_start";
+    throw InputError(root.place(key), root.found(key), "fan_start before fan_end on the same day",
+                     "exchange the two; a fan that also runs over midnight is shown by a point ahu_on");
+  }
+  root.refuse_unknown_keys();
+}
+
 void read_setpoint(TomlSection root, SiteFile& out) {
   out.setpoint_min_degc = root.number("min_degc", out.setpoint_min_degc, 5, 40, "degC");
   out.setpoint_max_degc = root.number("max_degc", out.setpoint_max_degc, 5, 40, "degC");
   out.setpoint_step_k = root.number("step_k", out.setpoint_step_k, 0.05, 2, "K");
   out.setpoint_max_change_k = root.number("max_change_k", out.setpoint_max_change_k, 0.01, 20, "K");
   out.setpoint_round_k = root.number("round_k", out.setpoint_round_k, 0.001, 1, "K");
+  out.setpoint_outside_jump = root.choice("outside", {"step", "jump"}, 0) == 1;
   if (out.setpoint_min_degc >= out.setpoint_max_degc) {
     const char* key = root.has("max_degc") ? "max_degc" : "min_degc";
     throw InputError(root.place(key), root.found(key), "min_degc below max_degc", "exchange the two values");
@@ -290,6 +307,7 @@ SiteFile parse_site_text(std::string_view text, const std::string& path, const S
   TomlSection root(&table, "", path);
   read_site(root.section("site"), out, rules);
   read_target(root.section("target"), out);
+  read_ahu(root.section("ahu"), out);
   read_setpoint(root.section("setpoint"), out);
   read_expert(root.section("expert"), out);
   read_controller(root.section("controller"), out, rules);

@@ -68,10 +68,15 @@ struct SiteFile {
   int work_end_s = 19 * 3600;
   bool weekday_only = false;
 
+  int fan_start_s = 0;  ///< [ahu]: when its fan runs, s since midnight; 0 to 24 h: always
+  int fan_end_s = 24 * 3600;
+  bool fan_weekday_only = false;
+
   double setpoint_min_degc = 20, setpoint_max_degc = 26;  ///< [setpoint]
   double setpoint_step_k = 0.1;
   double setpoint_max_change_k = 4.5;  ///< from one cycle to the next
   double setpoint_round_k = 0.01;
+  bool setpoint_outside_jump = false;  ///< outside = "jump": found outside the limits, it is brought inside at once
 
   double expert_work_degc = 20.5, expert_off_degc = 25.0;  ///< [expert]
 

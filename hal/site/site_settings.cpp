@@ -33,7 +33,10 @@ ControllerSettings controller_settings(const SiteFile& site) {
   s.target_degc = site.room_temp_degc;
   s.work_start_h = site.work_start_s / 3600.0;
   s.work_end_h = site.work_end_s / 3600.0;
-  s.weekday_only = site.weekday_only ? 1 : 0;
+  s.weekday_only = site.weekday_only ? 1 : 0;  // the room head's day types follow it, unless overridden
+  s.fan_start_h = site.fan_start_s / 3600.0;
+  s.fan_end_h = site.fan_end_s / 3600.0;
+  s.fan_weekday_only = site.fan_weekday_only ? 1 : 0;
   s.daylight_saving = site.daylight_saving;
   s.utc_offset_h = site.utc_offset_h;
   s.action_min_degc = s.limit_min_degc = site.setpoint_min_degc;
@@ -41,6 +44,7 @@ ControllerSettings controller_settings(const SiteFile& site) {
   s.action_step_k = site.setpoint_step_k;
   s.limit_change_k = site.setpoint_max_change_k;
   s.round_k = site.setpoint_round_k;
+  s.outside_jump = site.setpoint_outside_jump ? 1 : 0;
   s.expert_work_degc = site.expert_work_degc;
   s.expert_off_degc = site.expert_off_degc;
   for (const auto& [name, value] : site.overrides) {

@@ -16,11 +16,16 @@ struct ControllerSettings {
   double target_degc = 25.25;      ///< room temperature to hold, mean of the VAVs (spec 1)
   double work_start_h = 7.0;       ///< hours; scoring and the expert's day start here (spec 2)
   double work_end_h = 19.0;        ///< hours
-  int weekday_only = 0;            ///< 1: Saturday and Sunday are days off (spec OPEN-19)
+  int weekday_only = 0;            ///< 1: Saturday and Sunday are days off, for schedule, scoring and room head
   int daylight_saving = 0;         ///< 0 none, 1 European Union, 2 United States (civil_time.hpp)
   double utc_offset_h = 0;         ///< of local standard time, hours east; the European rule needs it
   double expert_work_degc = 20.5;  ///< schedule in working hours (spec 6.3)
   double expert_off_degc = 25.0;   ///< schedule outside
+
+  // When the AHU's fan runs, where no point shows it. While it stands still, supply air cannot follow its setpoint.
+  double fan_start_h = 0.0;  ///< hours; 0 to 24: always on
+  double fan_end_h = 24.0;   ///< hours
+  int fan_weekday_only = 0;  ///< 1: it stands still on Saturday and Sunday
 
   // Action set (OPEN-15)
   double action_min_degc = 20.0;
@@ -70,12 +75,13 @@ struct ControllerSettings {
   double head_gain_min = 0.2, head_gain_max = 1.2;  ///< K/K, bounds of the setpoint gain
   double head_gain_prior = 0.6, head_gain_prior_sd = 0.3;
   double head_weight = 1.0;  ///< weight of the head when both forecasts err alike, 0..1
-  int head_day_types = 1;    ///< 1: one profile; 2: another one for days off
+  int head_day_types = 0;    ///< 1: one profile; 2: another one for days off; 0: 2 where weekday_only is 1, else 1
 
   // Safety envelope
-  double limit_min_degc = 18.0;  ///< nothing below is ever written
+  double limit_min_degc = 18.0;  ///< nothing below is written, but on the way back from further outside (envelope.hpp)
   double limit_max_degc = 27.0;
   double limit_change_k = 6.0;  ///< largest change from one cycle to the next
+  int outside_jump = 0;         ///< 1: a setpoint found outside the limits is brought inside at once, not in steps
   double round_k = 0.01;        ///< resolution of what is written (OPEN-18)
   /// The AHU's register holds offset + n * step, and is read back in steps of its own; 0: any value. Of the point map.
   double register_step_k = 0, register_offset_degc = 0, readback_step_k = 0;
@@ -139,6 +145,9 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
     AIRSIDE_REAL(utc_offset_h, -12, 14),
     AIRSIDE_REAL(expert_work_degc, 5, 40),
     AIRSIDE_REAL(expert_off_degc, 5, 40),
+    AIRSIDE_REAL(fan_start_h, 0, 24),
+    AIRSIDE_REAL(fan_end_h, 0, 24),
+    AIRSIDE_WHOLE(fan_weekday_only, 0, 1),
     AIRSIDE_REAL(action_min_degc, 5, 40),
     AIRSIDE_REAL(action_max_degc, 5, 40),
     AIRSIDE_REAL(action_step_k, 0.05, 2),
@@ -184,10 +193,11 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
     AIRSIDE_REAL(head_gain_prior, 0, 10),
     AIRSIDE_REAL(head_gain_prior_sd, 1e-3, 10),
     AIRSIDE_REAL(head_weight, 0, 1),
-    AIRSIDE_WHOLE(head_day_types, 1, max_day_types),
+    AIRSIDE_WHOLE(head_day_types, 0, max_day_types),
     AIRSIDE_REAL(limit_min_degc, 0, 50),
     AIRSIDE_REAL(limit_max_degc, 0, 50),
     AIRSIDE_REAL(limit_change_k, 0.01, 50),
+    AIRSIDE_WHOLE(outside_jump, 0, 1),
     AIRSIDE_REAL(round_k, 0.001, 1),
     AIRSIDE_REAL(hold_s, 0, 86400),
     AIRSIDE_REAL(writes_per_day, 0, 80),
@@ -214,8 +224,8 @@ constexpr bool settings_valid(const ControllerSettings& s) {
     if (!(v >= e.min && v <= e.max)) return false;
   }
   const double candidates = (s.action_max_degc - s.action_min_degc) / s.action_step_k;
-  return s.work_start_h < s.work_end_h && s.action_min_degc < s.action_max_degc && candidates < max_candidates - 1 &&
-         s.limit_min_degc < s.limit_max_degc && s.head_gain_min < s.head_gain_max;
+  return s.work_start_h < s.work_end_h && s.fan_start_h < s.fan_end_h && s.action_min_degc < s.action_max_degc &&
+         candidates < max_candidates - 1 && s.limit_min_degc < s.limit_max_degc && s.head_gain_min < s.head_gain_max;
 }
 
 static_assert(settings_valid(product_settings()));

@@ -243,14 +243,18 @@ void FaultLoop::look_at_write(double a) {
   const ControllerSettings& s = controller_->settings();
   ++watchman_.writes;
   if (!std::isfinite(a)) return complain(watchman_.not_finite, "a setpoint that is no number");
-  if (a < s.limit_min_degc || a > s.limit_max_degc) complain(watchman_.outside, fmt::format("{} degC", a));
+  // Outside the limits only on the way back from further outside.
+  const bool way_in =
+      (seen_standing_degc_ < a && a < s.limit_min_degc) || (seen_standing_degc_ > a && a > s.limit_max_degc);
+  if (!way_in && (a < s.limit_min_degc || a > s.limit_max_degc)) {
+    complain(watchman_.outside, fmt::format("{} degC", a));
+  }
   if (controller_->decision().mode == ControlMode::release) complain(watchman_.while_released, "a write in RELEASE");
   // Somebody may have moved the register since it was last seen; nobody can know his step.
   const double standing = model_->standing_degc();
   if (standing != seen_standing_degc_) return;
-  const double from = std::clamp(standing, s.limit_min_degc, s.limit_max_degc);
   const double resolution = 0.011;
-  if (std::abs(a - from) > s.limit_change_k + resolution) {
+  if (std::abs(a - standing) > s.limit_change_k + resolution) {
     complain(watchman_.beyond_a_step, fmt::format("{} degC on {}", a, standing));
   }
 }

@@ -36,9 +36,10 @@ class SetpointLedger {
     const double asked = raw(e.asked, at);
     ++writes;
     altered += asked != raw(e.forwarded, at);
-    outside += !(asked >= min_ - 1e-9 && asked <= max_ + 1e-9);
+    const bool way_in = (standing_ < asked && asked < min_) || (standing_ > asked && asked > max_);
+    outside += !(way_in || (asked >= min_ - 1e-9 && asked <= max_ + 1e-9));
     if (std::isfinite(standing_)) {
-      const double step = std::abs(asked - std::clamp(standing_, min_, max_));
+      const double step = std::abs(asked - standing_);
       widest_step_k = std::max(widest_step_k, step);
       too_wide += step > step_ + 1e-9;
     }

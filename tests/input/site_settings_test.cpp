@@ -2,6 +2,8 @@
 
 #include "hal/site/site_settings.hpp"
 
+#include "airside/forecast/room_head.hpp"
+#include "airside/supervision/schedule.hpp"
 #include "support/complaint.hpp"
 
 namespace airside::hal {
@@ -47,6 +49,37 @@ TEST(SiteSettings, ARegisterThatIsTooCoarseForTheLimitsIsRefused) {
     refuse_contradiction(site_of("[setpoint]\nmax_change_k = 0.5\n"),
                          map_of("int16,big,big,1,0,8,32,,,0x8000,on-change,6,18,self"));
   });
+}
+
+TEST(SiteSettings, WeekdayOnlyGivesDaysOffAProfileOfTheirOwnUnlessOverridden) {
+  EXPECT_EQ(day_types_of(controller_settings(site_of(""))), 1);
+  const std::string days_off = "[target]\nweekday_only = true\n";
+  EXPECT_EQ(day_types_of(controller_settings(site_of(days_off))), 2);
+  EXPECT_EQ(day_types_of(controller_settings(site_of(days_off + "[controller.override]\nhead_day_types = 1\n"))), 1);
+  EXPECT_EQ(day_types_of(controller_settings(site_of("[controller.override]\nhead_day_types = 2\n"))), 2);
+}
+
+TEST(SiteSettings, TheFanRunsAlwaysUnlessTheSiteSaysWhen) {
+  constexpr CivilTime monday_8{1'627'862'400 + 8 * 3600};  // 2021-08-02
+  const CivilTime night{monday_8.seconds + 14 * 3600}, saturday_8{monday_8.seconds + 5 * 86400};
+  const ControllerSettings always = controller_settings(site_of(""));
+  const ControllerSettings office =
+      controller_settings(site_of("[ahu]\nfan_start = \"06:00\"\nfan_end = \"20:00\"\nweekday_only = true\n"));
+  for (const CivilTime t : {monday_8, night, saturday_8}) EXPECT_TRUE(air_flows(always, t, std::nan("")));
+  EXPECT_TRUE(air_flows(office, monday_8, std::nan("")));
+  EXPECT_FALSE(air_flows(office, night, std::nan("")));
+  EXPECT_FALSE(air_flows(office, saturday_8, std::nan("")));
+  EXPECT_TRUE(air_flows(office, night, 1)) << "a point goes before the schedule";
+  EXPECT_FALSE(air_flows(office, monday_8, 0));
+  expect_complaint({"ahu.fan_end", "06:00", "fan_start before fan_end", "ahu_on"},
+                   [] { (void)site_of("[ahu]\nfan_start = \"06:00\"\nfan_end = \"06:00\"\n"); });
+}
+
+TEST(SiteSettings, ASetpointOutsideTheLimitsIsMovedInStepsUnlessTheSiteSaysJump) {
+  EXPECT_EQ(controller_settings(site_of("")).outside_jump, 0);
+  EXPECT_EQ(controller_settings(site_of("[setpoint]\noutside = \"jump\"\n")).outside_jump, 1);
+  expect_complaint({"setpoint.outside", "leap", "one of step, jump", ""},
+                   [] { (void)site_of("[setpoint]\noutside = \"leap\"\n"); });
 }
 
 TEST(SiteSettings, TakeTheRegistersStepsFromThePointMap) {

@@ -79,6 +79,21 @@ TEST(ModbusPlant, SensesEverySignalRoundedAsThePointMapSays) {
   EXPECT_EQ(bench.link.counters().exchanges, 5U) << "which is asked once a connection";
 }
 
+TEST(ModbusPlant, ReadsWhetherTheFanRunsWhereTheMapHasIt) {
+  Bench without(five_zone_map());
+  without.served.start();
+  const auto unknown = without.plant.sense();
+  ASSERT_TRUE(unknown);
+  EXPECT_TRUE(std::isnan(unknown->flows));
+  Bench bench(
+      five_zone_map("setpoint,degc,3,0,", "ahu_on,,3,40,uint16,big,big,1,0,0,1,,,0xFFFF,,,,\nsetpoint,degc,3,0,"));
+  bench.served.server().set("ahu_on", 0);
+  bench.served.start();
+  const auto still = bench.plant.sense();
+  ASSERT_TRUE(still);
+  EXPECT_EQ(still->flows, 0.0);
+}
+
 TEST(ModbusPlant, SentinelAndOutOfRangeAreNanAndNameTheirFault) {
   Bench bench(five_zone_map());
   bench.served.server().set("room_temp_2", std::nan(""));

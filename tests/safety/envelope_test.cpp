@@ -72,9 +72,37 @@ TEST(SafetyEnvelope, KnowsNoRateWhereOneEndOfTheRangeIsNoNumber) {
             s.limit_min_degc);
 }
 
-TEST(SafetyEnvelope, StartsFromTheNearerLimitWhereTheLastSetpointLiesOutside) {
-  EXPECT_EQ(limited(20, 40), 25);
-  EXPECT_EQ(limited(26, 5), 20);
+TEST(SafetyEnvelope, MovesByOneStepFromASetpointFoundOutsideUntilItIsInside) {
+  EXPECT_NEAR(limited(20, 40), 38, 1e-12);
+  EXPECT_NEAR(limited(26, 5), 7, 1e-12);
+  EXPECT_NEAR(limited(21.5, 8.8, 25, 6), 14.8, 1e-12);
+  EXPECT_NEAR(limited(21.5, 14.8, 25, 6), 20.8, 1e-12);
+  EXPECT_NEAR(limited(21.5, 27.3, 25, 6), 21.5, 1e-12) << "inside within one step";
+  EXPECT_NEAR(limited(20, 27.3, 25, 6), 21.3, 1e-12) << "a step from what is stored, not from the limit";
+  EXPECT_NEAR(limited(nan, 8.8, nan, 6), 14.8, 1e-12) << "whatever is proposed";
+  double found = 1;
+  int cycles = 0;
+  for (; found < 18; ++cycles) found = limited(25, found, 25, 2);
+  EXPECT_EQ(cycles, 9) << "1 to 19 degC";
+}
+
+TEST(SafetyEnvelope, JumpsInsideWhereTheSiteSaysSo) {
+  ControllerSettings s = limits(2.0);
+  s.outside_jump = 1;
+  EXPECT_EQ(SafetyEnvelope(s).limit(20, 40, 25).setpoint_degc(), 25) << "a step from the nearer limit";
+  EXPECT_EQ(SafetyEnvelope(s).limit(26, 5, 25).setpoint_degc(), 20);
+}
+
+TEST(SafetyEnvelope, FollowsWhateverMayBeStoredOutsideTheLimits) {
+  const SafetyEnvelope envelope(limits(6.0));
+  StandingSetpoint standing;
+  standing.is(8.8);
+  standing.may_be(14.8);
+  EXPECT_NEAR(envelope.limit(22, standing, 25).setpoint_degc(), 14.8, 1e-12) << "a step from the farther end";
+  standing.is(17);
+  standing.may_be(20);
+  EXPECT_NEAR(envelope.limit(15, standing, 25).setpoint_degc(), 18, 1e-12);
+  EXPECT_NEAR(envelope.limit(26, standing, 25).setpoint_degc(), 23, 1e-12);
 }
 
 TEST(SafetyEnvelope, TakesTheFallbackForAProposalThatIsNoNumber) {
@@ -110,9 +138,12 @@ TEST(SafetyEnvelope, WritesOnlyWhatTheRegisterHoldsAndThatWithinTheLimits) {
   EXPECT_EQ(whole_degrees.limit(20.4, nan, 22).setpoint_degc(), 21);
   EXPECT_EQ(whole_degrees.limit(22.6, 22, 22).setpoint_degc(), 23);
   s.limit_change_k = 0.7;
-  EXPECT_EQ(SafetyEnvelope(s).limit(20.4, 9, 22).setpoint_degc(), 21) << "the register's first within the limits";
+  EXPECT_EQ(SafetyEnvelope(s).limit(20.4, 20, 22).setpoint_degc(), 21) << "the register's first within the limits";
+  EXPECT_EQ(SafetyEnvelope(s).limit(20.4, 9, 22).setpoint_degc(), 10) << "in a step of the register's where it must be";
+  s.limit_change_k = 1.5;
+  EXPECT_EQ(SafetyEnvelope(s).limit(22, 9.2, 22).setpoint_degc(), 10);
+  EXPECT_EQ(SafetyEnvelope(s).limit(22, 27.7, 22).setpoint_degc(), 27);
   s.limit_change_k = 0.3;
-  EXPECT_EQ(SafetyEnvelope(s).limit(22, 9, 22).setpoint_degc(), 21) << "in a step of the register's where it must be";
   s.limit_change_k = 0.7;
   s.register_step_k = 1 / 1.8;  // degF
   s.register_offset_degc = -32 / 1.8;
@@ -130,7 +161,7 @@ rc::Gen<double> any_double() {
       rc::gen::element(nan, inf, -inf, 0.0, -0.0, 18.0, 27.0, 1e308, -1e308, 5e-324));
 }
 
-TEST(SafetyEnvelope, EveryTripleOfDoublesGivesAFiniteSetpointInLimitsWithinOneStep) {
+TEST(SafetyEnvelope, EveryTripleOfDoublesGivesAFiniteSetpointInLimitsOrNearerToThemWithinOneStep) {
   ::setenv("RC_PARAMS", "seed=20210801 max_success=20000", 0);  // the environment may ask for more
   const bool held = rc::check("finite, in limits, one step", [] {
     ControllerSettings s;
@@ -141,17 +172,21 @@ TEST(SafetyEnvelope, EveryTripleOfDoublesGivesAFiniteSetpointInLimitsWithinOneSt
     const double coarse = *rc::gen::element(0.0, 0.0, 0.01, 0.1, 0.5, 1 / 1.8, 1.0);
     if (coarse <= std::min(s.limit_change_k, (s.limit_max_degc - s.limit_min_degc) / 2)) s.register_step_k = coarse;
     s.register_offset_degc = *rc::gen::element(0.0, -32 / 1.8, 0.25);
+    s.outside_jump = *rc::gen::inRange(0, 2);
     const double proposal = *any_double(), last = *any_double(), fallback = *any_double();
     const double a = SafetyEnvelope(s).limit(proposal, last, fallback).setpoint_degc();
     RC_ASSERT(std::isfinite(a));
-    RC_ASSERT(a >= s.limit_min_degc && a <= s.limit_max_degc);
+    const bool below = a<s.limit_min_degc, above = a> s.limit_max_degc;
+    if (below) RC_ASSERT(s.outside_jump == 0 && last < a);
+    if (above) RC_ASSERT(s.outside_jump == 0 && last > a);
     if (s.register_step_k > 0) {
       const double n = (a - s.register_offset_degc) / s.register_step_k;
       RC_ASSERT(std::abs(n - std::round(n)) < 1e-6);
     }
     if (std::isfinite(last)) {
-      const double from = std::clamp(last, s.limit_min_degc, s.limit_max_degc);
-      RC_ASSERT(std::abs(a - from) <= s.limit_change_k + 1e-12);
+      const double from = s.outside_jump != 0 ? std::clamp(last, s.limit_min_degc, s.limit_max_degc) : last;
+      const bool is_huge = std::abs(from) > 1e6;  // where a step is less than the resolution of a double
+      if (!is_huge) RC_ASSERT(std::abs(a - from) <= s.limit_change_k + 1e-9);
     }
   });
   EXPECT_TRUE(held);

@@ -166,6 +166,27 @@ TEST(RoomHead, KeepsDaysOffApartOnlyWhereAskedTo) {
   EXPECT_GT(head->drift_k(s, saturday_noon, {}), 0.0) << "half of the prior is shared";
 }
 
+TEST(RoomHead, KeepsDaysOffApartWhereTheSiteHasDaysOffUnlessToldOtherwise) {
+  for (const int day_types : {0, 1}) {
+    ControllerSettings s = settings();
+    s.weekday_only = 1;
+    s.head_day_types = day_types;
+    auto head = std::make_unique<Head>();
+    head->reset(s, 0.6, 0.3);
+    const auto fed = [&](int day, double moved_k) {
+      for (int i = 0; i < cycles_per_day; ++i) {
+        head->update(s, {monday.seconds + day * 86400LL + i * cycle_s}, {}, moved_k);
+      }
+    };
+    for (int day = 0; day < 5; ++day) fed(day, 0.05);
+    for (int day = 5; day < 7; ++day) fed(day, -0.05);
+    const CivilTime noon{monday.seconds + 40 * cycle_s}, saturday_noon{noon.seconds + 5 * 86400LL};
+    const double apart_k = head->drift_k(s, noon, {}) - head->drift_k(s, saturday_noon, {});
+    EXPECT_EQ(apart_k > 0.05, day_types == 0) << apart_k;
+    EXPECT_EQ(apart_k == 0, day_types == 1) << apart_k;
+  }
+}
+
 TEST(RoomHead, BeginsDaysOffFromWorkingDaysWhereItKnewOneProfileOnly) {
   ControllerSettings s = settings();
   auto head = std::make_unique<Head>();

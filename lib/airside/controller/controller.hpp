@@ -166,7 +166,8 @@ class Controller {
     cycle_.commanded_degc = applied ? decision_.command.setpoint_degc() : unknown;
     cycle_.ours = applied && decision_.mode <= ControlMode::run ? 1 : 0;
     const std::int32_t usable_before = follows ? cycle_.usable_cycles : 0;
-    cycle_.usable_cycles = usable_ && applied ? std::min<std::int32_t>(usable_before + 1, 3) : 0;
+    // A cycle that begins without flow shows nothing of the setpoint, also where the fan starts in it.
+    cycle_.usable_cycles = usable_ && flows_ && applied ? std::min<std::int32_t>(usable_before + 1, 3) : 0;
     ++learning_.cycles;
   }
 
@@ -342,7 +343,8 @@ class Controller {
   /// What takes more than one reading to see.
   void watch(CivilTime t, const Reading<T>& sensed, const Expected<ValidReading<T>>& valid) {
     const double away_k = std::abs(sensed.supply_temp_degc - cycle_.last_setpoint_degc);  // NaN: nothing to compare
-    const bool ignores = cycle_.supply_ignores.lasts(away_k > settings_.supply_ignored_k, t,
+    flows_ = air_flows(settings_, t, sensed.flows);  // where nothing flows, supply air cannot follow
+    const bool ignores = cycle_.supply_ignores.lasts(flows_ && away_k > settings_.supply_ignored_k, t,
                                                      static_cast<std::int64_t>(settings_.supply_ignored_s));
     cycle_.mode_arbiter.set(Reason::supply_ignores_setpoint, ignores, t);
     if (!valid) return;
@@ -415,10 +417,10 @@ class Controller {
   }
 
   /// What nothing may be learned from though each reading is good: a room that drifts, air that does not follow its
-  /// setpoint (a gain learned then would be that of a closed valve), hours that nobody knows.
+  /// setpoint or does not flow (a gain learned then would be that of a closed valve), hours that nobody knows.
   bool doubted(CivilTime t) const {
     const ModeArbiter& on = cycle_.mode_arbiter;
-    return on.active(Reason::sensor_drifts, t) || on.active(Reason::supply_ignores_setpoint, t) ||
+    return !flows_ || on.active(Reason::sensor_drifts, t) || on.active(Reason::supply_ignores_setpoint, t) ||
            on.active(Reason::clock_not_set, t);
   }
 
@@ -595,6 +597,7 @@ class Controller {
   HeadFeatures features_;
   bool has_features_ = false;  ///< features_ are those of the present decision
   bool usable_ = false;        ///< the present reading may be learned from
+  bool flows_ = true;          ///< air flows at the present reading
   bool resumed_ = false;       ///< no row since restored(): a setpoint that stands there may be of a decision cut off
 
   CandidateSearch<T, Scalar> search_;

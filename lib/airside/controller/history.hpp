@@ -113,7 +113,7 @@ void give_payload(const Controller<T, float>& controller, BlobPayload<T, Network
   payload.scaler = learning.scaler;
   std::copy(learning.weights.flat().begin(), learning.weights.flat().end(), payload.weights.begin());
   using Head = RoomHead<T>;
-  const bool two_types = controller.settings().head_day_types == 2;
+  const bool two_types = day_types_of(controller.settings()) == 2;
   const int states = two_types ? Head::states : Head::regressors + Head::slots;
   payload.head_states = controller.settings().head != 0 ? static_cast<std::uint32_t>(states) : 0u;
   payload.head_updates = learning.head.updates();

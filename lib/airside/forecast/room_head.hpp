@@ -18,6 +18,12 @@
 
 namespace airside {
 
+/// Profiles that the room head keeps: one, or another one for days off.
+constexpr int day_types_of(const ControllerSettings& s) {
+  const int wanted = s.head_day_types != 0 ? s.head_day_types : s.weekday_only != 0 ? 2 : 1;
+  return std::min(wanted, max_day_types);
+}
+
 /// The regressors x of one instant that do not depend on the next setpoint.
 struct HeadFeatures {
   static constexpr int count = 14;
@@ -154,7 +160,7 @@ class RoomHead {
     if constexpr (day_types == 1) return;
     Covariance p = covariance();
     constexpr int known = regressors + slots;
-    if (s.head_day_types != 2 || !(p.diagonal().template tail<slots>().array() == 0).all()) return;
+    if (day_types_of(s) != 2 || !(p.diagonal().template tail<slots>().array() == 0).all()) return;
     for (int i = 0; i < slots; ++i) {
       theta_(known + i) = theta_(regressors + i);
       for (int j = 0; j < known; ++j) p(known + i, j) = p(j, known + i) = p(regressors + i, j);
@@ -205,7 +211,7 @@ class RoomHead {
     const CivilTime t = local_time(s, standard_time);  // people's days move with their clocks
     State h = State::Zero();
     h.template head<regressors>() = f.x;
-    const int type = s.head_day_types == 2 && t.weekday() >= 5 ? 1 : 0;
+    const int type = day_types_of(s) == 2 && t.weekday() >= 5 ? 1 : 0;
     const double position = static_cast<double>(t.second_of_day()) / cycle_s;
     const int slot = std::min(static_cast<int>(position), slots - 1);
     const double share = position - slot;
@@ -226,7 +232,7 @@ class RoomHead {
     for (int d = 0; d < slots; ++d) {
       kernel[static_cast<std::size_t>(d)] = variance * exponential(-std::min(d, slots - d) / s.head_profile_length);
     }
-    const int types = s.head_day_types;
+    const int types = day_types_of(s);
     Covariance p = covariance();
     for (int a = 0; a < types; ++a) {
       for (int b = 0; b < types; ++b) {

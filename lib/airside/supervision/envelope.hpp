@@ -30,12 +30,16 @@ class SafetyEnvelope {
       : min_(s.limit_min_degc),
         max_(s.limit_max_degc),
         change_(s.limit_change_k),
+        jump_(s.outside_jump != 0),
         round_(s.round_k),
         step_(s.register_step_k),
         offset_(s.register_offset_degc) {}
 
-  /// The nearest safe setpoint to `proposal_degc`, at most one rate step from `last_degc`, or from the nearer
-  /// limit where that lies outside.
+  /// The nearest safe setpoint to `proposal_degc`, at most one rate step from `last_degc`.
+  /// A register that is found outside the limits by more than a step is moved by one step towards them, each cycle
+  /// until it is inside: a command is inside the limits, or nearer to them than what is stored and one step from it.
+  /// A sudden move of many kelvin slams valves and trips frost protection, while a value on the way in is never worse
+  /// than the one that the AHU runs on already. With `outside_jump` the step counts from the nearer limit instead.
   /// Units: degC. `fallback_degc` replaces a proposal that is not finite; `last_degc` may be NaN (unknown): no rate
   /// limit then, since any other choice would invent a value.
   /// A register's values that lie all beyond that step are reached in one of their own.
@@ -50,8 +54,12 @@ class SafetyEnvelope {
     if (!std::isfinite(a)) a = std::isfinite(standing.low_degc) ? standing.low_degc : max_;
     double low = min_, high = max_;
     if (std::isfinite(standing.low_degc) && std::isfinite(standing.high_degc)) {
-      low = std::max(min_, std::clamp(standing.high_degc, min_, max_) - change_);
-      high = std::max(low, std::min(max_, std::clamp(standing.low_degc, min_, max_) + change_));
+      const double coldest = jump_ ? std::clamp(standing.low_degc, min_, max_) : standing.low_degc;
+      const double warmest = jump_ ? std::clamp(standing.high_degc, min_, max_) : standing.high_degc;
+      if (warmest < min_ && coldest + change_ < lowest_held()) return Command(towards(coldest, coldest + change_));
+      if (coldest > max_ && warmest - change_ > highest_held()) return Command(towards(warmest, warmest - change_));
+      low = std::max(min_, warmest - change_);
+      high = std::max(low, std::min(max_, coldest + change_));
     }
     a = std::clamp(a, low, high);
     const double rounded = std::clamp(on_grid(a, low, high, round_, 0, 0), low, high);
@@ -77,7 +85,33 @@ class SafetyEnvelope {
     return rounded;
   }
 
-  double min_, max_, change_, round_, step_, offset_;
+  /// The outermost setpoints within the limits that the register can hold.
+  double lowest_held() const {
+    return step_ > 0 ? offset_ + step_ * std::ceil((min_ - offset_) / step_ - slack_k) : min_;
+  }
+  double highest_held() const {
+    return step_ > 0 ? offset_ + step_ * std::floor((max_ - offset_) / step_ + slack_k) : max_;
+  }
+
+  /// From outside the limits towards them: the value on the grid next to `reach` on the way from `from`, and the first
+  /// one at all where the grid is wider than a rate step. A value so far away that a step is lost in its last bits is
+  /// no setpoint: it counts as the nearer limit.
+  double towards(double from, double reach) const {
+    const double step = step_ > 0 ? step_ : round_, offset = step_ > 0 ? offset_ : 0;
+    const bool up = reach > from;
+    const auto nearer = [&](double a) { return up ? a > from && a <= max_ : a < from && a >= min_; };
+    const double n = (reach - offset) / step, first = (from - offset) / step;
+    const double near = offset + step * (up ? std::floor(n + slack_k) : std::ceil(n - slack_k));
+    if (nearer(near)) return near;
+    const double next = offset + step * (up ? std::floor(first + slack_k) + 1 : std::ceil(first - slack_k) - 1);
+    const double own = step_ > 0 ? next : reach;
+    if (nearer(own)) return own;
+    return from < min_ ? lowest_held() : highest_held();
+  }
+
+  double min_, max_, change_;
+  bool jump_;
+  double round_, step_, offset_;
 };
 
 }  // namespace airside

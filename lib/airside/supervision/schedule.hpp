@@ -1,5 +1,7 @@
 #pragma once
-// The expert's schedule: what the AHU did before, and what it falls back to.
+// The expert's schedule: what the AHU did before, and what it falls back to; and when its fan runs.
+
+#include <cmath>
 
 #include "airside/civil_time.hpp"
 #include "airside/settings.hpp"
@@ -17,6 +19,15 @@ constexpr bool in_working_hours(const ControllerSettings& s, CivilTime standard_
   if (s.weekday_only != 0 && t.weekday() >= 5) return false;
   const double h = t.second_of_day() / 3600.0;
   return h >= s.work_start_h && h < s.work_end_h;
+}
+
+/// Whether air flows at standard time t: what a point shows (1, 0, or NaN: there is none), else the fan's schedule.
+inline bool air_flows(const ControllerSettings& s, CivilTime standard_time, double shown) {
+  if (std::isfinite(shown)) return shown > 0.5;
+  const CivilTime t = local_time(s, standard_time);
+  if (s.fan_weekday_only != 0 && t.weekday() >= 5) return false;
+  const double h = t.second_of_day() / 3600.0;
+  return h >= s.fan_start_h && h < s.fan_end_h;
 }
 
 /// The schedule's setpoint, degC.  Source: spec 6.3, OPEN-19.
