@@ -87,18 +87,19 @@ StoreResult<void> CounterLedger::write() {
 void CounterLedger::read() {
   entries_ = {};
   exists_ = false;
-  bool any_whole = false, any_unknown = false;
+  bool any_unknown = false;
+  found_whole_ = false;
   std::array<File, 2> files{};
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Look look = read_file(places_[i], files[i]);
     exists_ = exists_ || look != Look::missing;
     places_[i].is_behind = look != Look::whole;
     if (look != Look::whole) continue;
-    any_whole = true;
+    found_whole_ = true;
     any_unknown = any_unknown || files[i].is_known == 0;
     for (const Entry& entry : files[i].entry) join(entry);
   }
-  is_known_ = any_whole && !any_unknown;
+  is_known_ = found_whole_ && !any_unknown;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const bool is_alike = are_alike(files[i].entry, entries_) && (files[i].is_known != 0) == is_known_;
     places_[i].is_behind = places_[i].is_behind || !is_alike;
@@ -135,8 +136,9 @@ void CounterLedger::join(std::span<const KeyCounter> counters, bool is_known) {
   for (const KeyCounter& counter : counters) {
     if (counter.highest > 0) join(Entry{counter.key, counter.highest, 0});
   }
-  if (are_alike(before, entries_) && (is_known_ || !is_known)) return;
-  is_known_ = is_known_ || is_known;
+  const bool becomes_known = is_known && !found_whole_ && !is_known_;
+  if (are_alike(before, entries_) && !becomes_known) return;
+  is_known_ = is_known_ || becomes_known;
   for (Place& place : places_) place.is_behind = true;
 }
 

@@ -33,7 +33,7 @@ class CounterLedger {
   bool exists() const { return exists_; }
 
   /// Joins the counters of a state. `is_known`: a key without an entry has never sent anything, since the state is
-  /// whole or the box is new; then nothing is unknown any more.
+  /// whole or the box is new. It counts where no file was whole: a state that began after a loss knows no better.
   void join(std::span<const KeyCounter> counters, bool is_known);
   /// False: nothing says what was taken from keys without an entry.
   bool is_known() const { return is_known_; }
@@ -79,7 +79,7 @@ class CounterLedger {
   std::array<Place, 2> places_;
   Sync sync_;
   std::array<Entry, KeyRing::max_keys> entries_{};
-  bool exists_ = false, is_known_ = false;
+  bool exists_ = false, found_whole_ = false, is_known_ = false;
 };
 
 }  // namespace airside::hal

@@ -6,6 +6,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "hal/text/civil_text.hpp"
 #include "power_loss/daemon_desk.hpp"
 
 namespace airside::power_loss {
@@ -48,7 +49,7 @@ class LostState : public ::testing::Test {
     expect_alarm(what);
   }
 
-  DaemonDesk desk{{.name = "lost"}};
+  DaemonDesk desk{{.name = "loss"}};
   const fs::path state = desk.box() / "state", log = desk.box() / "log";
   std::map<std::int64_t, double> setpoints;
 };
@@ -129,7 +130,7 @@ TEST_F(LostState, WithoutALossNoneIsTold) {
   desk.reset();
   const nlohmann::json fresh = status_after();
   EXPECT_EQ(fresh["reason"], "none") << desk.said();
-  EXPECT_EQ(desk.said().find("lost"), std::string::npos) << desk.said();
+  EXPECT_EQ(desk.said().find(" is lost"), std::string::npos) << desk.said();
 }
 
 }  // namespace
