@@ -7,10 +7,12 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
+#include <span>
+#include <string>
 
 #include "firmware/page/page_server.hpp"
 #include "hal/site/site_settings.hpp"
+#include "hal/storage/atomic_file.hpp"
 #include "hal/system/version.hpp"
 #include "hal/text/input_error.hpp"
 
@@ -69,9 +71,8 @@ int main(int argc, char** argv) {
                  site.name.c_str(), site.page.listen.c_str(), server.port(),
                  ::geteuid() == 0 ? "; it runs as root, which it need not" : "");
     if (!ready_file.empty()) {
-      std::ofstream ready(ready_file);
-      ready << site.page.listen << ':' << server.port() << '\n';
-      if (!ready.flush()) {
+      const std::string text = site.page.listen + ':' + std::to_string(server.port()) + '\n';
+      if (!hal::write_file_atomically(ready_file, std::as_bytes(std::span(text)), hal::Sync::none)) {
         throw hal::InputError("--ready " + ready_file, "a file that cannot be written", "a writable path",
                               "choose another");
       }

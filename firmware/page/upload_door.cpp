@@ -54,7 +54,10 @@ UploadDoor::Answer UploadDoor::deliver(std::span<const std::byte> blob, const Bl
   if (hal::Mailbox::waits(path, header)) {
     return {409, "other weights wait for the daemon already; it looks every 6 min", ""};
   }
-  const hal::StoreResult<void> written = hal::write_file_atomically(path, blob);
+  // The folder is shared with other users: a link at its path is not followed, so none of them chooses where this goes.
+  const auto inbox = hal::StorageFile::open_existing_dir(inbox_dir_.c_str(), hal::FolderLink::refused);
+  const hal::StoreResult<void> written =
+      inbox ? hal::write_file_atomically(*inbox, blob_name, blob) : tl::make_unexpected(inbox.error());
   if (written)
     return {202,
             "the daemon looks within 6 min, and then tries the weights for a day, if they are newer than what it took",

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "hal/storage/storage_file.hpp"
 #include "hal/storage/store_error.hpp"
 
 namespace airside::hal {
@@ -15,5 +16,9 @@ namespace airside::hal {
 /// cut.
 StoreResult<void> write_file_atomically(const std::string& path, std::span<const std::byte> bytes,
                                         Sync sync = Sync::full);
+
+/// The same for `name` in an open folder, whatever its path leads to by now: for folders that others may write to.
+StoreResult<void> write_file_atomically(const StorageFile& folder, const std::string& name,
+                                        std::span<const std::byte> bytes, Sync sync = Sync::full);
 
 }  // namespace airside::hal

@@ -31,25 +31,25 @@ bool StartLedger::read(File& file) const {
   const auto opened = StorageFile::open(folder->descriptor(), "starts", false, "open starts");
   if (!opened) return false;
   const auto got = opened->read_at(std::as_writable_bytes(std::span(&file, 1)), 0, "read starts");
-  return got && *got == sizeof file && file.magic == ledger_magic && file.count <= kept &&
+  return got && *got == sizeof file && file.magic == ledger_magic && file.count <= most &&
          file.digest == digest_of(file);
 }
 
-void StartLedger::write(File& file) const {
+bool StartLedger::write(File& file) const {
   file.magic = ledger_magic;
   file.digest = digest_of(file);
   const auto folder = StorageFile::open_dir(dir_.c_str());
-  if (!folder) return;
+  if (!folder) return false;
   const auto opened = StorageFile::open(folder->descriptor(), "starts", true, "open starts");
-  if (!opened) return;
-  if (opened->write_at(std::as_bytes(std::span(&file, 1)), 0, "write starts")) (void)opened->sync(sync_, "sync starts");
+  return opened && opened->write_at(std::as_bytes(std::span(&file, 1)), 0, "write starts") &&
+         opened->sync(sync_, "sync starts");
 }
 
 int StartLedger::record(std::int64_t window_s) {
   File file;
   if (!read(file)) file = {};
-  if (file.count == kept) {
-    std::move(file.start + 1, file.start + kept, file.start);
+  if (file.count == most) {
+    std::move(file.start + 1, file.start + most, file.start);
     --file.count;
   }
   const Start now{seconds_of(CLOCK_REALTIME), seconds_of(CLOCK_BOOTTIME)};
@@ -64,7 +64,7 @@ int StartLedger::record(std::int64_t window_s) {
     const Start& start = file.start[i];
     recent += near(now.wall_s, start.wall_s) || near(now.since_boot_s, start.since_boot_s) ? 1 : 0;
   }
-  write(file);
+  kept_ = write(file);
   return recent;
 }
 
@@ -72,7 +72,7 @@ void StartLedger::clear() {
   File file;
   if (!read(file) || file.count == 0) return;
   file = {};
-  write(file);
+  (void)write(file);
 }
 
 }  // namespace airside::hal

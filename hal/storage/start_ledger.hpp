@@ -19,22 +19,25 @@ class StartLedger {
   int record(std::int64_t window_s);
   /// The program has run well, or ends in order: nothing is left of the past.
   void clear();
+  /// Whether the last record() reached the file; where it did not, a crash loop is not seen.
+  bool is_kept() const { return kept_; }
 
  private:
-  static constexpr int kept = 8;
+  static constexpr int most = 8;
   struct Start {
     std::int64_t wall_s = 0, since_boot_s = 0;
   };
   struct File {
     std::uint64_t magic = 0, count = 0;
-    Start start[kept]{};
+    Start start[most]{};
     std::uint64_t digest = 0;
   };
   bool read(File& file) const;
-  void write(File& file) const;
+  bool write(File& file) const;
 
   std::string dir_;
   Sync sync_;
+  bool kept_ = true;
 };
 
 }  // namespace airside::hal

@@ -4,13 +4,26 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
+#include <climits>
+#include <cstring>
 #include <utility>
 
 namespace airside::hal {
 namespace {
 
 auto failed(const char* step) { return tl::make_unexpected(store_error(errno, step)); }
+
+StoreResult<StorageFile> open_regular(int dir_fd, const char* name, int flags, const char* step) {
+  const int fd = ::openat(dir_fd, name, flags | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0640);
+  if (fd < 0) return failed(step);
+  StorageFile file(fd);
+  struct stat status {};
+  if (::fstat(fd, &status) != 0) return failed(step);
+  if (!S_ISREG(status.st_mode)) return tl::make_unexpected(StoreError{StoreFault::wrong_kind, 0, step});
+  return file;
+}
 
 }  // namespace
 
@@ -29,26 +42,45 @@ void StorageFile::close() {
 }
 
 StoreResult<StorageFile> StorageFile::open(int dir_fd, const char* name, bool create, const char* step) {
-  const int fd = ::openat(dir_fd, name, O_RDWR | O_CLOEXEC | (create ? O_CREAT : 0), 0640);
-  if (fd < 0) return failed(step);
-  return StorageFile(fd);
+  return open_regular(dir_fd, name, O_RDWR | (create ? O_CREAT : 0), step);
 }
 
 StoreResult<StorageFile> StorageFile::open_to_read(int dir_fd, const char* name, const char* step) {
-  const int fd = ::openat(dir_fd, name, O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return failed(step);
-  return StorageFile(fd);
+  return open_regular(dir_fd, name, O_RDONLY, step);
 }
 
-StoreResult<StorageFile> StorageFile::open_dir(const char* path) {
+StoreResult<StorageFile> StorageFile::open_existing_dir(const char* path, FolderLink link) {
+  constexpr int flags = O_RDONLY | O_DIRECTORY | O_CLOEXEC;
+  constexpr const char* step = "open folder";
+  // A path that ends in a slash names what the link points to.
+  std::array<char, PATH_MAX> name{};
+  std::size_t size = std::strlen(path);
+  if (size >= name.size()) return tl::make_unexpected(store_error(ENAMETOOLONG, step));
+  while (size > 1 && path[size - 1] == '/') --size;
+  std::memcpy(name.data(), path, size);
+  const int fd = ::open(name.data(), flags | O_NOFOLLOW);
+  if (fd >= 0) return StorageFile(fd);
+  const int error = errno;
+  struct stat status {};
+  if (error != ENOTDIR && error != ELOOP) return tl::make_unexpected(store_error(error, step));
+  if (::fstatat(AT_FDCWD, name.data(), &status, AT_SYMLINK_NOFOLLOW) != 0) return failed(step);
+  if (!S_ISLNK(status.st_mode)) return tl::make_unexpected(store_error(error, step));
+  // Who may replace an administrator's link between these two calls may as well replace the folder itself.
+  if (link == FolderLink::refused || (status.st_uid != 0 && status.st_uid != ::geteuid())) {
+    return tl::make_unexpected(store_error(ELOOP, step));
+  }
+  const int followed = ::open(name.data(), flags);
+  if (followed < 0) return failed(step);
+  return StorageFile(followed);
+}
+
+StoreResult<StorageFile> StorageFile::open_dir(const char* path, FolderLink link) {
   const bool made = ::mkdir(path, 0750) == 0;
   if (!made && errno != EEXIST && errno != EROFS) return failed("make folder");
-  const int fd = ::open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return failed("open folder");
-  StorageFile folder(fd);
-  if (made) {
+  auto folder = open_existing_dir(path, link);
+  if (folder && made) {
     // A folder whose name is lost takes everything in it along, however often that was synced.
-    const StorageFile parent(::openat(fd, "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    const StorageFile parent(::openat(folder->descriptor(), "..", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (parent.is_open()) (void)::fsync(parent.descriptor());
   }
   return folder;

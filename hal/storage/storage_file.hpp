@@ -9,6 +9,12 @@
 
 namespace airside::hal {
 
+/// Which symbolic links a folder's last path component may be.
+enum class FolderLink : std::uint8_t {
+  trusted,  ///< one that root or this process's user made: an administrator may move a folder to another medium
+  refused,  ///< none: the folder is shared with other users, and its path can be corrected in the site file instead
+};
+
 /// An open file descriptor, closed with its owner.
 class StorageFile {
  public:
@@ -18,12 +24,18 @@ class StorageFile {
   StorageFile(StorageFile&& other) noexcept : descriptor_(other.descriptor_) { other.descriptor_ = -1; }
   StorageFile& operator=(StorageFile&& other) noexcept;
 
-  /// Opens `name` below the folder `dir_fd` for reading and writing, made with mode 0640 if `create`.
+  /// Opens `name` below the folder `dir_fd` for reading and writing, made with mode 0640 if `create`. Whoever may write
+  /// to the folder may have put something else there, so no link is followed, no pipe is waited for, and only a regular
+  /// file is opened.
+  /// Errors: wrong_kind for anything else, here and in open_to_read().
   static StoreResult<StorageFile> open(int dir_fd, const char* name, bool create, const char* step);
   /// Opens `name` for reading alone: what a medium that became read-only still gives.
   static StoreResult<StorageFile> open_to_read(int dir_fd, const char* name, const char* step);
   /// Opens the folder `path`, made if its parent exists; a new one's name is forced to the medium.
-  static StoreResult<StorageFile> open_dir(const char* path);
+  /// Errors: wrong_kind for a link that is not to be followed.
+  static StoreResult<StorageFile> open_dir(const char* path, FolderLink link = FolderLink::trusted);
+  /// The same for a folder that exists; it is not made.
+  static StoreResult<StorageFile> open_existing_dir(const char* path, FolderLink link = FolderLink::trusted);
 
   bool is_open() const { return descriptor_ >= 0; }
   int descriptor() const { return descriptor_; }

@@ -18,6 +18,7 @@ const char* remedy_of(StoreFault fault) {
     case StoreFault::out_of_order: return "check the clock, or log to an empty folder";
     case StoreFault::unread: return "load it; it was out of reach at the start";
     case StoreFault::removed: return "stop airsided before its files are moved; the next row writes new ones";
+    case StoreFault::wrong_kind: return "find out who put it there, and take it away";
     case StoreFault::none:
     case StoreFault::wrong_size:
     case StoreFault::row_too_long: break;
@@ -42,6 +43,7 @@ const char* text_of(StoreFault fault) {
     case StoreFault::row_too_long: return "row too long";
     case StoreFault::unread: return "older state not read yet";
     case StoreFault::removed: return "files removed while in use";
+    case StoreFault::wrong_kind: return "not a regular file or folder";
   }
   return "unknown";
 }
@@ -62,6 +64,10 @@ StoreError store_error(int error_number, const char* step) {
     case EPERM: return {StoreFault::read_only, error_number, step};
     case ENOENT:
     case ENOTDIR: return {StoreFault::not_found, error_number, step};
+    case ELOOP:   // a link where none is followed
+    case EISDIR:  // a folder
+    case ENXIO:   // a socket or a device
+      return {StoreFault::wrong_kind, error_number, step};
     case EWOULDBLOCK: return {StoreFault::locked, error_number, step};
     default: return {StoreFault::io, error_number, step};
   }

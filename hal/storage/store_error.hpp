@@ -21,6 +21,7 @@ enum class StoreFault : std::uint8_t {
   row_too_long = 10,  ///< a row does not fit the buffer
   unread = 11,        ///< state stands there that could not be read when it was asked for: load it before committing
   removed = 12,       ///< files were removed or replaced while they were in use
+  wrong_kind = 13,    ///< a link, a pipe or a folder is at the place of a file, or a link at that of a folder
 };
 
 /// A fault, the errno behind it (0 where there is none) and what was being done.

@@ -21,9 +21,11 @@ bool is_blob_name(std::string_view name) { return name.size() > 5 && name.ends_w
 
 Mailbox::Mailbox(const std::string& dir) : path_(dir) { open(); }
 
-/// What was told of another folder's files says nothing of those here.
+/// What was reported of another folder's files says nothing of those here. The folder is shared with other users: a
+/// link at its path is not followed, or whoever made it would choose where this process renames and removes files.
 void Mailbox::open() {
-  auto opened = StorageFile::open_dir(path_.c_str());
+  auto opened = StorageFile::open_dir(path_.c_str(), FolderLink::refused);
+  fault_ = opened ? StoreFault::none : opened.error().fault;
   dir_ = opened ? std::move(*opened) : StorageFile();
   tell_anew();
 }
@@ -54,8 +56,8 @@ bool Mailbox::tell(int wish, const std::optional<Seen>& seen) {
 
 bool Mailbox::release_waits() const {
   if (stands()) return is_new(wish_release, look(dir_, release_name));
-  const StorageFile other(::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  return other.is_open() && look(other, release_name).value_or(Seen{}).inode != 0;
+  const auto other = StorageFile::open_existing_dir(path_.c_str(), FolderLink::refused);
+  return other && look(*other, release_name).value_or(Seen{}).inode != 0;
 }
 
 bool Mailbox::take(const char* name) { return ::unlinkat(dir_.descriptor(), name, 0) == 0; }

@@ -33,8 +33,8 @@ class Mailbox {
   static constexpr const char* release_name = "release";
   static constexpr const char* hand_back_name = "hand-back";
 
-  /// Opens or makes the folder. Errors: none; one that cannot be had is empty, and tried again at each collect(), as is
-  /// one whose path names another folder by now.
+  /// Opens or makes the folder; a link in its place is not followed. Errors: none; one that cannot be had is empty, and
+  /// tried again at each collect(), as is one whose path names another folder by now.
   explicit Mailbox(const std::string& dir);
   static constexpr const char* refused_name = "refused";
   static constexpr std::int64_t arriving_s = 600;
@@ -59,6 +59,8 @@ class Mailbox {
   /// Whether a wish to release lies there that no collect() has told yet; it stays.
   bool release_waits() const;
   bool is_open() const { return dir_.is_open(); }
+  /// Why it is not open; none where it is.
+  StoreFault fault() const { return fault_; }
   /// Name of the blob that the last collect() told of.
   const char* blob_file() const { return blob_; }
   /// Whether a blob lies at `path` that one with this header may not replace: of another key, or not older.
@@ -97,6 +99,7 @@ class Mailbox {
 
   std::string path_;
   StorageFile dir_;
+  StoreFault fault_ = StoreFault::none;
   Seen told_[3];  ///< by wish; inode 0: none
   bool handed_back_ = false;
   char blob_[256] = {};  ///< name of the blob that waits for finish()

@@ -60,6 +60,17 @@ TEST_F(PageRig, SaysThatTheInboxIsNotThereAndGoesOn) {
   EXPECT_EQ(status_of(ask(post(signed_blob()))), 202);
 }
 
+TEST_F(PageRig, PutsNothingWhereALinkInPlaceOfTheInboxLeads) {
+  ASSERT_TRUE(start()) << read("said.txt");
+  fs::create_directory(folder / "elsewhere");
+  fs::remove(folder / "inbox");
+  fs::create_directory_symlink(folder / "elsewhere", folder / "inbox");
+  const std::string answer = ask(post(signed_blob()));
+  EXPECT_EQ(status_of(answer), 503) << answer;
+  EXPECT_NE(answer.find("not a regular file or folder"), std::string::npos) << answer;
+  EXPECT_TRUE(fs::is_empty(folder / "elsewhere"));
+}
+
 TEST_F(PageRig, OneUploadAPeerAtATime) {
   ASSERT_TRUE(start()) << read("said.txt");
   Peer first(port);

@@ -566,7 +566,7 @@ TEST_F(LateLog, AppendsNothingWhereItCannotResume) {
   std::filesystem::create_directory(file);
   const auto done = late->append(row_at(250));
   ASSERT_FALSE(done);
-  EXPECT_EQ(done.error().fault, StoreFault::io) << describe(done.error());
+  EXPECT_EQ(done.error().fault, StoreFault::wrong_kind) << describe(done.error());
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ constexpr StoreFault all_faults[] = {StoreFault::none,         StoreFault::no_sp
                                      StoreFault::io,           StoreFault::locked,       StoreFault::not_found,
                                      StoreFault::wrong_size,   StoreFault::other_layout, StoreFault::log_shorter,
                                      StoreFault::out_of_order, StoreFault::row_too_long, StoreFault::unread,
-                                     StoreFault::removed};
+                                     StoreFault::removed,      StoreFault::wrong_kind};
 
 TEST(StoreErrors, EachFaultHasAWordAndARemedy) {
   std::set<std::string> words;
@@ -36,6 +36,7 @@ TEST(StoreErrors, AnErrnoIsSaidInTheSystemsWordsAndSorted) {
   for (const int number : {EROFS, EACCES, EPERM}) EXPECT_EQ(sorted(number), StoreFault::read_only);
   for (const int number : {ENOENT, ENOTDIR}) EXPECT_EQ(sorted(number), StoreFault::not_found);
   EXPECT_EQ(sorted(EWOULDBLOCK), StoreFault::locked);
+  for (const int number : {ELOOP, EISDIR, ENXIO}) EXPECT_EQ(sorted(number), StoreFault::wrong_kind);
   for (const int number : {EIO, EINVAL, EMFILE}) EXPECT_EQ(sorted(number), StoreFault::io);
 }
 

@@ -121,7 +121,10 @@ void drop(const std::string& target, const std::string& name, std::span<const st
     throw hal::InputError(inbox, error ? error.message() : "no folder", "the inbox of a box, or a copy of it to carry",
                           "give the folder of [inbox] dir in its site file, that site file, or http://HOST:PORT");
   }
-  const hal::StoreResult<void> written = hal::write_file_atomically((fs::path(inbox) / name).string(), bytes);
+  // Run by root beside other users, this must not write where a link of theirs leads.
+  const auto folder = hal::StorageFile::open_existing_dir(inbox.c_str(), hal::FolderLink::trusted);
+  const hal::StoreResult<void> written =
+      folder ? hal::write_file_atomically(*folder, name, bytes) : tl::make_unexpected(folder.error());
   if (!written) {
     throw hal::InputError(inbox, hal::describe(written.error()), "a folder that this user may write",
                           "run it as the user airside, or ask the box's administrator");
