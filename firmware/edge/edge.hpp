@@ -47,9 +47,12 @@ class Edge final : public Daemon {
 
   void start() override {
     memory_.open();
-    status_.emplace(site_.state_dir);
+    if (!site_.state_dir.empty()) status_.emplace(site_.state_dir);
     report_watchdog();
     if (options_.crash_limit > 0) recent_starts_ = starts_.record(crash_window_s);
+    if (!starts_.is_kept() && !site_.state_dir.empty()) {
+      say("starts in {} cannot be written; a crash loop would not be seen", site_.state_dir);
+    }
     const CivilTime last = memory_.resume();
     next_ = {last.seconds == 0 ? 0 : last.seconds + row_s};
   }
@@ -75,6 +78,11 @@ class Edge final : public Daemon {
       if (plant_clock_ && plant_clock_->stalled()) {
         say("the plant's clock stands still at row {}; is its server running?", t.seconds);
       }
+      if (plant_clock_ && plant_clock_->set_back()) {
+        say("the plant's clock is {} s behind the row that was waited for; going on from the clock",
+            t.seconds - plant_clock_->woke().seconds);
+        t = next_row(plant_clock_->now());
+      }
     }
     next_ = t;
     memory_.end();
@@ -87,11 +95,12 @@ class Edge final : public Daemon {
     controller_->report(Reason::map_differs, plant_.other_device(), t);
     report_bus(t);
     memory_.row(t, sensed, clock_is_set);  // one of 1970 would stand before all others
-    controller_->report(Reason::storage_failed, !memory_.is_well(), t);
+    controller_->report(Reason::storage_failed, !memory_.is_well() || status_failure_ != hal::StoreFault::none, t);
     if (memory_.taken_over()) controller_->hold(Reason::two_masters, t, 0);
     beats_ = controller.cycle().mode_arbiter.beats(t);
     if (beats_) (void)plant_.beat();
     memory_.give_weights(t);
+    report_jumps();
     write_status(t, sensed);
     service_.tell("WATCHDOG=1");  // only a row that came through every stage is a sign of life
     say_mode(controller.control_mode(t));
@@ -150,6 +159,26 @@ class Edge final : public Daemon {
     controller_->report(Reason::clock_not_set, !is_set, t);
     if (is_set) newest_row_ = std::max(newest_row_, t);
     return is_set;
+  }
+
+  /// What the plant's clock did beside steady progress, once a jump, and in the status for a day of rows.
+  void report_jumps() {
+    if (clock_rows_ > 0 && --clock_rows_ == 0) clock_text_ = "ok";
+    if (!plant_clock_) return;
+    const hal::ModbusPlantClock::Jumps& jumps = plant_clock_->jumps();
+    const bool taken = jumps.taken != said_jumps_.taken, doubted = jumps.doubted != said_jumps_.doubted;
+    if (!taken && !doubted) return;
+    const bool known = !taken && clock_rows_ > 0;  // one that flickers is said once
+    clock_text_ = taken ? "jumped" : clock_rows_ > 0 ? clock_text_ : "read wrong";
+    clock_rows_ = rows_per_day;
+    said_jumps_ = jumps;
+    if (known) return;
+    std::array<char, hal::civil_text_size> from{}, to{};
+    hal::write_civil_text(from.data(), jumps.from);
+    hal::write_civil_text(to.data(), jumps.to);
+    say("the plant's clock {} {} after {}; {}", taken ? "went to" : "read", std::string_view(to.data(), to.size()),
+        std::string_view(from.data(), from.size()),
+        taken ? "it stays there, so control goes on from there" : "that did not last and is not believed");
   }
 
   /// Alarms of the bus: what a person must put right, while control goes on as far as it can.
@@ -224,7 +253,20 @@ class Edge final : public Daemon {
     return false;
   }
 
+  /// Said once; the alarm rises with the next row.
+  void note_status(const hal::StoreResult<void>& written) {
+    if (status_->cleared())
+      say("a link, a pipe or a device was at status.json in {}; it was taken away", site_.state_dir);
+    const hal::StoreFault failure = written ? hal::StoreFault::none : written.error().fault;
+    if (!written && failure != status_failure_) {
+      say("status cannot be written: {} ({}); look into {}", hal::text_of(failure), written.error().step,
+          site_.state_dir);
+    }
+    status_failure_ = failure;
+  }
+
   void write_status(CivilTime t, const Expected<Reading<T>>& sensed) {
+    if (!status_) return;
     StatusSnapshot s{.site = site_.name,
                      .topology = T::name,
                      .control_mode = controller_->control_mode(t),
@@ -245,7 +287,8 @@ class Edge final : public Daemon {
     s.generation = memory_.generation();
     s.lost_until = memory_.lost_until();
     s.has_weights = controller_->cycle().has_weights != 0;
-    s.storage = memory_.storage();
+    const bool status_failed = memory_.is_well() && status_failure_ != hal::StoreFault::none;
+    s.storage = status_failed ? "status cannot be written" : memory_.storage();
     const hal::LinkCounters& link = link_.counters();
     s.link_timeouts = link.timeouts;
     s.link_bad_frames = link.bad_frames;
@@ -257,13 +300,14 @@ class Edge final : public Daemon {
     s.trial_refusal = text_of(memory_.trial().refusal);
     s.trial_refusal_field = memory_.trial().refusal_field.data();
     s.pushed_crc = memory_.trial().blob_crc;
+    s.clock = clock_text_;
     if (!plant_clock_) {
       s.row_late_ms = static_cast<double>(system_clock_.woke_ns() - system_clock_.due_ns()) * 1e-6;
       s.row_done_ms = static_cast<double>(hal::monotonic_ns() - system_clock_.due_ns()) * 1e-6;
     }
     s.ours_error_k = controller_->cycle().shadow.ours_k();
     s.schedule_error_k = controller_->cycle().shadow.schedule_k();
-    (void)status_->write(t, s);
+    note_status(status_->write(t, s));
   }
 
   hal::SiteFile site_;
@@ -279,7 +323,8 @@ class Edge final : public Daemon {
   std::optional<hal::ModbusPlantClock> plant_clock_;
   std::unique_ptr<Controller<T>> controller_;
   EdgeMemory<T> memory_;
-  std::optional<StatusFile> status_;  ///< from start() on
+  std::optional<StatusFile> status_;                        ///< from start() on, where the site names a state folder
+  hal::StoreFault status_failure_ = hal::StoreFault::none;  ///< of the last row's status
   std::array<std::string, static_cast<std::size_t>(Layout<T>::signals)> names_;
   CivilTime next_;
   hal::StartLedger starts_;
@@ -288,6 +333,9 @@ class Edge final : public Daemon {
   std::int64_t began_ns_ = 0;  ///< of this run
   CivilTime newest_row_;       ///< the latest that a clock which can be right has told
   PersistentCondition clock_is_behind_;
+  hal::ModbusPlantClock::Jumps said_jumps_;
+  const char* clock_text_ = "ok";
+  int clock_rows_ = 0;  ///< for which clock_text_ is shown still
   std::string_view said_doubted_;
   ActiveMode said_mode_;
 };

@@ -2,8 +2,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 
@@ -68,10 +70,7 @@ void add_alarms(FixedText& text, CivilTime now, const ModeArbiter* mode_arbiter)
 
 StatusFile::StatusFile(std::string dir) : path_(std::move(dir)) {}
 
-bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
-  // Each time: a folder that was made anew or mounted later is the one that people look into.
-  const auto dir = hal::StorageFile::open_dir(path_.c_str());
-  if (!dir) return false;
+std::size_t StatusFile::format(CivilTime now, const StatusSnapshot& s) {
   FixedText text(text_);
   std::array<char, hal::civil_text_size> time{};
   hal::write_civil_text(time.data(), now);
@@ -118,6 +117,7 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.string("pushed_refusal", s.trial_refusal);
   text.string("pushed_refusal_field", s.trial_refusal_field);
   text.string("storage", s.storage);
+  text.string("clock", s.clock);
   text.number("row_late_ms", s.row_late_ms);
   text.number("row_done_ms", s.row_done_ms);
   text.count("link_timeouts", s.link_timeouts);
@@ -126,16 +126,48 @@ bool StatusFile::write(CivilTime now, const StatusSnapshot& s) {
   text.count("link_exceptions", s.link_exceptions);
   text.count("setpoint_writes", s.setpoint_writes);
   text.add("}}\n");
-  if (!text.fits()) return false;
-  auto file = hal::StorageFile::open(dir->descriptor(), "status.json.new", true, "open status");
-  if (!file) return false;
-  const auto bytes = std::as_bytes(std::span(text_.data(), text.size()));
-  if (!file->write_at(bytes, 0, "write status") || !file->truncate(text.size(), "cut status")) return false;
-  // The two files change places, so that each keeps its block: a full disk does not silence the status.
-  if (::renameat2(dir->descriptor(), "status.json.new", dir->descriptor(), "status.json", RENAME_EXCHANGE) == 0) {
-    return true;
+  return text.fits() ? text.size() : 0;
+}
+
+hal::StoreResult<void> StatusFile::clear(int dir, const char* name) {
+  struct stat status {};
+  if (::fstatat(dir, name, &status, AT_SYMLINK_NOFOLLOW) != 0) {
+    if (errno == ENOENT) return {};
+    return tl::make_unexpected(hal::store_error(errno, "look at status"));
   }
-  return ::renameat(dir->descriptor(), "status.json.new", dir->descriptor(), "status.json") == 0;
+  if (S_ISREG(status.st_mode)) return {};
+  if (S_ISDIR(status.st_mode)) return tl::make_unexpected(hal::store_error(EISDIR, "replace status"));
+  if (::unlinkat(dir, name, 0) != 0) return tl::make_unexpected(hal::store_error(errno, "replace status"));
+  cleared_ = true;
+  return {};
+}
+
+hal::StoreResult<void> StatusFile::stage(int dir, const char* name, std::span<const std::byte> bytes) {
+  const auto file = hal::StorageFile::open(dir, name, true, "open status");
+  if (!file) return tl::make_unexpected(file.error());
+  if (const auto done = file->write_at(bytes, 0, "write status"); !done) return done;
+  return file->truncate(bytes.size(), "cut status");
+}
+
+hal::StoreResult<void> StatusFile::write(CivilTime now, const StatusSnapshot& status) {
+  constexpr const char* name = "status.json";
+  cleared_ = false;
+  // Each time: a folder that was made anew or mounted later is the one that people look into.
+  const auto folder = hal::StorageFile::open_dir(path_.c_str());
+  if (!folder) return tl::make_unexpected(folder.error());
+  const int dir = folder->descriptor();
+  const std::size_t size = format(now, status);
+  if (size == 0) return tl::make_unexpected(hal::StoreError{hal::StoreFault::wrong_size, 0, "format status"});
+  if (const auto done = clear(dir, name); !done) return done;
+  const char* staged = "status.json.new";
+  const auto free = clear(dir, staged);
+  if (!free) staged = "status.json.other";  // the status must say so, and not stop
+  if (const auto done = stage(dir, staged, std::as_bytes(std::span(text_.data(), size))); !done) return done;
+  // The two files change places, so that each keeps its block: a full disk does not silence the status.
+  if (::renameat2(dir, staged, dir, name, RENAME_EXCHANGE) != 0 && ::renameat(dir, staged, dir, name) != 0) {
+    return tl::make_unexpected(hal::store_error(errno, "rename status"));
+  }
+  return free;
 }
 
 }  // namespace airside::edge

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "airside/controller/decision.hpp"
+#include "hal/storage/store_error.hpp"
 
 namespace airside::edge {
 
@@ -27,6 +28,7 @@ struct StatusSnapshot {
   std::uint64_t cycles = 0, rejected_updates = 0, replay_transitions = 0, generation = 0;
   bool has_weights = false;
   std::string_view storage = "ok";  ///< or what is wrong with it
+  std::string_view clock = "ok";    ///< or what a plant's clock did of late: "read wrong", "jumped"
   std::uint64_t link_timeouts = 0, link_bad_frames = 0, link_wrong_ids = 0, link_exceptions = 0;
   std::uint64_t setpoint_writes = 0;        ///< since the daemon's start
   std::string_view trial = "none";          ///< of pushed weights
@@ -39,17 +41,29 @@ struct StatusSnapshot {
   double ours_error_k = Decision::none, schedule_error_k = Decision::none;
 };
 
-/// Writes `status.json` into a folder, replacing it atomically.
+/// Writes `status.json` into a folder, replacing it atomically. A link, a pipe or a device in its place, or in that of
+/// `status.json.new`, is never followed nor written to: it is taken away. A folder there is left to a person.
 class StatusFile {
  public:
   /// Errors: none here; a folder that cannot be opened makes every write() fail.
   explicit StatusFile(std::string dir);
-  /// False if the snapshot could not be written; the old one then still stands.  Cost: no heap.
-  bool write(CivilTime now, const StatusSnapshot& status);
+  /// Errors: the old snapshot is still there if this one could not be written. Where a folder stands at
+  /// `status.json.new`, the snapshot is written by way of another name, and wrong_kind returned all the same: a person
+  /// must look.  Cost: no heap.
+  hal::StoreResult<void> write(CivilTime now, const StatusSnapshot& status);
+  /// Whether the last write() took something away that was no file.
+  bool cleared() const { return cleared_; }
 
  private:
+  /// Size of the text; 0 where it does not fit.
+  std::size_t format(CivilTime now, const StatusSnapshot& status);
+  /// Takes away what is at `name` unless that is a file, or nothing. Errors: wrong_kind for a folder.
+  hal::StoreResult<void> clear(int dir, const char* name);
+  static hal::StoreResult<void> stage(int dir, const char* name, std::span<const std::byte> bytes);
+
   std::string path_;
   std::array<char, 4096> text_{};
+  bool cleared_ = false;
 };
 
 }  // namespace airside::edge

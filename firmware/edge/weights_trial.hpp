@@ -83,6 +83,7 @@ class WeightsTrial {
   /// Opens or makes the inbox, and reads the counters that lie apart; before, nothing is collected.
   void open_inbox() {
     mailbox_ = hal::Mailbox(inbox_dir_);
+    say_inbox();
     counters_.read();
   }
   /// Whether a person wants the AHU back and no row has told so yet.
@@ -104,6 +105,7 @@ class WeightsTrial {
   /// Once a row, before its commit. Returns whether the learning state was exchanged.
   bool row(CivilTime t, Controller<T>& controller, TrialRecord& record) {
     const hal::Mail mail = mailbox_.collect(*bytes_);
+    say_inbox();
     if (mail.release) controller.hold(Reason::released_by_hand, t, 0);
     if (mail.hand_back) controller.hand_back();
     if (mail.release || mail.hand_back) say("an operator asked: {}", mail.release ? "release" : "hand-back");
@@ -335,6 +337,15 @@ class WeightsTrial {
     return nullptr;
   }
 
+  /// Once, when it cannot be had or is another thing than a folder.
+  void say_inbox() {
+    if (inbox_dir_.empty() || mailbox_.fault() == said_inbox_) return;
+    said_inbox_ = mailbox_.fault();
+    if (said_inbox_ == hal::StoreFault::none) return;
+    say("inbox {}: {}; nothing is taken from there, each row tries again", inbox_dir_, hal::text_of(said_inbox_));
+  }
+
+  hal::StoreFault said_inbox_ = hal::StoreFault::none;
   std::string keys_dir_, inbox_dir_;
   hal::KeyRing keys_;
   hal::Mailbox mailbox_{""};

@@ -57,33 +57,86 @@ CivilTime SystemClock::now() const { return CivilTime{site_ns() / 1'000'000'000}
 ModbusPlantClock::ModbusPlantClock(const PointMap& map, ModbusLink& link, StopFlag stop, double stall_s)
     : clock_(map.at("clock_s")), advance_(map.at("clock_advance_s")), link_(&link), stop_(stop), stall_s_(stall_s) {}
 
+bool ModbusPlantClock::take(CivilTime reading) {
+  const auto is_near = [reading](CivilTime least, CivilTime most) {
+    return reading.seconds >= least.seconds - leap_s && reading.seconds <= most.seconds + leap_s;
+  };
+  if (known_ && is_near(last_, std::max(last_, wanted_))) {
+    if (confirming_ > 0) {
+      ++jumps_.doubted;
+      jumps_.from = last_;
+      jumps_.to = jump_;
+    }
+    confirming_ = strange_ = 0;
+    last_ = reading;
+    return true;
+  }
+  const std::int64_t now_ns = monotonic_ns();
+  if (strange_++ == 0) strange_since_ns_ = now_ns;
+  const bool never_steady = strange_ > confirmations && now_ns - strange_since_ns_ >= to_ns(give_in_s);
+  if (never_steady) {
+    confirming_ = confirmations + 1;
+  } else if (confirming_ == 0 || reading < jump_ || reading.seconds > jump_.seconds + leap_s) {
+    confirming_ = 1;  // the first of its kind
+  } else if (now_ns - jump_ns_ >= to_ns(known_ ? confirm_every_s : 0.01)) {
+    ++confirming_;
+  } else {
+    return false;
+  }
+  jump_ = reading;
+  jump_ns_ = now_ns;
+  if (confirming_ <= confirmations) return false;
+  if (known_) {
+    ++jumps_.taken;
+    jumps_.from = last_;
+    jumps_.to = reading;
+  }
+  known_ = true;
+  confirming_ = strange_ = 0;
+  last_ = wanted_ = reading;
+  return true;
+}
+
 bool ModbusPlantClock::read_clock() {
   std::array<std::uint16_t, 2> words{};
   if (!link_->read(clock_.fc, clock_.addr, words)) return false;
   const Expected<double> seconds = decode(clock_, words);
   if (!seconds) return false;
-  last_ = CivilTime{clock_epoch.seconds + std::llround(*seconds)};
-  return true;
+  return take(CivilTime{clock_epoch.seconds + std::llround(*seconds)});
 }
 
 bool ModbusPlantClock::request(CivilTime t) {
   const auto registers = encode(advance_, static_cast<double>(t.seconds - clock_epoch.seconds));
+  wanted_ = t;
   return registers && link_->write(advance_.fc_write, advance_.addr, registers->used()).has_value();
 }
 
 CivilTime ModbusPlantClock::now() {
   read_clock();
+  // A clock that never reads the same twice is believed at its last word: there is nothing better.
+  for (int more = 0; !known_ && confirming_ > 0 && more < 5 * confirmations; ++more) {
+    if (!sleep_until_ns(monotonic_ns() + 11'000'000, stop_)) break;
+    read_clock();
+  }
+  if (!known_ && confirming_ > 0) {
+    known_ = true;
+    last_ = wanted_ = jump_;
+    confirming_ = strange_ = 0;
+  }
   return last_;
 }
 
 bool ModbusPlantClock::sleep_until(CivilTime t) {
-  stalled_ = false;
+  stalled_ = set_back_ = false;
+  if (!known_) now();
   CivilTime seen = last_;
   std::int64_t give_up_ns = monotonic_ns() + to_ns(stall_s_);
   std::int64_t pause_ns = 500'000;
   bool requested = false;
   std::uint64_t generation = link_->generation();
   while (!stop_.raised()) {
+    set_back_ = known_ && t.seconds - last_.seconds > longest_wait_s;
+    if (set_back_) return false;
     if (!requested || generation != link_->generation()) {
       requested = request(t);  // again after a reconnect: the server may be a new one
       generation = link_->generation();

@@ -83,29 +83,62 @@ class SystemClock {
 };
 
 /// The clock of a plant that publishes clock_s and takes clock_advance_s: asks it to reach t, then waits.
+///
+/// One reading may be wrong. A reading is believed at once where it is within `leap_s` of the last one believed, or not
+/// further than `leap_s` beyond the instant that the plant was asked to reach. Any other one is a jump, believed only
+/// once `confirmations` further readings, each `confirm_every_s` after the one before, go on steadily from it.
+/// No wait is begun, nor gone on with, for an instant further than `longest_wait_s` ahead of the clock, so that a clock
+/// that was ahead and is right again is followed.
 class ModbusPlantClock {
  public:
+  static constexpr std::int64_t leap_s = cycle_s;
+  static constexpr int confirmations = 3;
+  static constexpr double confirm_every_s = 0.1;
+  /// A clock that has not read near the last time believed for so long, nor steadily, is believed at its last word.
+  static constexpr double give_in_s = 2.0;
+  /// run_cycles() waits at most for the row after a clock that was set back by a cycle.
+  static constexpr std::int64_t longest_wait_s = cycle_s + row_s;
+
+  /// Jumps since the start.
+  struct Jumps {
+    std::uint64_t doubted = 0;  ///< that did not last
+    std::uint64_t taken = 0;    ///< that were confirmed
+    CivilTime from, to;         ///< the newest one
+  };
+
   /// `stall_s`: real seconds without progress of clock_s after which sleep_until gives up.
   /// Errors: InputError where the map has no clock_s or no clock_advance_s.
   ModbusPlantClock(const PointMap& map, ModbusLink& link, StopFlag stop = {}, double stall_s = 120.0);
-  /// The plant's time; the last one known while the link is down.
+  /// The plant's time; the last one believed while the link is down or a jump is not confirmed.
+  /// Cost: one exchange; the first time `confirmations` more, since there is nothing to compare with.
   CivilTime now();
-  /// False: told to stop, or the plant's clock stood still for stall_s.
+  /// False: told to stop, the plant's clock stood still for stall_s, or it is too far behind t.
   bool sleep_until(CivilTime t);
   CivilTime woke() const { return last_; }
   /// Whether the last sleep_until ended because the plant stood still.
   bool stalled() const { return stalled_; }
+  /// Whether it ended because the clock is further than longest_wait_s behind t: go on from now().
+  bool set_back() const { return set_back_; }
+  const Jumps& jumps() const { return jumps_; }
 
  private:
   bool read_clock();
   bool request(CivilTime t);
+  /// Believes a reading, or keeps it as a jump that waits to be confirmed. Returns whether it is believed.
+  bool take(CivilTime reading);
 
   Point clock_, advance_;
   ModbusLink* link_;
   StopFlag stop_;
   double stall_s_;
   CivilTime last_ = clock_epoch;
-  bool stalled_ = false;
+  CivilTime wanted_ = clock_epoch;  ///< that the plant was asked to reach
+  bool known_ = false;              ///< last_ was read
+  bool stalled_ = false, set_back_ = false;
+  CivilTime jump_;  ///< the newest reading that awaits confirmation
+  std::int64_t jump_ns_ = 0, strange_since_ns_ = 0;
+  int confirming_ = 0, strange_ = 0;  ///< readings that go on steadily from jump_; all that were not believed
+  Jumps jumps_;
 };
 
 static_assert(Clock<SystemClock> && Clock<ModbusPlantClock>);

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <thread>
 
+#include "airside/controller/cycle.hpp"
 #include "hal/modbus/wire.hpp"
 #include "support/modbus_fixture.hpp"
 
@@ -91,6 +92,116 @@ TEST(ModbusPlantClock, StandingPlantIsGivenUpAndAStopIsHeard) {
   stop = true;
   EXPECT_FALSE(clock.sleep_until(CivilTime{clock_epoch.seconds + 360}));
   EXPECT_FALSE(clock.stalled());
+}
+
+/// A plant whose clock runs so many times as fast as the machine's, from base_s on, and shows what a test adds to it.
+class FreePlant {
+ public:
+  static constexpr double base_s = 100'000;
+
+  FreePlant(const PointMap& map, double speed) : served_(map, {TcpListen{}, 1}) {
+    served_.server().refresh([this, speed] {
+      // A reading is a look at clock_s; a client that writes has had its own.
+      const double seconds = base_s + speed * seconds_since(began_ns_);
+      const double added = added_;
+      if (readings_ != 0 && --readings_ == 0) added_ = 0;
+      served_.server().set("clock_s", seconds + added);
+    });
+    served_.start();
+  }
+  int port() { return served_.server().port(); }
+  CivilTime now(double speed) const {
+    return {clock_epoch.seconds + static_cast<std::int64_t>(base_s + speed * seconds_since(began_ns_))};
+  }
+  /// Adds to the next `readings`, or to all from now on.
+  void add(double seconds, int readings = 0) {
+    readings_ = readings;
+    added_ = seconds;
+  }
+
+ private:
+  const std::int64_t began_ns_ = monotonic_ns();
+  std::atomic<double> added_{0};
+  std::atomic<int> readings_{0};
+  ServerThread served_;
+};
+
+constexpr double day_s = 86400;
+
+TEST(ModbusPlantClock, OneWrongReadingIsNotBelieved) {
+  const PointMap map = PointMap::parse(default_point_map(3, 0, 1), "points.csv");
+  for (const double wrong_s : {24 * day_s, 3 * 365 * day_s, 20'000.0, -30'000.0}) {
+    FreePlant plant(map, 500);
+    ModbusLink link(tcp_settings(plant.port()));
+    ModbusPlantClock clock(map, link, {}, 5);
+    const CivilTime before = clock.now();
+    plant.add(wrong_s, 1);
+    EXPECT_LE(std::abs(clock.now().seconds - before.seconds), ModbusPlantClock::leap_s) << wrong_s;
+    const CivilTime t{before.seconds + row_s};
+    plant.add(wrong_s, 2);  // the request, and the reading behind it
+    EXPECT_TRUE(clock.sleep_until(t)) << wrong_s;
+    EXPECT_GE(clock.woke(), t) << wrong_s;
+    EXPECT_LE(clock.woke().seconds - t.seconds, ModbusPlantClock::leap_s) << wrong_s;
+    EXPECT_GE(clock.jumps().doubted, 1U) << wrong_s;
+    EXPECT_EQ(clock.jumps().taken, 0U) << wrong_s;
+  }
+}
+
+TEST(ModbusPlantClock, AJumpThatStaysIsFollowedWithinASecond) {
+  const PointMap map = PointMap::parse(default_point_map(3, 0, 1), "points.csv");
+  for (const double jump_s : {24 * day_s, 10'000.0}) {
+    FreePlant plant(map, 100);
+    ModbusLink link(tcp_settings(plant.port()));
+    ModbusPlantClock clock(map, link, {}, 5);
+    const CivilTime before = clock.now();
+    plant.add(jump_s);
+    const std::int64_t began_ns = monotonic_ns();
+    EXPECT_TRUE(clock.sleep_until({before.seconds + row_s})) << "it is past";
+    EXPECT_LT(seconds_since(began_ns), 1.0);
+    EXPECT_GE(clock.woke().seconds, before.seconds + static_cast<std::int64_t>(jump_s));
+    EXPECT_EQ(clock.jumps().taken, 1U);
+    EXPECT_EQ(clock.jumps().doubted, 0U);
+  }
+}
+
+TEST(ModbusPlantClock, OneThatIsRightAgainIsFollowedBackAndNotWaitedFor) {
+  const PointMap map = PointMap::parse(default_point_map(3, 0, 1), "points.csv");
+  FreePlant plant(map, 100);
+  ModbusLink link(tcp_settings(plant.port()));
+  ModbusPlantClock clock(map, link, {}, 5);
+  const CivilTime before = clock.now();
+  plant.add(24 * day_s);
+  ASSERT_TRUE(clock.sleep_until({before.seconds + row_s}));
+  const CivilTime wrong = next_row(clock.now());
+  plant.add(0);
+  const std::int64_t began_ns = monotonic_ns();
+  EXPECT_FALSE(clock.sleep_until({wrong.seconds + row_s}));
+  EXPECT_LT(seconds_since(began_ns), 1.0);
+  EXPECT_TRUE(clock.set_back());
+  EXPECT_FALSE(clock.stalled());
+  EXPECT_NEAR(static_cast<double>(clock.now().seconds), static_cast<double>(plant.now(100).seconds), 100);
+  EXPECT_TRUE(clock.sleep_until(next_row(clock.now())));
+  EXPECT_FALSE(clock.sleep_until({clock.now().seconds + 86400})) << "no wait is so long";
+  EXPECT_TRUE(clock.set_back());
+}
+
+TEST(ModbusPlantClock, AWrongFirstReadingIsNotBelieved) {
+  const PointMap map = PointMap::parse(default_point_map(3, 0, 1), "points.csv");
+  FreePlant plant(map, 1);
+  plant.add(24 * day_s, 1);
+  ModbusLink link(tcp_settings(plant.port()));
+  ModbusPlantClock clock(map, link);
+  EXPECT_NEAR(static_cast<double>(clock.now().seconds), static_cast<double>(plant.now(1).seconds), 5);
+}
+
+TEST(ModbusPlantClock, APlantOfAnySpeedIsFollowed) {
+  const PointMap map = PointMap::parse(default_point_map(3, 0, 1), "points.csv");
+  FreePlant plant(map, 1e6);
+  ModbusLink link(tcp_settings(plant.port()));
+  ModbusPlantClock clock(map, link, {}, 20);
+  const std::int64_t began_ns = monotonic_ns();
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(clock.sleep_until(next_row({clock.now().seconds + 1})));
+  EXPECT_LT(seconds_since(began_ns), 10.0);
 }
 
 TEST(ModbusPlantClock, NeedsBothPoints) {
