@@ -3,15 +3,16 @@
 // for how long.
 
 #include <microhttpd.h>
-#include <sys/socket.h>
 
 #include <array>
 #include <csignal>
 #include <cstdint>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "firmware/page/audit_log.hpp"
+#include "firmware/page/connection_table.hpp"
+#include "firmware/page/listener.hpp"
 #include "firmware/page/request_check.hpp"
 #include "firmware/page/upload_door.hpp"
 #include "hal/site/site_file.hpp"
@@ -19,18 +20,8 @@
 
 namespace airside::page {
 
-/// How long a connection may stay in each of its parts, s in all: a byte now and then buys no more.
-struct Deadlines {
-  double head_s = 5;     ///< from the connection, TLS included, to the end of the header lines
-  double body_s = 10;    ///< of an upload
-  double answer_s = 10;  ///< until the peer has taken it
-};
-
 class PageServer {
  public:
-  static constexpr unsigned max_sockets = 16, max_sockets_a_peer = 4;
-  static constexpr int max_waiting = 64;                   ///< in the kernel, until a socket is free
-  static constexpr std::size_t max_uploads = 4;            ///< at once, one a peer
   static constexpr std::size_t head_memory_bytes = 16384;  ///< a connection's, for header lines
   static constexpr double pause_after_refusal_s = 2;       ///< before the next upload of a peer whose blob was refused
 
@@ -43,32 +34,15 @@ class PageServer {
   /// Serves until `stop`, a signal handler's variable, is not zero; the signal is let through only while it waits.
   void run(const volatile std::sig_atomic_t& stop, const sigset_t& while_waiting);
 
-  int port() const { return port_; }
+  int port() const { return listener_.port(); }
 
  private:
-  using Peer = std::array<std::uint8_t, 16>;
-  /// A body that is being received. The memory is kept.
-  struct Upload {
-    bool used = false;
-    std::vector<std::byte> bytes;
-    std::size_t expected = 0, got = 0;
-  };
-  /// A socket, from accept to close.
-  struct Connection {
-    int socket = -1;  ///< -1: free
-    std::int64_t until_ns = 0;
-    bool asks = false;  ///< its request is not whole yet
-    Peer peer{};
-    std::string peer_text;
-    Upload* upload = nullptr;
-  };
   struct Refusal {
-    Peer peer{};
+    PeerAddress peer{};
     std::int64_t until_ns = 0;
   };
   using Response = struct MHD_Response;
 
-  void listen_on(const std::string& address, int port);
   void start(const hal::PageSection& page);
 
   // libmicrohttpd calls these; `self` is the server.
@@ -87,22 +61,23 @@ class PageServer {
   MHD_Result send_weights(MHD_Connection* c, Connection& connection);
 
   hal::StorageFile open_in_state(const char* name, std::uint64_t max_bytes, std::uint64_t& bytes) const;
-  void cut_overdue();
   int wait_ms() const;
-  void release(Connection& connection);
-  Refusal* refusal_of(const Peer& peer);
+  /// Accepts whoever gets a place; the first who must wait for one is kept.
+  void take_newcomers();
+  void add(const Newcomer& newcomer);
+  Refusal* refusal_of(const PeerAddress& peer);
 
   std::string state_dir_;
   UploadDoor door_;
   RequestRules rules_;
-  Deadlines deadlines_;
   AuditLog log_;
-  int listen_socket_ = -1, port_ = 0;
+  ConnectionTable table_;
+  Listener listener_;
+  std::optional<Newcomer> newcomer_;     ///< who waits for a place
+  const PeerAddress* adding_ = nullptr;  ///< while libmicrohttpd takes a socket over
   MHD_Daemon* daemon_ = nullptr;
   bool freed_ = false;  ///< a connection was closed in this round
-  std::array<Connection, 2 * max_sockets> connections_;
-  std::array<Upload, max_uploads> uploads_;
-  std::array<Refusal, 2 * max_sockets> refusals_;
+  std::array<Refusal, 2 * ConnectionTable::max_sockets> refusals_;
 };
 
 }  // namespace airside::page

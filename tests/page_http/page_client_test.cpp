@@ -124,6 +124,25 @@ TEST_F(PageClient, TrustsTheBoxsOwnCertificateAndNoOther) {
   EXPECT_FALSE(fs::exists(folder / "no.blob"));
 }
 
+TEST_F(PageClient, SpeaksOnlySuitesThatAuthenticateWhatTheyEncrypt) {
+  ASSERT_TRUE(make_certificate("box")) << read("openssl.txt");
+  ASSERT_TRUE(start("tls_cert = \"box.pem\"\ntls_key = \"box.key\"")) << read("said.txt");
+  const auto agrees = [this](const std::string& offer) {
+    Child client({"/bin/sh", "-c", "exec openssl s_client -connect " + host() + ' ' + offer + " </dev/null"},
+                 folder / "client.txt");
+    return client.wait(20) == 0 && client.said().find("Cipher is ") != std::string::npos &&
+           client.said().find("Cipher is (NONE)") == std::string::npos;
+  };
+  EXPECT_TRUE(agrees("-tls1_2 -cipher ECDHE-ECDSA-AES128-GCM-SHA256")) << read("client.txt");
+  EXPECT_TRUE(agrees("-tls1_2 -cipher ECDHE-ECDSA-CHACHA20-POLY1305")) << read("client.txt");
+  EXPECT_TRUE(agrees("-tls1_3")) << read("client.txt");
+  for (const char* cbc :
+       {"ECDHE-ECDSA-AES128-SHA256", "ECDHE-ECDSA-AES256-SHA384", "ECDHE-ECDSA-AES128-SHA", "ECDHE-ECDSA-AES256-SHA"}) {
+    EXPECT_FALSE(agrees(std::string("-tls1_2 -cipher ") + cbc + ":@SECLEVEL=0")) << cbc << read("client.txt");
+  }
+  EXPECT_FALSE(agrees("-tls1_1 -cipher ALL:@SECLEVEL=0")) << read("client.txt");
+}
+
 TEST_F(PageClient, StartsWithNoKeyThatEverybodyMayRead) {
   ASSERT_TRUE(make_certificate("box")) << read("openssl.txt");
   fs::permissions(folder / "box.key", fs::perms::others_read, fs::perm_options::add);
