@@ -85,7 +85,7 @@ def references(root):
         known.setdefault(os.path.basename(document), document)
     for top in CODE:
         for folder, folders, files in os.walk(os.path.join(root, top)):
-            folders[:] = [name for name in folders if name not in ("vendor", "found", "data", "docs", "__pycache__")]
+            folders[:] = [name for name in folders if name not in ("vendor", "found", "data", "docs", "house", "__pycache__")]
             for name in files:
                 file = os.path.join(folder, name)
                 if os.path.splitext(name)[1] not in CODE_ENDINGS:
