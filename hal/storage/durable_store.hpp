@@ -158,7 +158,7 @@ class DurableStore {
   void scan();
   struct Candidate;
   bool read_candidate(const Candidate& candidate, const StateBuffers& into, bool& learning_is_damaged);
-  LoadedState adopt(const Candidate& candidate, std::uint64_t damaged_transitions);
+  LoadedState adopt(const Candidate& candidate, std::uint64_t damaged_transitions, const StateBuffers& buffers);
   LoadedState nothing_whole(std::span<std::byte> row);
 
   StoreLayout layout_;

@@ -127,7 +127,8 @@ bool DurableStore::read_candidate(const Candidate& candidate, const StateBuffers
   return false;
 }
 
-LoadedState DurableStore::adopt(const Candidate& candidate, std::uint64_t damaged_transitions) {
+LoadedState DurableStore::adopt(const Candidate& candidate, std::uint64_t damaged_transitions,
+                                const StateBuffers& buffers) {
   const RecordHeader& h = candidate.header;
   const LogPosition log{h.log_day, h.log_part, h.log_bytes};
   committed_ = {h.generation,
@@ -141,11 +142,14 @@ LoadedState DurableStore::adopt(const Candidate& candidate, std::uint64_t damage
   learning_in_doubt_ = false;
   rewrite_replay_ = false;
   out_of_reach_ = false;
-  // A killed process may have left the record in the kernel's memory alone. The next commit overwrites the other slot,
-  // so this one must stand on the medium first; where it cannot be forced there, it is the one to be overwritten.
+  // A killed process may have left the record in the kernel's memory alone, which a sync that failed has called clean:
+  // it is written again as it is. The next commit overwrites the other slot, so this one must be on the medium first;
+  // where it cannot be forced there, it is the one to be overwritten.
   const bool from_row = candidate.row_slot >= 0;
   const StorageFile& file = from_row ? row_[candidate.row_slot] : learning_[candidate.learning_slot];
-  const bool forced = file.sync(sync_, "sync loaded record").has_value();
+  const bool writes = ready_ && sync_ == Sync::full;
+  const StoredState same{.learning = buffers.learning, .row = buffers.row, .replay = {}, .log = {}};
+  const bool forced = (writes ? write_record(file, h, same) : file.sync(sync_, "sync loaded record")).has_value();
   if (!forced && from_row) committed_.row_slot = 1 - candidate.row_slot;
   if (!forced && !from_row) learning_in_doubt_ = true;
   LoadedState state;
@@ -225,7 +229,7 @@ StoreResult<LoadedState> DurableStore::load(const StateBuffers& into) {
       std::uint64_t damaged = read_replay(header, into.replay, false);
       if (damaged > 0 && !take_incomplete) continue;
       if (damaged > 0) damaged = read_replay(header, into.replay, true);
-      LoadedState state = adopt(candidates[i], damaged);
+      LoadedState state = adopt(candidates[i], damaged, into);
       state.outcome = damaged > 0                                                  ? LoadOutcome::replay_incomplete
                       : candidates[i].row_slot >= 0 && header.generation == newest ? LoadOutcome::newest
                                                                                    : LoadOutcome::older;

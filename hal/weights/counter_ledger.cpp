@@ -111,6 +111,11 @@ const CounterLedger::Entry* CounterLedger::find(const KeyId& key) const {
   return key == KeyId{} || at == entries_.end() ? nullptr : &*at;
 }
 
+std::uint64_t CounterLedger::highest(const KeyId& key) const {
+  const Entry* const entry = find(key);
+  return entry == nullptr ? 0 : entry->highest;
+}
+
 CounterLedger::Entry* CounterLedger::place_for(const KeyId& key, const KeyRing* keys) {
   auto at = std::ranges::find(entries_, key, &Entry::key);
   if (at == entries_.end()) at = std::ranges::find(entries_, KeyId{}, &Entry::key);

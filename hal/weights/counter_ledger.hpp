@@ -32,6 +32,9 @@ class CounterLedger {
   /// Whether a file lies in one of the folders, whole or not.
   bool exists() const { return exists_; }
 
+  /// The highest counter taken from this key; 0 without an entry.
+  std::uint64_t highest(const KeyId& key) const;
+
   /// Joins the counters of a state. `is_known`: a key without an entry has never sent anything, since the state is
   /// whole or the box is new. It counts where no file was whole: a state that began after a loss knows no better.
   void join(std::span<const KeyCounter> counters, bool is_known);

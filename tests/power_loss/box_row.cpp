@@ -14,8 +14,8 @@ RowFacts facts_of_box_row(std::span<const std::byte> row) {
   std::copy_n(row.begin(), sizeof(Row), copy.begin());
   const auto* record = reinterpret_cast<const Row*>(copy.data());
   const edge::TrialRecord& trial = record->trial;
-  return {record->row_time, trial.counter[0].highest, trial.blob_crc, trial.state == edge::TrialState::rolled_back,
-          trial.previous_digest};
+  return {record->row_time,      trial.counter[0].highest, trial.blob_crc, trial.state == edge::TrialState::rolled_back,
+          trial.previous_digest, trial.counter[0].key};
 }
 
 }  // namespace airside::power_loss

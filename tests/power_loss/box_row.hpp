@@ -6,6 +6,7 @@
 
 #include "airside/civil_time.hpp"
 #include "hal/storage/durable_store.hpp"
+#include "hal/weights/key_ring.hpp"
 
 namespace airside::power_loss {
 
@@ -16,6 +17,7 @@ struct RowFacts {
   std::uint32_t blob_crc = 0;  ///< of the last pushed weights
   bool rolled_back = false;
   std::uint64_t previous_digest = 0;  ///< of the copy to go back to
+  hal::KeyId key{};                   ///< the first one
 };
 
 /// Of airsided with five zones.

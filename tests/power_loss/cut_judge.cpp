@@ -8,6 +8,7 @@
 
 #include "hal/storage/state_copy.hpp"
 #include "hal/text/civil_text.hpp"
+#include "hal/weights/counter_ledger.hpp"
 #include "power_loss/cutter.hpp"
 
 namespace airside::power_loss {
@@ -173,6 +174,19 @@ std::string Cutter::judge_weights(const Loaded& loaded, const Names& wanted) {
   if (meaning_.committed > 0 && loaded.generation != meaning_.committed) {
     const RowFacts& old = meaning_.rows.at(meaning_.committed).record;
     if (trial.counter < old.counter) return "an old counter came back";
+  }
+  if (trial.counter > 0) {
+    std::uint64_t counters = mixed(trial.counter, trial.blob_crc);
+    for (const char* name : {"state/push_counters", "log/push_counters"}) {
+      const auto found = wanted.find(name);
+      counters = mixed(counters, found == wanted.end() ? 0 : files_.at(found->second).work.digest());
+    }
+    if (!good_counters_.contains(counters)) {
+      hal::CounterLedger apart(state_dir_, log_dir_);
+      apart.read();
+      if (apart.highest(trial.key) < trial.counter) return "the counter that lies apart is behind the weights";
+      good_counters_.insert(counters);
+    }
   }
   // The last push lies in the inbox until a generation holds it.
   if (!meaning_.pushes.empty() && meaning_.pushes.back().durable) {

@@ -283,6 +283,10 @@ void Cutter::note_write(const Trace::Op& op, const File& file) {
     meaning_.front[op.inode] = header;
     if (is_row) {
       meaning_.row_in.erase(op.inode);
+      const auto known = meaning_.rows.find(header.generation);
+      if (known != meaning_.rows.end() && known->second.header.header_digest == header.header_digest) {
+        return;  // a start writes what it has loaded again, as it is
+      }
       if (!meaning_.in_flight.empty() && !excused_) report("a row record was never forced to the medium");
       excused_ = false;
       meaning_.in_flight.push_back(header.generation);

@@ -215,7 +215,7 @@ class Cutter {
   std::vector<Cell> cells_;
   std::vector<Inode> touched_;
   std::unordered_map<std::uint64_t, Loaded> results_;  ///< of store images, within one crash point's meaning
-  std::set<std::uint64_t> whole_copies_;
+  std::set<std::uint64_t> whole_copies_, good_counters_;
   std::unordered_set<std::uint64_t> good_logs_;
   bool looked_at_log_ = false;
   Bytes learning_, row_, replay_, copy_;
