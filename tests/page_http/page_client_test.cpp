@@ -128,6 +128,7 @@ TEST_F(PageClient, SpeaksOnlySuitesThatAuthenticateWhatTheyEncrypt) {
   ASSERT_TRUE(make_certificate("box")) << read("openssl.txt");
   ASSERT_TRUE(start("tls_cert = \"box.pem\"\ntls_key = \"box.key\"")) << read("said.txt");
   const auto agrees = [this](const std::string& offer) {
+    fs::remove(folder / "client.txt");
     Child client({"/bin/sh", "-c", "exec openssl s_client -connect " + host() + ' ' + offer + " </dev/null"},
                  folder / "client.txt");
     return client.wait(20) == 0 && client.said().find("Cipher is ") != std::string::npos &&
