@@ -1,7 +1,7 @@
 #pragma once
 // Local civil time as one integer, and the instants of the control cycle.
 
-#include <compare>
+#include <compare>  // IWYU pragma: keep: operator<=> needs it
 #include <cstdint>
 
 namespace airside {
