@@ -21,8 +21,8 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/sim/effects/library DESTINATION ${CMAKE_
 
 # Man pages from --help, and completion from the options that `airside` really has: the built programs are run for both.
 find_package(Python3 COMPONENTS Interpreter)
-if(CMAKE_CROSSCOMPILING OR NOT Python3_FOUND)
-  message(STATUS "no man pages and no completion: the programs do not run here, or there is no python3")
+if(CMAKE_CROSSCOMPILING OR NOT Python3_FOUND OR CMAKE_CXX_FLAGS MATCHES "-fsanitize" OR AIRSIDE_COVERAGE)
+  message(STATUS "no man pages and no completion: they take programs that run here, without sanitizers, and python3")
   return()
 endif()
 set(words_dir ${PROJECT_BINARY_DIR}/words)

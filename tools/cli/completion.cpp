@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <memory>
 #include <vector>
 
 #include "hal/text/input_error.hpp"
@@ -129,7 +130,7 @@ struct CompletionCommand {
 
 std::string bash_completion(const CLI::App& app) {
   const Tree tree = tree_of(app);
-  const std::string name = app.get_name();
+  const std::string& name = app.get_name();
   std::string text = fmt::format(R"(# bash completion of {0}; printed by `{0} completion bash`.
 _{0}() {{
   local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD - 1]}} path={0} i commands='' options=''
@@ -165,7 +166,7 @@ complete -o default -F _{0} {0}
 
 std::string zsh_completion(const CLI::App& app) {
   const Tree tree = tree_of(app);
-  const std::string name = app.get_name();
+  const std::string& name = app.get_name();
   std::string text = fmt::format(R"(#compdef {0}
 # zsh completion of {0}; printed by `{0} completion zsh`.
 _{0}() {{
