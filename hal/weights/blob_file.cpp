@@ -80,7 +80,8 @@ BlobComplaint complaint_of(Fault fault) {
       return {"weights of another topology", "the site's topology",
               "pretrain with this site file, or correct `topology` in it"};
     case Fault::blob_units:
-      return {"other signals or units", "the signals in the order of docs/method.md 3.1", "make the blob again with this version"};
+      return {"other signals or units", "the signals in the order of docs/method.md 3.1",
+              "make the blob again with this version"};
     case Fault::blob_scope:
       return {"a blob for another site", "this site's scope or none",
               "transfer it to this site, or correct `scope` in the site file"};
