@@ -12,8 +12,9 @@
 #include "airside/controller/instances.hpp"
 #include "firmware/edge/daemon.hpp"
 #include "firmware/edge/edge_memory.hpp"
+#include "firmware/edge/plant_clock_report.hpp"
+#include "firmware/edge/row_status.hpp"
 #include "firmware/edge/say.hpp"
-#include "firmware/edge/status_snapshot.hpp"
 #include "hal/modbus/plant.hpp"
 #include "hal/modbus/plant_clock.hpp"
 #include "hal/modbus/wire.hpp"
@@ -37,6 +38,7 @@ class Edge final : public Daemon {
         system_clock_(stop, std::nullopt, options.clock_speed),
         controller_(std::make_unique<Controller<T>>()),
         memory_(site_, options.sync, *controller_),
+        status_(site_.state_dir),
         starts_(site.state_dir, options.sync) {
     hal::refuse_contradiction(site, points);
     if (const std::string warning = hal::warning_of(points); !warning.empty()) say("{}: {}", points.file(), warning);
@@ -47,7 +49,6 @@ class Edge final : public Daemon {
 
   void start() override {
     memory_.open();
-    if (!site_.state_dir.empty()) status_.emplace(site_.state_dir);
     report_watchdog();
     if (options_.crash_limit > 0) recent_starts_ = starts_.record(crash_window_s);
     if (!starts_.is_kept() && !site_.state_dir.empty()) {
@@ -79,8 +80,7 @@ class Edge final : public Daemon {
         say("the plant's clock stands still at row {}; is its server running?", t.seconds);
       }
       if (plant_clock_ && plant_clock_->set_back()) {
-        say("the plant's clock is {} s behind the row that was waited for; going on from the clock",
-            t.seconds - plant_clock_->woke().seconds);
+        PlantClockReport::set_back(t, plant_clock_->woke());
         t = next_row(plant_clock_->now());
       }
     }
@@ -95,13 +95,15 @@ class Edge final : public Daemon {
     controller_->report(Reason::map_differs, plant_.other_device(), t);
     report_bus(t);
     memory_.row(t, sensed, clock_is_set);  // one of 1970 would stand before all others
-    controller_->report(Reason::storage_failed, !memory_.is_well() || status_failure_ != hal::StoreFault::none, t);
+    controller_->report(Reason::storage_failed, !memory_.is_well() || !status_.is_well(), t);
     if (memory_.taken_over()) controller_->hold(Reason::two_masters, t, 0);
     beats_ = controller.cycle().mode_arbiter.beats(t);
     if (beats_) (void)plant_.beat();
     memory_.give_weights(t);
-    report_jumps();
-    write_status(t, sensed);
+    if (plant_clock_) clock_report_.row(plant_clock_->jumps());
+    last_row_ = t;
+    last_sensed_ = sensed;
+    write_status();
     service_.tell("WATCHDOG=1");  // only a row that came through every stage is a sign of life
     say_mode(controller.control_mode(t));
     if (options_.crash_limit > 0 && recent_starts_ > 0 && hal::monotonic_ns() - began_ns_ >= hour_s * 1'000'000'000) {
@@ -122,6 +124,8 @@ class Edge final : public Daemon {
   /// An orderly end is no crash, whatever came before it.
   int ended() {
     if (options_.crash_limit > 0) starts_.clear();
+    // Else it would be read as running until it is old. Where another daemon has the folder, the status is its.
+    if (!memory_.taken_over()) write_status(plant_clock_ ? plant_clock_->woke() : system_clock_.now());
     return 0;
   }
 
@@ -159,26 +163,6 @@ class Edge final : public Daemon {
     controller_->report(Reason::clock_not_set, !is_set, t);
     if (is_set) newest_row_ = std::max(newest_row_, t);
     return is_set;
-  }
-
-  /// What the plant's clock did beside steady progress, once a jump, and in the status for a day of rows.
-  void report_jumps() {
-    if (clock_rows_ > 0 && --clock_rows_ == 0) clock_text_ = "ok";
-    if (!plant_clock_) return;
-    const hal::ModbusPlantClock::Jumps& jumps = plant_clock_->jumps();
-    const bool taken = jumps.taken != said_jumps_.taken, doubted = jumps.doubted != said_jumps_.doubted;
-    if (!taken && !doubted) return;
-    const bool known = !taken && clock_rows_ > 0;  // one that flickers is said once
-    clock_text_ = taken ? "jumped" : clock_rows_ > 0 ? clock_text_ : "read wrong";
-    clock_rows_ = rows_per_day;
-    said_jumps_ = jumps;
-    if (known) return;
-    std::array<char, hal::civil_text_size> from{}, to{};
-    hal::write_civil_text(from.data(), jumps.from);
-    hal::write_civil_text(to.data(), jumps.to);
-    say("the plant's clock {} {} after {}; {}", taken ? "went to" : "read", std::string_view(to.data(), to.size()),
-        std::string_view(from.data(), from.size()),
-        taken ? "it stays there, so control goes on from there" : "that did not last and is not believed");
   }
 
   /// Alarms of the bus: what a person must put right, while control goes on as far as it can.
@@ -247,67 +231,34 @@ class Edge final : public Daemon {
       } else if (!said) {
         say("no answer from {}; trying again", link_.description());
       }
+      last_row_ = next_;
+      last_sensed_ = tl::unexpected(sensed.error());
+      if (!said) write_status();  // what is there may say that the daemon has stopped
       said = true;
       hal::sleep_until_ns(hal::monotonic_ns() + 100'000'000, stop_);
     }
     return false;
   }
 
-  /// Said once; the alarm rises with the next row.
-  void note_status(const hal::StoreResult<void>& written) {
-    if (status_->cleared())
-      say("a link, a pipe or a device was at status.json in {}; it was taken away", site_.state_dir);
-    const hal::StoreFault failure = written ? hal::StoreFault::none : written.error().fault;
-    if (!written && failure != status_failure_) {
-      say("status cannot be written: {} ({}); look into {}", hal::text_of(failure), written.error().step,
-          site_.state_dir);
-    }
-    status_failure_ = failure;
-  }
-
-  void write_status(CivilTime t, const Expected<Reading<T>>& sensed) {
-    if (!status_) return;
-    StatusSnapshot s{.site = site_.name,
-                     .topology = T::name,
-                     .control_mode = controller_->control_mode(t),
-                     .decision = controller_->decision()};
-    s.fault = sensed ? s.decision.fault : sensed.error();
-    // To the controller whatever cannot be used is no number; people want to know why.
-    const int signal = s.decision.fault_signal;
-    if (s.fault == Fault::not_finite && signal >= 0 && plant_.signal_fault(signal) != Fault::none) {
-      s.fault = plant_.signal_fault(signal);
-    }
-    s.setpoint_degc = controller_->cycle().last_setpoint_degc;
-    if (sensed) s.room_temp_degc = {sensed->value.data(), static_cast<std::size_t>(Layout<T>::rooms)};
-    s.target_degc = controller_->settings().target_degc;
+  /// Of the last row; `stopped_at` at an orderly end.
+  void write_status(CivilTime stopped_at = {}) {
+    StatusSnapshot s = row_status<T>(last_row_, last_sensed_, *controller_, plant_);
+    s.site = site_.name;
     if (s.decision.fault_signal >= 0) s.fault_signal = names_[static_cast<std::size_t>(s.decision.fault_signal)];
-    s.cycles = controller_->learning().cycles;
-    s.rejected_updates = controller_->learning().rejected;
-    s.replay_transitions = static_cast<std::uint64_t>(controller_->replay().size());
     s.generation = memory_.generation();
     s.lost_until = memory_.lost_until();
-    s.has_weights = controller_->cycle().has_weights != 0;
-    const bool status_failed = memory_.is_well() && status_failure_ != hal::StoreFault::none;
-    s.storage = status_failed ? "status cannot be written" : memory_.storage();
-    const hal::LinkCounters& link = link_.counters();
-    s.link_timeouts = link.timeouts;
-    s.link_bad_frames = link.bad_frames;
-    s.link_wrong_ids = link.wrong_ids;
-    s.link_exceptions = link.exceptions;
-    s.setpoint_writes = plant_.setpoint_writes();
-    s.mode_arbiter = &controller_->cycle().mode_arbiter;
+    s.storage = memory_.is_well() && !status_.is_well() ? "status cannot be written" : memory_.storage();
     s.trial = text_of(memory_.trial().state);
     s.trial_refusal = text_of(memory_.trial().refusal);
     s.trial_refusal_field = memory_.trial().refusal_field.data();
     s.pushed_crc = memory_.trial().blob_crc;
-    s.clock = clock_text_;
-    if (!plant_clock_) {
+    s.clock = clock_report_.text();
+    s.stopped_at = stopped_at;
+    if (!plant_clock_ && stopped_at.seconds == 0 && system_clock_.woke_ns() != 0) {
       s.row_late_ms = static_cast<double>(system_clock_.woke_ns() - system_clock_.due_ns()) * 1e-6;
       s.row_done_ms = static_cast<double>(hal::monotonic_ns() - system_clock_.due_ns()) * 1e-6;
     }
-    s.ours_error_k = controller_->cycle().shadow.ours_k();
-    s.schedule_error_k = controller_->cycle().shadow.schedule_k();
-    note_status(status_->write(t, s));
+    (void)status_.write(last_row_, s);
   }
 
   hal::SiteFile site_;
@@ -323,19 +274,18 @@ class Edge final : public Daemon {
   std::optional<hal::ModbusPlantClock> plant_clock_;
   std::unique_ptr<Controller<T>> controller_;
   EdgeMemory<T> memory_;
-  std::optional<StatusFile> status_;                        ///< from start() on, where the site names a state folder
-  hal::StoreFault status_failure_ = hal::StoreFault::none;  ///< of the last row's status
+  StatusFile status_;
   std::array<std::string, static_cast<std::size_t>(Layout<T>::signals)> names_;
   CivilTime next_;
   hal::StartLedger starts_;
   hal::ServiceManager service_;
+  CivilTime last_row_;
+  Expected<Reading<T>> last_sensed_ = tl::unexpected(Fault::no_reading);
   int recent_starts_ = 0;
   std::int64_t began_ns_ = 0;  ///< of this run
   CivilTime newest_row_;       ///< the latest that a clock which can be right has told
   PersistentCondition clock_is_behind_;
-  hal::ModbusPlantClock::Jumps said_jumps_;
-  const char* clock_text_ = "ok";
-  int clock_rows_ = 0;  ///< for which clock_text_ is shown still
+  PlantClockReport clock_report_;
   std::string_view said_doubted_;
   ActiveMode said_mode_;
 };

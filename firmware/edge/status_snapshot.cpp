@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "firmware/edge/say.hpp"
 #include "hal/storage/storage_file.hpp"
 #include "hal/text/civil_text.hpp"
 
@@ -77,6 +78,10 @@ std::size_t StatusFile::format(CivilTime now, const StatusSnapshot& s) {
   text.add("{{\"time\":\"{}\"", std::string_view(time.data(), time.size()));
   text.string("site", s.site);
   text.string("topology", s.topology);
+  text.add(",\"stopped\":{}", s.stopped_at.seconds != 0);
+  if (s.stopped_at.seconds != 0) hal::write_civil_text(time.data(), s.stopped_at);
+  text.string("stopped_at",
+              s.stopped_at.seconds != 0 ? std::string_view(time.data(), time.size()) : std::string_view{});
   text.string("state", text_of(s.control_mode.mode));
   text.string("reason", text_of(s.control_mode.reason));
   text.string("why", why_of(s.control_mode));
@@ -150,6 +155,18 @@ hal::StoreResult<void> StatusFile::stage(int dir, const char* name, std::span<co
 }
 
 hal::StoreResult<void> StatusFile::write(CivilTime now, const StatusSnapshot& status) {
+  if (path_.empty()) return {};
+  const auto written = replace(now, status);
+  if (cleared_) say("a link, a pipe or a device was at status.json in {}; it was taken away", path_);
+  const hal::StoreFault failure = written ? hal::StoreFault::none : written.error().fault;
+  if (!written && failure != failure_) {
+    say("status cannot be written: {} ({}); look into {}", hal::text_of(failure), written.error().step, path_);
+  }
+  failure_ = failure;
+  return written;
+}
+
+hal::StoreResult<void> StatusFile::replace(CivilTime now, const StatusSnapshot& status) {
   constexpr const char* name = "status.json";
   cleared_ = false;
   // Each time: a folder that was made anew or mounted later is the one that people look into.

@@ -24,6 +24,7 @@ struct StatusSnapshot {
   std::span<const double> room_temp_degc = {};
   double target_degc = Decision::none;
   std::string_view fault_signal = {};  ///< name of the signal at fault, or empty
+  CivilTime stopped_at = {};           ///< by the site's clock, where the daemon has ended in order; 0: it runs
   CivilTime lost_until = {};           ///< as of DaemonState; 0: nothing was lost at this start
   std::uint64_t cycles = 0, rejected_updates = 0, replay_transitions = 0, generation = 0;
   bool has_weights = false;
@@ -45,13 +46,16 @@ struct StatusSnapshot {
 /// `status.json.new`, is never followed nor written to: it is taken away. A folder there is left to a person.
 class StatusFile {
  public:
-  /// Errors: none here; a folder that cannot be opened makes every write() fail.
+  /// Errors: none here; a folder that cannot be opened makes every write() fail. "": there is no status.
   explicit StatusFile(std::string dir);
+  /// Writes a snapshot; what fails, and what was taken away, is said once.
   /// Errors: the old snapshot is still there if this one could not be written. Where a folder stands at
   /// `status.json.new`, the snapshot is written by way of another name, and wrong_kind returned all the same: a person
   /// must look.  Cost: no heap.
   hal::StoreResult<void> write(CivilTime now, const StatusSnapshot& status);
-  /// Whether the last write() took something away that was no file.
+  /// Whether the last write() succeeded.
+  bool is_well() const { return failure_ == hal::StoreFault::none; }
+  /// Whether it took something away that was no file.
   bool cleared() const { return cleared_; }
 
  private:
@@ -59,11 +63,13 @@ class StatusFile {
   std::size_t format(CivilTime now, const StatusSnapshot& status);
   /// Takes away what is at `name` unless that is a file, or nothing. Errors: wrong_kind for a folder.
   hal::StoreResult<void> clear(int dir, const char* name);
+  hal::StoreResult<void> replace(CivilTime now, const StatusSnapshot& status);
   static hal::StoreResult<void> stage(int dir, const char* name, std::span<const std::byte> bytes);
 
   std::string path_;
   std::array<char, 4096> text_{};
   bool cleared_ = false;
+  hal::StoreFault failure_ = hal::StoreFault::none;
 };
 
 }  // namespace airside::edge

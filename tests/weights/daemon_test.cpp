@@ -273,6 +273,7 @@ TEST(PushedWeights, ABlobThatWaitsIsOnlyReplacedByANewerOneOfItsKey) {
   EXPECT_EQ(b.run({"push", blob, site}), 0) << b.said();
   ASSERT_EQ(b.run({"keygen", "-o", b.bench.file("bob")}), 0);
   ASSERT_EQ(sign("bob.key", "12"), 0) << b.said();
+  fs::copy(b.bench.file("bob.pub"), b.bench.file("keys") / "bob.pub");
   EXPECT_EQ(b.run({"push", blob, site}), 1);
   EXPECT_NE(b.said().find("other weights that wait"), std::string::npos) << b.said();
   EXPECT_EQ(sign("ann.key", "0"), 2) << "counters begin at 1";

@@ -307,24 +307,6 @@ TEST_F(Inbox, FollowsNoLinkAndWaitsForNoPipe) {
   fs::remove(folder.file("../airside_secret"));
 }
 
-TEST_F(Inbox, IsNoLinkToAnotherFolder) {
-  const hal::TestFolder elsewhere("mailbox_elsewhere");
-  const std::string link = elsewhere.file("link").string();
-  put("weights.blob", "abc");
-  fs::create_directory_symlink(folder.c_str(), link);
-  for (const std::string& path : {link, link + "/"}) {
-    hal::Mailbox led(path);
-    EXPECT_FALSE(led.is_open()) << path;
-    EXPECT_EQ(led.fault(), hal::StoreFault::wrong_kind) << path;
-    EXPECT_FALSE(led.collect(blob).has_blob) << path;
-    EXPECT_FALSE(led.release_waits()) << path;
-  }
-  fs::remove(link);
-  hal::Mailbox own(link);
-  EXPECT_TRUE(own.is_open()) << "made where there is none";
-  EXPECT_EQ(own.fault(), hal::StoreFault::none);
-}
-
 TEST_F(Inbox, ReadsNothingOfAFileThatIsTooLong) {
   put("weights.blob", std::string(1001, 'x'));
   const hal::Mail mail = box.collect(blob);

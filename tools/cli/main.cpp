@@ -43,6 +43,8 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     return tools::finish_output(0);
+  } catch (const CLI::RuntimeError& e) {  // a command with exit codes of its own
+    return tools::finish_output(e.get_exit_code());
   } catch (const CLI::ParseError& e) {
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
       std::fprintf(stderr, "airside: no command \"%s\"; airside --help lists them\n", argv[1]);

@@ -1,6 +1,7 @@
 // airside status: the box's status.json in plain sentences.
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -28,7 +29,17 @@ fs::path snapshot_of(const std::string& given) {
   if (path.extension() == ".toml") path = hal::read_site_file(given, hal::site_rules()).state_dir;
   std::error_code ignored;
   if (path.extension() != ".json" || fs::is_directory(path, ignored)) path /= "status.json";
-  if (!fs::exists(path, ignored)) {
+  std::error_code failed;
+  const fs::file_status status = fs::status(path, failed);
+  if (failed == std::errc::permission_denied || (fs::exists(status) && ::access(path.c_str(), R_OK) != 0)) {
+    throw hal::InputError(path.string(), "no permission to read it", "a status that this user may read",
+                          "run it as root, as the user airside, or as a member of the group airside");
+  }
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw hal::InputError(path.string(), "no regular file", "the status that airsided writes every 6 min",
+                          "take it away; airsided writes a new one with its next row");
+  }
+  if (!fs::exists(status)) {
     throw hal::InputError(path.string(), "no such file", "the status that airsided writes every 6 min",
                           "give its state folder or site file, and see that airsided runs (systemctl status airsided)");
   }
@@ -101,13 +112,41 @@ double age_s(const fs::path& path) {
   return std::chrono::duration<double>(fs::file_time_type::clock::now() - fs::last_write_time(path)).count();
 }
 
-std::string state_text(const Snapshot& s) {
+/// What airsided does, as far as its status tells: a word for programs, an exit code for scripts.
+struct Condition {
+  const char* word;
+  int exit_code;
+};
+constexpr Condition running{"running", 0}, stopped{"stopped", 3}, stale{"stale", 4}, alarmed{"alarm", 5};
+
+/// A status from the future is as old as one from the past: a clock was set.
+bool is_old(double age) { return std::abs(age) > old_after_s; }
+
+Condition condition_of(const Snapshot& s, double age) {
+  if (s.object().value("stopped", json(false)) == json(true)) return stopped;
+  if (is_old(age)) return stale;
+  const json alarms = s.object().value("alarms", json::array());
+  return alarms.is_array() && !alarms.empty() ? alarmed : running;
+}
+
+std::string state_text(const Snapshot& s, const Condition& condition) {
   const std::string state = s.text("state"), fault = s.text("fault"), signal = s.text("fault_signal");
-  std::string text = state == "learn"     ? "It controls and goes on learning"
-                     : state == "run"     ? "It controls with frozen weights"
-                     : state == "expert"  ? "It follows the expert's schedule"
-                     : state == "release" ? "It writes nothing: the AHU is released to its own control"
-                                          : "Its state is \"" + state + '"';
+  const bool runs = condition.exit_code == running.exit_code || condition.exit_code == alarmed.exit_code;
+  const auto tense = [runs](const char* now, const char* then) { return runs ? now : then; };
+  std::string text;
+  if (condition.exit_code == stopped.exit_code) {
+    text = "airsided has stopped in order, at " + s.text("stopped_at") +
+           " of the site's clock; nothing is written to the AHU since.\nThe last row: ";
+  }
+  if (condition.exit_code == stale.exit_code) {
+    text = "This is old: airsided writes every 6 min, so it is not running or cannot write.\nThe last row: ";
+  }
+  text += state == "learn"     ? tense("It controls and goes on learning", "It controlled and went on learning")
+          : state == "run"     ? tense("It controls with frozen weights", "It controlled with frozen weights")
+          : state == "expert"  ? tense("It follows the expert's schedule", "It followed the expert's schedule")
+          : state == "release" ? tense("It writes nothing: the AHU is released to its own control",
+                                       "It wrote nothing: the AHU was released to its own control")
+                               : "Its state is \"" + state + '"';
   if (s.text("reason") != "none") text += ": " + s.text("why") + " (" + s.text("way_out") + ")";
   if (fault != "none") return text + ". Fault: " + fault + (signal.empty() ? "." : " at " + signal + '.');
   return text + "; no fault.";
@@ -203,21 +242,20 @@ std::string link_text(const Snapshot& s) {
 }
 
 /// The whole text at once, so that a damaged snapshot prints nothing but the complaint.
-std::string sentences(const Snapshot& s, double age) {
+std::string sentences(const Snapshot& s, double age, const Condition& condition) {
   const std::string storage = s.text("storage");
   const std::uint64_t generation = s.count("generation");
   std::string text = fmt::format("{} ({})\n", s.text("site"), s.text("topology"));
-  for (const std::string& line : {state_text(s), alarms_text(s), rooms_text(s), setpoint_text(s), shadows_text(s),
-                                  learning_text(s), pushed_text(s)}) {
+  for (const std::string& line : {state_text(s, condition), alarms_text(s), rooms_text(s), setpoint_text(s),
+                                  shadows_text(s), learning_text(s), pushed_text(s)}) {
     if (!line.empty()) text += line + '\n';
   }
   text += storage == "ok" ? fmt::format("Storage is in order, generation {}.\n", generation)
                           : fmt::format("Storage: {} (generation {}).\n", storage, generation);
+  const std::string clock = s.object().value("clock", json("ok")).get<std::string>();
+  if (clock != "ok") text += "The plant's clock, within the last day: " + clock + ".\n";
   text += link_text(s);
   text += fmt::format("\nWritten {} ago, at {} of the site's clock.\n", span_text(std::max(0.0, age)), s.text("time"));
-  if (age > old_after_s) {
-    text += "This is old: airsided writes every 6 min, so it is not running or cannot write.\n";
-  }
   return text;
 }
 
@@ -228,11 +266,17 @@ struct StatusCommand {
   void run() const {
     const fs::path file = snapshot_of(path);
     const Snapshot snapshot(file);
+    const double age = age_s(file);
+    const Condition condition = condition_of(snapshot, age);
     if (as_json) {
-      fmt::print("{}\n", snapshot.object().dump(-1, ' ', false, json::error_handler_t::replace));
+      json object = snapshot.object();
+      object["condition"] = condition.word;
+      object["age_s"] = std::round(age);
+      fmt::print("{}\n", object.dump(-1, ' ', false, json::error_handler_t::replace));
     } else {
-      fmt::print("{}", sentences(snapshot, age_s(file)));
+      fmt::print("{}", sentences(snapshot, age, condition));
     }
+    if (condition.exit_code != 0) throw CLI::RuntimeError(condition.exit_code);
   }
 };
 
@@ -242,7 +286,13 @@ void add_status(CLI::App& app) {
   auto self = std::make_shared<StatusCommand>();
   CLI::App* c = app.add_subcommand("status", "what the box is doing, in plain sentences");
   c->add_option("path", self->path, "status.json, a state folder, or a site file")->capture_default_str();
-  c->add_flag("--json", self->as_json, "print the status as it is, one JSON object, and nothing else");
+  c->add_flag("--json", self->as_json,
+              "print the status as one JSON object and nothing else, with its age_s, and condition: running, stopped,\n"
+              "stale or alarm");
+  c->footer(
+      "Exit codes: 0 it runs and no alarm is up, 1 no status that can be read, 2 bad command line,\n"
+      "3 it has stopped in order, 4 the status is old (more than 15 min): it does not run or cannot write,\n"
+      "5 it runs and an alarm is up.");
   c->callback([self] { self->run(); });
 }
 

@@ -10,9 +10,12 @@
 #include <ctime>
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <regex>
 
+#include "airside/controller/instances.hpp"
+#include "airside/topologies.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/storage/atomic_file.hpp"
 #include "hal/storage/storage_file.hpp"
@@ -144,10 +147,58 @@ std::string page_of(const std::string& target) {
   return (here ? "http://" : "https://") + host + (parts[2].matched ? parts[2].str() : ":8350");
 }
 
+constexpr const char* default_site = "/etc/airside/site.toml";
+
+/// The site of the box that looks into `inbox`: the file given, else the one beside the inbox or the box's own, where
+/// it names that inbox. Nothing where none does.
+std::optional<hal::SiteFile> site_of(const std::string& inbox, const std::string& given) {
+  if (!given.empty()) return hal::read_site_file(given, hal::site_rules());
+  for (const std::string& path : {(fs::path(inbox) / ".." / "site.toml").string(), std::string(default_site)}) {
+    std::error_code none;
+    if (!fs::exists(path, none)) continue;
+    try {
+      hal::SiteFile site = hal::read_site_file(path, hal::site_rules());
+      if (fs::equivalent(site.inbox_dir, inbox, none)) return site;
+    } catch (const hal::InputError&) {
+      // Not a site that this user may read, or a damaged one: the daemon says so, not a push.
+    }
+  }
+  return {};
+}
+
+/// What the box would refuse as soon as it looks: a key that it does not know, another topology, units or site.
+/// Errors: hal::InputError.
+void refuse_for_site(const std::string& blob, std::span<const std::byte> bytes, const hal::SiteFile& site) {
+  hal::KeyRing keys;
+  const char* unread = keys.reload(site.keys_dir.c_str(), [](const char*, const char*) {});  // as the daemon does
+  if (unread != nullptr) {
+    fmt::print(stderr, "airside: {}: {}; whether the box knows the key of {} is not checked\n", site.keys_dir, unread,
+               blob);
+  } else if (const auto key = hal::verify_blob(bytes, keys); !key) {
+    throw hal::InputError(blob + ": " + key.error().field, text_of(key.error().fault),
+                          "a signature of a key in " + (site.keys_dir.empty() ? "[weights] keys" : site.keys_dir),
+                          "sign it with a key that the box knows, or copy the public key there");
+  }
+  with_topology(site.topology.c_str(), [&]<class T>(T) {
+    auto payload = std::make_unique<typename WeightBlob<T>::Payload>();
+    hal::decode_blob<T>(bytes, site.scope, blob, *payload);
+  });
+}
+
 struct PushCommand {
-  std::string blob, target, ca;
+  std::string blob, target, ca, site;
   SendBlob over_http = nullptr;
   bool json = false;
+
+  void check_for_box(std::span<const std::byte> bytes) const {
+    const bool is_site = fs::path(target).extension() == ".toml";
+    const std::optional<hal::SiteFile> box = site_of(inbox_of(target), site.empty() && is_site ? target : site);
+    if (box) return refuse_for_site(blob, bytes, *box);
+    fmt::print(stderr,
+               "airside: {}: no site file is known that names this inbox, so topology, site and key of {} are not "
+               "checked; --site FILE names it\n",
+               target, blob);
+  }
 
   /// As airside-page has it: two people's weights do not replace one another unseen.
   void refuse_beside_another(const BlobHeader& header) const {
@@ -177,6 +228,7 @@ struct PushCommand {
       }
       return;
     }
+    check_for_box(bytes);
     refuse_beside_another(header);
     drop(target, hal::Mailbox::blob_name, bytes);
     if (json) {
@@ -253,6 +305,10 @@ void add_weights(CLI::App& app, SendBlob over_http) {
   if (over_http != nullptr) {
     p->add_option("--ca", push->ca, "PEM file of the certificates to trust, such as the box's own");
   }
+  p->add_option(
+      "--site", push->site,
+      "site file of the box, to check topology, site and key against (default: the target, if it is one, else\n"
+      "the one beside the inbox or /etc/airside/site.toml, where it names this inbox)");
   push->over_http = over_http;
   p->add_flag("--json", push->json, json_help);
   p->callback([push] { push->run(); });

@@ -12,7 +12,7 @@
 #include "support/bench.hpp"
 #include "support/modbus_fixture.hpp"
 
-namespace airside::fault_matrix {
+namespace airside::status {
 namespace {
 
 using closed_loop::Bench;
@@ -120,4 +120,4 @@ TEST_F(PlantClock, ThatReallyJumpedIsFollowed) {
 }
 
 }  // namespace
-}  // namespace airside::fault_matrix
+}  // namespace airside::status

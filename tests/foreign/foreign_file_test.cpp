@@ -4,12 +4,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 
 #include "hal/storage/atomic_file.hpp"
 #include "hal/storage/start_ledger.hpp"
 #include "hal/storage/storage_file.hpp"
+#include "hal/weights/mailbox.hpp"
 #include "support/test_folder.hpp"
 
 namespace airside::hal {
@@ -87,6 +89,25 @@ TEST_F(ForeignFile, AnOpenFolderIsWrittenToWhateverItsPathLeadsToByNow) {
   ASSERT_TRUE(write_file_atomically(*dir, "blob", std::vector<std::byte>(5, std::byte{1})));
   EXPECT_EQ(fs::file_size(moved / "blob"), 5u);
   EXPECT_EQ(other.image(), before);
+}
+
+TEST_F(ForeignFile, ALinkInPlaceOfTheInboxIsNotFollowed) {
+  const fs::path link = folder.file("inbox");
+  std::ofstream(other.file("weights.blob")) << "abc";
+  std::ofstream(other.file("release")).close();
+  fs::create_directory_symlink(other.c_str(), link);
+  std::array<std::byte, 100> blob{};
+  for (const std::string& path : {link.string(), link.string() + "/"}) {
+    Mailbox led(path);
+    EXPECT_FALSE(led.is_open()) << path;
+    EXPECT_EQ(led.fault(), StoreFault::wrong_kind) << path;
+    EXPECT_FALSE(led.collect(blob).has_blob) << path;
+    EXPECT_FALSE(led.release_waits()) << path;
+  }
+  fs::remove(link);
+  const Mailbox own(link);
+  EXPECT_TRUE(own.is_open()) << "made where there is none";
+  EXPECT_EQ(own.fault(), StoreFault::none);
 }
 
 TEST_F(ForeignFile, InPlaceOfTheStartsIsReported) {

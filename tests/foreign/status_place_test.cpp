@@ -12,7 +12,7 @@
 #include "support/bench.hpp"
 #include "support/test_folder.hpp"
 
-namespace airside::fault_matrix {
+namespace airside::foreign {
 namespace {
 
 namespace fs = std::filesystem;
@@ -161,4 +161,4 @@ TEST_F(StatusOfDaemon, IsNotHungByAPipeNorLedAwayByALink) {
 }
 
 }  // namespace
-}  // namespace airside::fault_matrix
+}  // namespace airside::foreign

@@ -1,0 +1,41 @@
+#pragma once
+// The status of a row, as far as controller, AHU and link know it.
+
+#include "airside/controller/instances.hpp"
+#include "firmware/edge/status_snapshot.hpp"
+#include "hal/modbus/plant.hpp"
+
+namespace airside::edge {
+
+/// `sensed` and `controller` must outlive the snapshot. Cost: no heap.
+template <Topology T>
+StatusSnapshot row_status(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller,
+                          const hal::ModbusPlant<T>& plant) {
+  StatusSnapshot s{
+      .site = {}, .topology = T::name, .control_mode = controller.control_mode(t), .decision = controller.decision()};
+  s.fault = sensed ? s.decision.fault : sensed.error();
+  // To the controller whatever cannot be used is no number; people want to know why.
+  const int signal = s.decision.fault_signal;
+  if (s.fault == Fault::not_finite && signal >= 0 && plant.signal_fault(signal) != Fault::none) {
+    s.fault = plant.signal_fault(signal);
+  }
+  s.setpoint_degc = controller.cycle().last_setpoint_degc;
+  if (sensed) s.room_temp_degc = {sensed->value.data(), static_cast<std::size_t>(Layout<T>::rooms)};
+  s.target_degc = controller.settings().target_degc;
+  s.cycles = controller.learning().cycles;
+  s.rejected_updates = controller.learning().rejected;
+  s.replay_transitions = static_cast<std::uint64_t>(controller.replay().size());
+  s.has_weights = controller.cycle().has_weights != 0;
+  const hal::LinkCounters& link = plant.link().counters();
+  s.link_timeouts = link.timeouts;
+  s.link_bad_frames = link.bad_frames;
+  s.link_wrong_ids = link.wrong_ids;
+  s.link_exceptions = link.exceptions;
+  s.setpoint_writes = plant.setpoint_writes();
+  s.mode_arbiter = &controller.cycle().mode_arbiter;
+  s.ours_error_k = controller.cycle().shadow.ours_k();
+  s.schedule_error_k = controller.cycle().shadow.schedule_k();
+  return s;
+}
+
+}  // namespace airside::edge
