@@ -231,7 +231,6 @@ class Edge final : public Daemon {
       } else if (!said) {
         say("no answer from {}; trying again", link_.description());
       }
-      last_row_ = next_;
       last_sensed_ = tl::unexpected(sensed.error());
       if (!said) write_status();  // what is there may say that the daemon has stopped
       said = true;
@@ -242,6 +241,7 @@ class Edge final : public Daemon {
 
   /// Of the last row; `stopped_at` at an orderly end.
   void write_status(CivilTime stopped_at = {}) {
+    if (last_row_.seconds == 0) last_row_ = next_.seconds != 0 ? next_ : system_clock_.now();  // before the first row
     StatusSnapshot s = row_status<T>(last_row_, last_sensed_, *controller_, plant_);
     s.site = site_.name;
     if (s.decision.fault_signal >= 0) s.fault_signal = names_[static_cast<std::size_t>(s.decision.fault_signal)];

@@ -1,5 +1,6 @@
 #include "firmware/edge/plant_clock_report.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "firmware/edge/say.hpp"
@@ -8,7 +9,8 @@
 namespace airside::edge {
 
 void PlantClockReport::row(const hal::ModbusPlantClock::Jumps& jumps) {
-  if (rows_left_ > 0 && --rows_left_ == 0) text_ = "ok";
+  rows_left_ = std::max(rows_left_ - 1, 0);
+  if (rows_left_ == 0) text_ = "ok";
   const bool taken = jumps.taken != said_.taken, doubted = jumps.doubted != said_.doubted;
   if (!taken && !doubted) return;
   said_ = jumps;

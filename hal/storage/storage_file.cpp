@@ -21,7 +21,7 @@ StoreResult<StorageFile> open_regular(int dir_fd, const char* name, int flags, c
   StorageFile file(fd);
   struct stat status {};
   if (::fstat(fd, &status) != 0) return failed(step);
-  if (!S_ISREG(status.st_mode)) return tl::make_unexpected(StoreError{StoreFault::wrong_kind, 0, step});
+  if (!S_ISREG(status.st_mode)) return tl::make_unexpected(store_error(S_ISDIR(status.st_mode) ? EISDIR : ENXIO, step));
   return file;
 }
 

@@ -159,8 +159,8 @@ std::optional<hal::SiteFile> site_of(const std::string& inbox, const std::string
     try {
       hal::SiteFile site = hal::read_site_file(path, hal::site_rules());
       if (fs::equivalent(site.inbox_dir, inbox, none)) return site;
-    } catch (const hal::InputError&) {
-      // Not a site that this user may read, or a damaged one: the daemon says so, not a push.
+    } catch (const hal::InputError& unread) {  // the daemon's affair: it need not be the site of this inbox
+      fmt::print(stderr, "airside: {}\n", unread.what());
     }
   }
   return {};
