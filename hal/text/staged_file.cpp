@@ -16,6 +16,7 @@ StagedFile::StagedFile(const std::string& path) : path_(path), target_(path) {
   const bool there = fs::exists(status);
   if (there && fs::is_symlink(path, failed)) target_ = fs::canonical(path, failed).string();
   part_ = there && !fs::is_regular_file(status) ? target_ : target_ + ".part";
+  if (part_ != target_) unfinished_.emplace(part_);
   file_.reset(std::fopen(part_.c_str(), "wb"));
   if (!file_) fail(errno);
 }
@@ -40,7 +41,10 @@ void StagedFile::commit() {
     return;
   }
   if (error == 0) fs::rename(part_, target_, failed);
-  if (error == 0 && !failed) return;
+  if (error == 0 && !failed) {
+    unfinished_.reset();
+    return;
+  }
   std::error_code ignored;
   fs::remove(part_, ignored);
   fail(error != 0 ? error : failed.value());

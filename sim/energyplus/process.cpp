@@ -27,6 +27,7 @@ RunFolder::RunFolder() {
                           "a folder that can be written to, for the run's files", "name another in TMPDIR");
   }
   path_ = pattern;
+  unfinished_.emplace(path_.string());
 }
 
 RunFolder::~RunFolder() {
@@ -63,10 +64,12 @@ EnergyPlusProcess::EnergyPlusProcess(const RunConfig& config, std::string name)
     throw std::runtime_error(program + ": found that it does not start (" + std::strerror(failed) +
                              "); expected the worker program; build the target airside-energyplus");
   }
+  unfinished_.emplace(pid_);
 }
 
 EnergyPlusProcess::~EnergyPlusProcess() {
   close(socket_);
+  unfinished_.reset();
   if (pid_ > 0) {
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
@@ -101,6 +104,7 @@ WorkerReply EnergyPlusProcess::receive() {
 void EnergyPlusProcess::report_death() {
   std::string how = "is gone";
   int status = 0;
+  unfinished_.reset();
   if (pid_ > 0 && waitpid(pid_, &status, 0) == pid_) {
     how = ending_text(status);
     pid_ = -1;

@@ -3,14 +3,16 @@
 // child that dies is reported in the engine's own words.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "hal/text/unfinished.hpp"
 #include "sim/energyplus/protocol.hpp"
 #include "sim/energyplus/run_config.hpp"
 
 namespace airside::sim {
 
-/// A new empty folder under TMPDIR, removed with its owner.
+/// A new empty folder under TMPDIR, removed with its owner, and where a signal ends the program.
 class RunFolder {
  public:
   /// Errors: hal::InputError when TMPDIR cannot be written to.
@@ -22,6 +24,7 @@ class RunFolder {
 
  private:
   std::filesystem::path path_;
+  std::optional<hal::UnfinishedPath> unfinished_;
 };
 
 class EnergyPlusProcess {
@@ -49,6 +52,7 @@ class EnergyPlusProcess {
   std::string name_;
   int socket_ = -1;
   int pid_ = -1;
+  std::optional<hal::UnfinishedChild> unfinished_;
 };
 
 }  // namespace airside::sim

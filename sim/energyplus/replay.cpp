@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "hal/text/input_error.hpp"
+#include "hal/text/unfinished.hpp"
 #include "sim/energyplus/eso.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/process.hpp"
@@ -81,6 +82,7 @@ void run_engine(const EnergyPlusInstall& install, const std::filesystem::path& f
     throw hal::InputError(arguments[0], std::string("that it does not start (") + std::strerror(failed) + ")",
                           "the program of EnergyPlus 25.2", "run tools/setup again: the install is incomplete");
   }
+  const hal::UnfinishedChild unfinished(pid);
   int status = 0;
   while (waitpid(pid, &status, 0) < 0) {
     if (errno != EINTR) throw std::runtime_error("EnergyPlus replay: the engine's process is gone");

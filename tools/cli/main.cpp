@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "hal/system/version.hpp"
-#include "hal/text/input_error.hpp"
+#include "hal/text/unfinished.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/finish_output.hpp"
 
@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
   tools::add_completion(app);
   // A limit on the size of files is a complaint like any other, not the end of the program.
   std::signal(SIGXFSZ, SIG_IGN);
+  hal::clean_up_on_signals();
   try {
     app.parse(argc, argv);
     return tools::finish_output(0);

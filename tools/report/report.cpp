@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/text/input_error.hpp"
+#include "hal/text/staged_folder.hpp"
 #include "tools/report/downsample.hpp"
 #include "tools/report/page_parts.hpp"
 #include "tools/report/report_text.hpp"
@@ -270,19 +271,14 @@ std::string report_html(const ReportInput& input, const ReportOptions& options) 
 
 namespace {
 
-void write_whole(const std::filesystem::path& path, const std::string& text) {
-  const std::filesystem::path part = path.string() + ".part";
-  std::ofstream file(part, std::ios::binary | std::ios::trunc);
+/// `shown`: the name by which the reader will know the file.
+void write_staged(const std::filesystem::path& path, const std::filesystem::path& shown, const std::string& text) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
   file << text;
   file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(part, path, error);
-  if (!file || error) {
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw hal::InputError(path.string(), "a file that cannot be written", "a writable place with free space",
-                          "choose another output folder");
-  }
+  if (file) return;
+  throw hal::InputError(shown.string(), "a file that cannot be written", "a writable place with free space",
+                        "choose another output folder");
 }
 
 }  // namespace
@@ -291,8 +287,7 @@ std::vector<std::filesystem::path> write_report(const std::filesystem::path& pat
                                                 const ReportOptions& options) {
   const std::string page = report_html(input, options);
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
-  std::error_code ignored;
-  std::filesystem::create_directories(folder, ignored);
+  hal::StagedFolder staged(folder);
   std::vector<std::filesystem::path> written = {path};
   if (options.svg_files) {
     int number = 0;
@@ -307,11 +302,13 @@ std::vector<std::filesystem::path> write_report(const std::filesystem::path& pat
       } else {
         continue;
       }
-      written.push_back(folder / fmt::format("{:02}-{}.svg", ++number, slug(title)));
-      write_whole(written.back(), svg);
+      const std::string name = fmt::format("{:02}-{}.svg", ++number, slug(title));
+      written.push_back(folder / name);
+      write_staged(staged.path() / name, written.back(), svg);
     }
   }
-  write_whole(path, page);
+  write_staged(staged.path() / path.filename(), path, page);
+  staged.commit(path.filename());
   return written;
 }
 

@@ -19,7 +19,7 @@ struct ReportOptions {
 std::string report_html(const ReportInput& input, const ReportOptions& options = {});
 
 /// Writes the page to `path` (its folder is made) and the SVG files beside it. Returns every file written, the page
-/// first. The page appears whole or not at all.
+/// first. All appear together, or none.
 /// Errors: hal::InputError as report_html, and when a file cannot be written.
 std::vector<std::filesystem::path> write_report(const std::filesystem::path& path, const ReportInput& input,
                                                 const ReportOptions& options = {});

@@ -1,13 +1,17 @@
 #include "tools/run/child_jobs.hpp"
 
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <stdexcept>
+
+#include "hal/text/unfinished.hpp"
 
 namespace airside::tools {
 
@@ -18,6 +22,7 @@ struct Child {
   int pipe;
   std::size_t job;
   std::string text;
+  hal::UnfinishedChild unfinished;
 };
 
 /// First character of a child's answer.
@@ -36,9 +41,14 @@ Child start(std::size_t job, const std::function<std::string(std::size_t)>& work
   std::array<int, 2> ends{};
   if (::pipe(ends.data()) != 0) throw std::runtime_error("no pipe for a child process");
   std::fflush(nullptr);
+  const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid < 0) throw std::runtime_error("no child process could be started");
   if (pid == 0) {
+    hal::forget_unfinished();
+    // SIGKILL of the parent too ends its children, by a signal at which they still remove what is unfinished.
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (::getppid() != parent) ::_exit(1);
     ::close(ends[0]);
     std::string text;
     try {
@@ -49,7 +59,7 @@ Child start(std::size_t job, const std::function<std::string(std::size_t)>& work
     answer(ends[1], text);
   }
   ::close(ends[1]);
-  return {pid, ends[0], job, {}};
+  return {pid, ends[0], job, {}, hal::UnfinishedChild(pid)};
 }
 
 /// Reads what is there. True once the child has closed its end.
@@ -76,9 +86,10 @@ std::vector<std::string> run_children(std::size_t count, int jobs, const std::fu
     if (::poll(waiting.data(), waiting.size(), -1) < 0) continue;
     for (std::size_t i = running.size(); i-- > 0;) {
       if (waiting[i].revents == 0 || !drain(running[i])) continue;
-      const Child child = std::move(running[i]);
+      Child child = std::move(running[i]);
       running.erase(running.begin() + static_cast<std::ptrdiff_t>(i));
       ::close(child.pipe);
+      child.unfinished.release();
       int status = 0;
       while (::waitpid(child.pid, &status, 0) < 0 && errno == EINTR) {
       }
