@@ -119,6 +119,11 @@ struct Log {
 /// Errors: InputError with file:line and column.
 Log read_log(const std::string& path, const TopologyCounts& counts, const LogReadOptions& options = {});
 
+/// Reads several files, each of them later than the one before, as one log.
+/// Errors: as read_log(); also for files whose columns differ.
+Log read_log_files(const std::vector<std::string>& files, const TopologyCounts& counts,
+                   const LogReadOptions& options = {});
+
 /// Reads the text of one log; `name` stands in messages.
 Log read_log_text(std::string_view text, const std::string& name, const TopologyCounts& counts,
                   const LogReadOptions& options = {});

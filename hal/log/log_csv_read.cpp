@@ -379,6 +379,14 @@ Log read_log_text(std::string_view text, const std::string& name, const Topology
   return Reader(text, name, counts, options).read();
 }
 
+Log read_log_files(const std::vector<std::string>& files, const TopologyCounts& counts, const LogReadOptions& options) {
+  Log all = read_log_text(read_text_file(files.front(), "a CSV log"), files.front(), counts, options);
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    append_log(all, read_log_text(read_text_file(files[i], "a CSV log"), files[i], counts, options), files[i]);
+  }
+  return all;
+}
+
 Log read_log(const std::string& path, const TopologyCounts& counts, const LogReadOptions& options) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -391,11 +399,7 @@ Log read_log(const std::string& path, const TopologyCounts& counts, const LogRea
   if (files.empty()) {
     throw InputError(path, "a directory without *.csv", "log files", "give the directory that the daemon logs to");
   }
-  Log all = read_log_text(read_text_file(files.front(), "a CSV log"), files.front(), counts, options);
-  for (std::size_t i = 1; i < files.size(); ++i) {
-    append_log(all, read_log_text(read_text_file(files[i], "a CSV log"), files[i], counts, options), files[i]);
-  }
-  return all;
+  return read_log_files(files, counts, options);
 }
 
 }  // namespace airside::hal

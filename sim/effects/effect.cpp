@@ -7,7 +7,6 @@
 
 #include "hal/text/input_error.hpp"
 #include "sim/effects/effect_text.hpp"
-#include "sim/json/merge_patch.hpp"
 
 namespace airside::sim {
 

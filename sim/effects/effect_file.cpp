@@ -7,7 +7,7 @@
 #include "sim/effects/effect.hpp"
 #include "sim/effects/effect_text.hpp"
 #include "sim/energyplus/install.hpp"
-#include "sim/json/merge_patch.hpp"
+#include "sim/json/json_file.hpp"
 
 namespace airside::sim {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "sim/json/merge_patch.hpp"
+#include "sim/json/json_file.hpp"
 
 namespace airside::sim {
 namespace {

@@ -97,6 +97,16 @@ EnergyPlusInstall find_energyplus() {
 
 bool have_energyplus() { return engine_folder().has_value(); }
 
+std::string version_of(const EnergyPlusInstall& install) {
+  const std::string prefix = install.library.filename().string() + ".";
+  std::error_code failed;
+  for (const auto& entry : fs::directory_iterator(install.folder, failed)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(prefix)) return name.substr(prefix.size());
+  }
+  return "25.2";  // the one that the worker was made for
+}
+
 fs::path default_weather(const EnergyPlusInstall& install) {
   fs::path file = install.folder / "WeatherData" / "USA_FL_Tampa.Intl.AP.722110_TMY3.epw";
   if (!present(file)) {

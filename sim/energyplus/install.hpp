@@ -22,6 +22,9 @@ EnergyPlusInstall find_energyplus();
 /// Whether find_energyplus() would succeed.
 bool have_energyplus();
 
+/// The engine's version as its library says it, such as "25.2.0".
+std::string version_of(const EnergyPlusInstall& install);
+
 /// The install's weather file of Tampa: hot and humid, the default climate of the twin.
 /// Errors: hal::InputError when the file is missing.
 std::filesystem::path default_weather(const EnergyPlusInstall& install);

@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <chrono>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/epjson_lint.hpp"
@@ -9,6 +12,7 @@
 #include "sim/energyplus/options.hpp"
 #include "sim/energyplus/protocol.hpp"
 #include "sim/energyplus/run_config.hpp"
+#include "sim/json/json_file.hpp"
 #include "sim/json/merge_patch.hpp"
 
 namespace airside::sim {
@@ -82,6 +86,46 @@ void set_dates(nlohmann::json& model, const EnergyPlusOptions& options) {
   model["ConvergenceLimits"] = {{"Convergence Limits", {{"minimum_system_timestep", options.step_min}}}};
 }
 
+std::string engine_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return text;
+}
+
+/// `#` of a schedule's name replaced by a place.
+std::string schedule_at(std::string name, std::size_t place) {
+  const std::size_t at = name.find('#');
+  return at == std::string::npos ? name : name.replace(at, 1, std::to_string(place));
+}
+
+/// The names in a model, compared as the engine does: without case.
+class NamesOfModel {
+ public:
+  explicit NamesOfModel(const nlohmann::json& model) {
+    if (!model.is_object()) return;
+    for (const auto& [type, objects] : model.items()) {
+      if (!objects.is_object()) continue;
+      for (const auto& [name, fields] : objects.items()) objects_.emplace(engine_case(type), engine_case(name));
+    }
+    gather_texts(model);
+  }
+  bool object(const std::string& type, const std::string& name) const {
+    return objects_.contains({engine_case(type), engine_case(name)});
+  }
+  /// Whether any field has this text.
+  bool text(const std::string& value) const { return texts_.contains(engine_case(value)); }
+
+ private:
+  void gather_texts(const nlohmann::json& value) {
+    if (value.is_string()) texts_.insert(engine_case(value.get<std::string>()));
+    if (!value.is_structured()) return;
+    for (const auto& part : value) gather_texts(part);
+  }
+
+  std::set<std::pair<std::string, std::string>> objects_;
+  std::set<std::string> texts_;
+};
+
 }  // namespace
 
 CivilTime start_of_day_2021(int month, int day) {
@@ -93,10 +137,49 @@ CivilTime start_of_day_2021(int month, int day) {
   return CivilTime{static_cast<std::int64_t>(sys_days{date}.time_since_epoch().count()) * 86400};
 }
 
+nlohmann::json read_model(const std::filesystem::path& file) {
+  const std::string ending = engine_case(file.extension().string());
+  if (ending != ".IDF" && ending != ".IMF") return read_json(file);
+  const std::filesystem::path converted = std::filesystem::path(file.filename()).replace_extension(".epJSON");
+  const std::string engine = have_energyplus() ? (find_energyplus().folder / "energyplus").string() : "energyplus";
+  throw hal::InputError(file.string(), "an IDF, the engine's older text format", "the same model in epJSON",
+                        "convert it with the engine's own program, \"" + engine + " --convert-only " + file.string() +
+                            "\", and give the file " + converted.string() + " that it writes where it runs");
+}
+
+std::vector<hal::InputError> missing_names(const nlohmann::json& model, const ModelNames& names,
+                                           const std::string& place) {
+  std::vector<hal::InputError> missing;
+  const NamesOfModel has(model);
+  const std::string remedy = "rename the model's own to it, or add it as sim/models/twin.epJSON has it";
+  const auto need = [&](const char* type, const std::string& name, const char* what) {
+    if (has.object(type, name)) return;
+    missing.emplace_back(place + ": " + type, "no '" + name + "'", std::string("it, ") + what, remedy);
+  };
+  const auto need_each = [&](const std::string& schedule, std::size_t count, const char* what) {
+    for (std::size_t i = 1; i <= count; ++i) need("Schedule:Constant", schedule_at(schedule, i), what);
+  };
+  const std::size_t vavs = names.interior_zones.size(), fcus = names.perimeter_zones.size();
+  for (const std::string& zone : names.interior_zones) need("Zone", zone, "the zone of a VAV box");
+  for (const std::string& zone : names.perimeter_zones) need("Zone", zone, "the zone of a fan coil unit");
+  need("Schedule:Constant", names.supply_setpoint_schedule, "the schedule that holds the supply-air setpoint");
+  need_each(names.vav_on_schedule, vavs, "a schedule that switches a VAV box");
+  need_each(names.vav_damper_schedule, vavs, "a schedule that sets a damper");
+  need_each(names.fcu_on_schedule, fcus, "a schedule that switches a fan coil unit");
+  need_each(names.interior_occupancy_schedule, vavs, "a schedule of people");
+  need_each(names.perimeter_occupancy_schedule, fcus, "a schedule of people");
+  for (const std::string& node : {names.supply_air_node, names.mau_outlet_node}) {
+    if (has.text(node)) continue;
+    missing.emplace_back(place + ": nodes", "no object that names the node '" + node + "'",
+                         "a node of the AHU's air loop, whose temperature is read", remedy);
+  }
+  return missing;
+}
+
 nlohmann::json compose_model(const EnergyPlusOptions& options, const std::filesystem::path& schema) {
   check(options);
   const std::filesystem::path file = options.model.empty() ? find_models() / "twin.epJSON" : options.model;
-  nlohmann::json model = read_json(file);
+  nlohmann::json model = read_model(file);
   std::string place = file.string();
   for (const auto& patch : options.patches) {
     if (options.lint) lint_epjson(patch.content, schema, {patch.name, LintScope::patch});

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "airside/civil_time.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::sim {
 
@@ -77,6 +78,15 @@ struct EnergyPlusOptions {
 /// Midnight at the start of a day of 2021.
 /// Errors: hal::InputError for a date that 2021 has not.
 CivilTime start_of_day_2021(int month, int day);
+
+/// Reads a model file.
+/// Errors: hal::InputError as read_json(); for an IDF, how to convert it.
+nlohmann::json read_model(const std::filesystem::path& file);
+
+/// Every zone, schedule and node of `names` that a model lacks: the run would end over it, after its start. What other
+/// objects make of the model at run time is not seen. `place` names the model in complaints.
+std::vector<hal::InputError> missing_names(const nlohmann::json& model, const ModelNames& names,
+                                           const std::string& place);
 
 /// The composed model text's parts: model, patches, time step and run period of the options.
 /// Errors: hal::InputError for options out of range, unreadable files, misspelt fields.

@@ -3,7 +3,7 @@
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/options.hpp"
-#include "sim/json/merge_patch.hpp"
+#include "sim/json/json_file.hpp"
 
 namespace airside::sim {
 namespace {

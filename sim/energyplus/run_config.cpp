@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "sim/json/merge_patch.hpp"
+#include "sim/json/json_file.hpp"
 
 namespace airside::sim {
 

@@ -8,7 +8,7 @@
 
 #include "hal/text/input_error.hpp"
 #include "hal/text/toml_section.hpp"
-#include "sim/json/merge_patch.hpp"
+#include "sim/json/json_file.hpp"
 
 namespace airside::sim {
 namespace {

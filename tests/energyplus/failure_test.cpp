@@ -9,7 +9,6 @@
 
 #include "energyplus/engine.hpp"
 #include "hal/text/input_error.hpp"
-#include "sim/json/merge_patch.hpp"
 
 namespace airside::sim {
 namespace {

@@ -1,4 +1,5 @@
 #include "sim/json/merge_patch.hpp"
+#include "sim/json/json_file.hpp"
 
 #include <gtest/gtest.h>
 

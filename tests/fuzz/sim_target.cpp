@@ -5,6 +5,7 @@
 
 #include "fuzz/target.hpp"
 #include "hal/text/text_file.hpp"
+#include "sim/json/json_file.hpp"
 #include "sim/json/merge_patch.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/epw.hpp"

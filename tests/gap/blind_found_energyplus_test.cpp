@@ -15,7 +15,7 @@
 
 #include "gap/needs_engine.hpp"
 #include "sim/energyplus/install.hpp"
-#include "sim/json/merge_patch.hpp"
+#include "sim/json/json_file.hpp"
 #include "support/test_folder.hpp"
 #include "tools/gap/blind/blind_cases.hpp"
 #include "tools/gap/case_file.hpp"

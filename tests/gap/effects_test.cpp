@@ -17,7 +17,7 @@
 #include "gap/effects_library.hpp"
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/process.hpp"
-#include "sim/json/merge_patch.hpp"
+#include "sim/json/json_file.hpp"
 #include "tools/gap/model/responses.hpp"
 
 namespace airside::sim {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "hal/log/log_csv.hpp"
-#include "sim/json/merge_patch.hpp"
+#include "sim/json/json_file.hpp"
 #include "sim/weather/epw.hpp"
 #include "sim/weather/synthetic_weather.hpp"
 #include "support/program.hpp"

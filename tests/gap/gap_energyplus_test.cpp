@@ -9,9 +9,9 @@
 
 #include "gap/gap_desk.hpp"
 #include "gap/needs_engine.hpp"
-#include "sim/energyplus/eso.hpp"
 #include "sim/energyplus/install.hpp"
-#include "sim/energyplus/replay_files.hpp"
+#include "sim/energyplus/replay/eso.hpp"
+#include "sim/energyplus/replay/replay_files.hpp"
 #include "tools/gap/blind/blind_energyplus.hpp"
 
 namespace airside::tools::gap {

@@ -1,6 +1,6 @@
 // A recording of the twin, replayed on the twin, is what the twin did; and plain energyplus repeats the replay.
 
-#include "sim/energyplus/replay.hpp"
+#include "sim/energyplus/replay/replay.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,13 +14,13 @@
 #include <thread>
 
 #include "gap/needs_engine.hpp"
-#include "sim/energyplus/eso.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/plant.hpp"
 #include "sim/energyplus/process.hpp"
-#include "sim/energyplus/replay_cache.hpp"
-#include "sim/energyplus/replay_files.hpp"
-#include "sim/json/merge_patch.hpp"
+#include "sim/energyplus/replay/eso.hpp"
+#include "sim/energyplus/replay/replay_cache.hpp"
+#include "sim/energyplus/replay/replay_files.hpp"
+#include "sim/json/json_file.hpp"
 #include "sim/weather/epw.hpp"
 
 namespace airside::sim {

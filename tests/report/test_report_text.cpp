@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tools/report/downsample.hpp"
+#include "tools/report/charts/downsample.hpp"
 #include "tools/report/report_text.hpp"
 
 namespace airside::tools {

@@ -94,7 +94,7 @@ Bench::Bench(BenchOptions options) : options_(std::move(options)) {
   trial_.expert_days = options_.expert_days;
   trial_.days = options_.days;
   blob_ = weights_for(trial_.site);
-  tools::write_blob((folder_ / "weights.blob").string(), blob_);
+  hal::write_blob_file((folder_ / "weights.blob").string(), blob_);
   prepared_ = tools::prepare(trial_);
   hal::LogWriter history((folder_ / "history.csv").string(), trial_.site.counts, true);
   for (const hal::LogRow& row : prepared_.history) history.append(row);

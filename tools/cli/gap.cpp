@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "hal/text/input_error.hpp"
-#include "sim/json/merge_patch.hpp"
+#include "sim/json/json_file.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/gap.hpp"
 #include "tools/cli/gap_fit.hpp"
@@ -19,7 +19,7 @@
 #include "tools/gap/model/patched_model.hpp"
 #include "tools/gap/verdict/shared_responses.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
-#include "tools/report/confusion_svg.hpp"
+#include "tools/report/charts/confusion_svg.hpp"
 
 namespace airside::tools {
 

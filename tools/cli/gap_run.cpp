@@ -7,13 +7,13 @@
 #include <thread>
 
 #include "hal/text/input_error.hpp"
-#include "sim/json/merge_patch.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/gap.hpp"
 #include "tools/gap/gap_run.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/report/gap_report.hpp"
 #include "tools/report/report.hpp"
+#include "tools/run/log_weather.hpp"
 
 namespace airside::tools {
 
@@ -140,6 +140,7 @@ struct SiteCommand : GapOptions {
       std::replace(c.model.begin(), c.model.end(), '-', '_');
     }
     c.weather = !weather.empty() ? weather : section ? section->weather : "";
+    if (c.weather.empty()) c.weather = weather_of_logs({measured, reference});
     if (c.weather.empty()) {
       throw hal::InputError("--weather", "no weather", "an EPW file of the site or its station over the logged days",
                             "give --weather FILE.epw, or weather in [twin] of the site file: sun, humidity and wind "

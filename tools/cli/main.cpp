@@ -3,10 +3,10 @@
 #include <csignal>
 #include <cstdio>
 
-#include "hal/system/version.hpp"
 #include "hal/text/unfinished.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/finish_output.hpp"
+#include "tools/run/run_facts.hpp"
 
 int main(int argc, char** argv) {
   using namespace airside;
@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
       "Every command that computes takes --json. Exit codes: 0 done, 1 bad input or a run that failed,\n"
       "2 a command line that cannot be understood.",
       "airside"};
-  app.set_version_flag("--version", hal::version_line("airside"));
+  app.set_version_flag("--version", tools::program_text());
   app.require_subcommand(1);
   tools::add_check(app);
   tools::add_init(app);

@@ -9,10 +9,11 @@
 
 #include "hal/log/log_csv.hpp"
 #include "hal/text/civil_text.hpp"
-#include "hal/weights/blob_file.hpp"
 #include "sim/plant_model.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/run/blob_place.hpp"
 #include "tools/run/plant_choice.hpp"
+#include "tools/run/run_facts.hpp"
 
 namespace airside::tools {
 
@@ -33,11 +34,14 @@ struct PretrainCommand {
   void run(const CLI::App& command) {
     const Site s = make_site(site);
     take_site_twin(command, plant, s);
-    hal::check_blob_place(out);
+    const RunFacts facts = run_facts(plant, s);
+    check_room(plant, s);
+    BlobPlace place(out, most_blob_bytes(s));
     std::optional<hal::LogWriter> writer;
     if (!log.empty()) writer.emplace(log, s.counts, true);
     const auto model = make_plant(plant, s, days);
     const CivilTime until{start_of(plant).seconds + days * std::int64_t{86400}};
+    say_fallback(facts);
     Progress bar("pretraining on " + model->description(), progress_steps);
     PretrainOptions options;
     options.seed = plant.seed;
@@ -48,7 +52,7 @@ struct PretrainCommand {
                     updates > 0 ? fmt::format(" --updates {}", updates) : "", static_text(), model->description());
     const Pretraining trained = pretrain(s, *model, until, options, show_progress(bar));
     bar.finish();
-    write_blob(out, trained.blob);
+    place.write(trained.blob);
     if (writer) {
       for (const hal::LogRow& row : trained.run.rows) writer->append(row);
       writer->close();
@@ -65,6 +69,7 @@ struct PretrainCommand {
       j["optimiser_steps"] = trained.run.optimiser_steps;
       j["rejected_updates"] = trained.run.rejected_updates;
       j["plant"] = model->description();
+      add_to(j, facts);
       fmt::print("{}\n", j.dump());
       return;
     }
@@ -73,10 +78,11 @@ struct PretrainCommand {
     for (const int day : std::set<int>{1, 2, 3, 6, 7, 14, 31, last}) {
       if (day <= last) fmt::print("  day {} {:.3f}", day, m.days[static_cast<std::size_t>(day - 1)].dae_degc);
     }
-    fmt::print("\n({})\n{} transitions, {} optimiser steps\nweights: {} ({} bytes, digest {})\n",
+    fmt::print("\n({})\n{} transitions, {} optimiser steps\nweights: {} ({} bytes, digest {})\nby {}\n",
                pretrainer == Pretrainer::agent ? "day 1 is the schedule's; the agent acts from day 2"
                                                : "schedules act on all days, training follows",
-               trained.transitions, trained.run.optimiser_steps, out, trained.blob.size(), digest_text(trained.blob));
+               trained.transitions, trained.run.optimiser_steps, out, trained.blob.size(), digest_text(trained.blob),
+               text_of(facts));
   }
 
   /// As it stands in the command.

@@ -8,30 +8,21 @@
 
 #include <cmath>
 #include <filesystem>
-#include <set>
 #include <thread>
 
 #include "airside/supervision/schedule.hpp"
-#include "hal/system/version.hpp"
 #include "hal/text/civil_text.hpp"
-#include "hal/text/input_error.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/report/logged_method.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/run_record.hpp"
+#include "tools/run/run_facts.hpp"
 
 namespace airside::tools {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A log with its name, read and judged.
-struct LoggedMethod {
-  std::string name, path;
-  hal::Log log;
-  ControlRun run;
-  Metrics metrics;
-};
 
 /// Whether every applied setpoint is the schedule's.
 bool follows_schedule(const Site& site, const ControlRun& run) {
@@ -94,35 +85,6 @@ struct ReportCommand {
   std::string out = "report";
   bool png = false, json = false;
 
-  std::vector<LoggedMethod> read(const Site& s) const {
-    if (names.size() > logs.size()) {
-      throw hal::InputError("--name", fmt::format("{} names for {} logs", names.size(), logs.size()),
-                            "at most one name a log, in the order of the logs", "leave the last names out");
-    }
-    std::vector<LoggedMethod> methods;
-    std::set<std::string> seen;
-    hal::LogReadOptions options;
-    options.keep_missing = true;  // a box's log has holes where a sensor failed
-    for (std::size_t i = 0; i < logs.size(); ++i) {
-      const fs::path path = fs::path(logs[i]).lexically_normal();
-      const fs::path last = path.has_filename() ? path : path.parent_path();
-      LoggedMethod m{i < names.size() ? names[i] : last.stem().string(), logs[i], {}, {}, {}};
-      if (!seen.insert(m.name).second) {
-        throw hal::InputError(logs[i], "a second method named \"" + m.name + '"', "one name a method",
-                              "name them with --name, once for each log");
-      }
-      m.log = hal::read_log(logs[i], s.counts, options);
-      m.run = run_of_log(s, m.log, logs[i]);
-      try {
-        m.metrics = metrics_of(s, m.run);
-      } catch (const hal::InputError& e) {
-        throw hal::InputError(logs[i] + ": " + e.place(), e.found(), e.expected(), e.remedy());
-      }
-      methods.push_back(std::move(m));
-    }
-    return methods;
-  }
-
   std::string again() const {
     std::string text = fmt::format("airside report {} -o {}", fmt::join(logs, " "), out);
     for (const std::string& name : names) text += fmt::format(" --name \"{}\"", name);
@@ -134,16 +96,16 @@ struct ReportCommand {
 
   void run() const {
     const Site s = make_site(site);
-    const std::vector<LoggedMethod> methods = read(s);
+    const std::vector<LoggedMethod> methods = read_logged_methods(s, group_logs(logs, names));
     const LoggedMethod& charted = methods.front();
     RunRecord record = make_run_record(s, charted.run);
-    record.plant = "as logged in " + charted.path;
-    record.versions = hal::version_line("airside");
+    record.plant = "as logged in " + charted.place();
+    record.versions = program_text();
     record.command = again();
     std::vector<std::string> other_days;
     for (const LoggedMethod& m : methods) {
       record.methods.push_back({m.name, kind_of(s, m, &m == &charted), {m.metrics}});
-      record.more_facts.push_back({"log of " + m.name, m.path + ": " + period_text(m.log)});
+      record.more_facts.push_back({"log of " + m.name, m.place() + ": " + period_text(m.log)});
       const hal::LogSummary &a = charted.log.summary, &b = m.log.summary;
       if (a.first.day() != b.first.day() || a.last.day() != b.last.day()) other_days.push_back(m.name);
     }
@@ -162,9 +124,11 @@ struct ReportCommand {
     }
     if (json) {
       nlohmann::json j = {{"page", page.string()}, {"files", files.size()}};
+      add_program_to(j);
       for (const LoggedMethod& m : methods) {
         nlohmann::json figures = json_of(m.metrics);
-        figures["log"] = m.path;
+        figures["log"] = m.place();
+        figures["files"] = m.paths;
         figures["rows"] = m.log.summary.rows;
         figures["missing_rows"] = m.log.summary.missing_rows;
         j["methods"][m.name] = figures;
@@ -186,10 +150,13 @@ void add_report(CLI::App& app) {
   auto self = std::make_shared<ReportCommand>();
   CLI::App* c = app.add_subcommand("report",
                                    "draw logs as one HTML page with charts and a table.\n"
-                                   "The first log is charted; the others are compared with it in the table.");
+                                   "The first log is charted; the others are compared with it in the table.\n"
+                                   "A box's daily files of one folder, such as log/*.csv, are one log.");
   c->add_option("logs", self->logs, "CSV logs, or folders of daily ones")->required();
   c->add_option("-o,--out", self->out, "folder for index.html and its SVG charts")->capture_default_str();
-  c->add_option("--name", self->names, "name of a method, once for each log in order (default: the file's)")
+  c->add_option("--name", self->names,
+                "name of a method, once for each in order (default: the file's or folder's); with more names than "
+                "methods, once for each file, and files of one name are one method")
       ->allow_extra_args(false);
   add_site_options(*c, self->site);
   c->add_flag("--png", self->png, "also a picture of the page, by an installed chromium");

@@ -12,6 +12,7 @@
 #include "sim/faults/faulty_model.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/run/plant_choice.hpp"
+#include "tools/run/run_facts.hpp"
 #include "tools/run/served_plant.hpp"
 
 namespace airside::tools {
@@ -34,6 +35,7 @@ struct ServeCommand {
     const Site s = make_site(site);
     const sim::FaultScript script = faults.empty() ? sim::FaultScript{} : sim::read_fault_script(faults, s.counts);
     const auto model = make_plant(plant, s, expert_days + days);
+    say_fallback(run_facts(plant, s));
     const CivilTime start = start_of(plant);
     const CivilTime open{start.seconds + expert_days * std::int64_t{86400}};
     if (expert_days > 0) {

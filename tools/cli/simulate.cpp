@@ -7,14 +7,20 @@
 #include "hal/log/log_csv.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
+#include "sim/weather/epw.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/run_record.hpp"
+#include "tools/run/log_weather.hpp"
+#include "tools/run/run_facts.hpp"
 #include "tools/study/control_methods.hpp"
 
 namespace airside::tools {
 
 namespace {
+
+/// Weekdays of a written weather file are those of the simulated year.
+constexpr int weather_year = 2021;
 
 /// A log that may not have been asked for. Its place is tried before the run that is to fill it.
 class AskedLog {
@@ -63,6 +69,13 @@ struct SimulateCommand {
     return run;
   }
 
+  /// The made-up year of a simulated log is in no file: it goes beside the log, for what reads weather and log.
+  std::string weather_to_write(const Site& s) const {
+    if (log.empty() || !plant.weather.empty() || is_energyplus(plant, s)) return "";
+    const std::string path = weather_beside(log);
+    return path == log ? "" : path;
+  }
+
   void run() const {
     Trial trial{make_site(site), plant, expert_days, days};
     trial.site.file.seed = plant.seed;
@@ -75,6 +88,8 @@ struct SimulateCommand {
       if (name != "ours") check_method("--compare", name, engine);
       ours = ours || name == "ours";
     }
+    check_room(plant, trial.site);
+    const RunFacts facts = run_facts(plant, trial.site);
     BlobBytes blob;
     if (ours) {
       if (weights.empty() && !transfer) {
@@ -85,10 +100,16 @@ struct SimulateCommand {
       if (!weights.empty()) blob = read_blob(weights, trial.site);
     }
     AskedLog rows_out(log, trial.site), past_out(history_log, trial.site);
+    const std::string weather_log = weather_to_write(trial.site);
+    say_fallback(facts);
     std::vector<hal::LogRow> past;
     const ControlRun run = run_one(trial, method, blob, &past);
     rows_out.write(run.rows);
     past_out.write(past);
+    if (!weather_log.empty()) {
+      sim::write_epw(weather_log, *made_up_weather(plant), weather_year);
+      fmt::print(stderr, "the weather of the log: {}\n", weather_log);
+    }
     const Metrics metrics = metrics_of(trial.site, run);
     std::vector<MethodResult> results{{method, MethodResult::Kind::ours, {metrics}}};
     for (const std::string& name : compare) {
@@ -97,9 +118,12 @@ struct SimulateCommand {
                                                      : MethodResult::Kind::peer;
       results.push_back({name, kind, {metrics_of(trial.site, run_one(trial, name, blob, nullptr))}});
     }
+    const std::string description = make_plant(plant, trial.site, 1)->description();
     if (!report.empty()) {
       RunRecord record = make_run_record(trial.site, run);
-      record.plant = make_plant(plant, trial.site, 1)->description();
+      record.plant = description;
+      record.weather = facts.weather;
+      record.versions = program_text() + ", " + facts.engine;
       record.seeds = fmt::format("{}", plant.seed);
       record.weights_digest = blob.empty() ? "none" : digest_text(blob);
       record.command = again(trial.site);
@@ -109,6 +133,8 @@ struct SimulateCommand {
     }
     if (json) {
       nlohmann::json j = json_of(metrics);
+      j["plant"] = description;
+      add_to(j, facts);
       j["method"] = method;
       j["room"] = plant.room;
       j["seeds"] = {plant.seed};
@@ -125,6 +151,7 @@ struct SimulateCommand {
     }
     print_figures_header();
     for (const MethodResult& r : results) print_figures(r.name, r.runs.front());
+    fmt::print("on {}\nby {}\n", description, text_of(facts));
   }
 };
 
@@ -156,7 +183,8 @@ void add_simulate(CLI::App& app) {
       "--faults", self->faults,
       "CSV of faults of sensors and AHU in the controlled days (docs/formats.md, \"Faults of a simulated room\")");
   c->add_option("--compare", self->compare, "further methods on the same days, comma-separated")->delimiter(',');
-  c->add_option("--log", self->log, "CSV of the controlled rows");
+  c->add_option("--log", self->log,
+                "CSV of the controlled rows; on rc without --weather the made-up weather goes into NAME.epw beside it");
   c->add_option("--history-log", self->history_log, "CSV of the schedule days' rows");
   c->add_option("--report", self->report, "folder for an HTML report with charts");
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");

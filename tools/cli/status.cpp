@@ -11,7 +11,7 @@
 #include "airside/fault.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/text/input_error.hpp"
-#include "sim/json/merge_patch.hpp"
+#include "sim/json/json_file.hpp"
 #include "tools/cli/command.hpp"
 
 namespace airside::tools {

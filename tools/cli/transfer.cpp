@@ -4,8 +4,9 @@
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
-#include "hal/weights/blob_file.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/run/blob_place.hpp"
+#include "tools/run/run_facts.hpp"
 
 namespace airside::tools {
 
@@ -19,7 +20,7 @@ struct TransferCommand {
 
   void run() {
     const Site s = make_site(site);
-    hal::check_blob_place(out);
+    BlobPlace place(out, most_blob_bytes(s));
     const BlobBytes source = from.empty() ? BlobBytes{} : read_blob(from, s);
     const hal::Log rows = hal::read_log(log, s.counts);
     constexpr std::size_t day_rows = 86400 / row_s;
@@ -35,16 +36,17 @@ struct TransferCommand {
                     from.empty() ? "" : fmt::format(" (source digest {})", digest_text(source)));
     const BlobBytes blob = fine_tune(s, source, rows.rows, options, show_progress(bar));
     bar.finish();
-    write_blob(out, blob);
+    place.write(blob);
     if (json) {
-      const nlohmann::json j = {{"blob", out},
-                                {"blob_bytes", blob.size()},
-                                {"digest", digest_text(blob)},
-                                {"source_digest", from.empty() ? "" : digest_text(source)},
-                                {"rows", rows.rows.size()},
-                                {"missing_rows", rows.summary.missing_rows},
-                                {"steps", options.steps},
-                                {"seeds", {options.seed}}};
+      nlohmann::json j = {{"blob", out},
+                          {"blob_bytes", blob.size()},
+                          {"digest", digest_text(blob)},
+                          {"source_digest", from.empty() ? "" : digest_text(source)},
+                          {"rows", rows.rows.size()},
+                          {"missing_rows", rows.summary.missing_rows},
+                          {"steps", options.steps},
+                          {"seeds", {options.seed}}};
+      add_program_to(j);
       fmt::print("{}\n", j.dump());
       return;
     }
@@ -55,6 +57,7 @@ struct TransferCommand {
       fmt::print("the log has {} gaps ({} rows missing); learning skipped them\n", rows.summary.gaps.size(),
                  rows.summary.missing_rows);
     }
+    fmt::print("by {}\n", program_text());
   }
 };
 

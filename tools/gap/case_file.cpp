@@ -9,6 +9,7 @@
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/rooms.hpp"
+#include "sim/json/json_file.hpp"
 #include "sim/json/merge_patch.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/epw.hpp"

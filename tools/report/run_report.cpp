@@ -318,11 +318,14 @@ ReportInput make_run_report(const RunRecord& r) {
   const MethodResult* schedule = schedule_of(r.methods);
   ReportInput out;
   out.title = r.site.empty() ? "Control run" : r.site;
-  out.subtitle = r.plant + (r.weather.empty() ? "" : ", weather " + r.weather);
+  out.subtitle = r.plant;
+  // A plant's own description may name the weather already.
+  if (!r.weather.empty() && r.plant.find(r.weather) == std::string::npos) out.subtitle += ", weather " + r.weather;
   if (!r.row_time.empty()) {
     out.subtitle += fmt::format(", {} to {}", hal::civil_text(r.row_time.front()).substr(0, 10),
                                 hal::civil_text(r.row_time.back()).substr(0, 10));
   }
+  if (!r.versions.empty()) out.subtitle += ", " + r.versions;
   out.headline = headline(r, ours, schedule);
   out.figures = key_figures(ours, schedule);
   add_line_charts(r, out);

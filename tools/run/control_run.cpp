@@ -446,6 +446,10 @@ BlobBytes read_blob(const std::string& path, const Site& site) {
   return bytes;
 }
 
-void write_blob(const std::string& path, const BlobBytes& blob) { hal::write_blob_file(path, blob); }
+std::size_t most_blob_bytes(const Site& site) {
+  std::size_t bytes = 0;
+  dispatch(site, [&]<class T>(T) { bytes = sizeof(BlobHeader) + sizeof(Payload<T>); });
+  return bytes;
+}
 
 }  // namespace airside::tools

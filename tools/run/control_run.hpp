@@ -93,7 +93,7 @@ ControlRun run_setpoints(const Site& site, sim::PlantModel& plant, const std::fu
 
 /// Reads a blob file whole and checks it against the site.  Errors: hal::InputError naming file and field.
 BlobBytes read_blob(const std::string& path, const Site& site);
-/// Writes a blob beside the target and renames it, so that the file is old or new.
-void write_blob(const std::string& path, const BlobBytes& blob);
+/// The most bytes that a blob of the site's topology has.
+std::size_t most_blob_bytes(const Site& site);
 
 }  // namespace airside::tools

@@ -4,14 +4,19 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <span>
 
+#include "airside/crc32c.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/options.hpp"
 #include "sim/energyplus/plant.hpp"
 #include "sim/energyplus/rooms.hpp"
-#include "sim/json/merge_patch.hpp"
+#include "sim/json/json_file.hpp"
 #include "sim/rc/rc_plant.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/epw.hpp"
@@ -52,7 +57,7 @@ bool same_shape(const sim::RcRoom& room, const Site& site) {
   return room.vavs == site.counts.vavs && room.fcus == site.counts.fcus && room.powers == site.counts.powers;
 }
 
-std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& site, CivilTime start) {
+sim::RcRoom rc_room(const PlantChoice& choice, const Site& site) {
   sim::RcRoom room;
   if (is_standard(site) && (choice.room.starts_with("study-") || choice.room.starts_with("tuning-"))) {
     room = generated_room(choice.room);
@@ -71,17 +76,20 @@ std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& 
         fmt::format("the site's {} VAV, {} FCU, {} powers", site.counts.vavs, site.counts.fcus, site.counts.powers),
         "choose a room of the site's shape, or another topology in the site file");
   }
+  return room;
+}
+
+std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& site, CivilTime start) {
+  sim::RcRoom room = rc_room(choice, site);
   if (choice.weekends) room.occupancy_weekend_factor = 0.1;
   room = sim::changed_room(std::move(room), choice.changes);
-  const std::string& weather_of = choice.weather_of.empty() ? choice.room : choice.weather_of;
-  auto weather = choice.weather.empty() ? sim::synthetic_weather(weather_seed(weather_of, choice.seed))
-                                        : sim::read_epw(choice.weather);
+  auto weather = choice.weather.empty() ? made_up_weather(choice) : sim::read_epw(choice.weather);
   return std::make_unique<sim::RcPlant>(std::move(room), std::move(weather), start, choice.seed,
                                         site.settings.expert_off_degc);
 }
 
-std::unique_ptr<sim::PlantModel> make_energyplus(const PlantChoice& choice, const Site& site, CivilTime start,
-                                                 int days) {
+/// The known room, or the user's own model with the habits of that room: its people, dampers and fan coils.
+sim::EnergyPlusOptions engine_room(const PlantChoice& choice, const Site& site) {
   if (!is_standard(site)) {
     throw hal::InputError("--plant energyplus", "topology " + site.counts.name, "5vav-5fcu-2power",
                           "use --plant rc for other shapes; the EnergyPlus twin is the method's room");
@@ -90,7 +98,17 @@ std::unique_ptr<sim::PlantModel> make_energyplus(const PlantChoice& choice, cons
   std::replace(name.begin(), name.end(), '-', '_');
   sim::EnergyPlusOptions options = sim::energyplus_room(name);
   options.name = choice.room;
-  if (!choice.model.empty()) options.model = choice.model;
+  if (choice.model.empty()) return options;
+  options.model = choice.model;
+  options.patches.clear();  // they change objects of the built-in twin
+  const bool usual = choice.room == PlantChoice{}.room || choice.room == "twin";
+  options.name = usual ? "twin" : "twin with the habits of room " + choice.room;
+  return options;
+}
+
+std::unique_ptr<sim::PlantModel> make_energyplus(const PlantChoice& choice, const Site& site, CivilTime start,
+                                                 int days) {
+  sim::EnergyPlusOptions options = engine_room(choice, site);
   for (const std::string& path : choice.patches) options.patches.push_back({path, sim::read_json(path)});
   if (!choice.weather.empty()) options.weather = choice.weather;
   const hal::CivilDate date = hal::civil_date(start);
@@ -137,7 +155,9 @@ void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string
       .add_option("--room", choice.room,
                   "301, 401, 402, 701, 702, each also as NAME-real; rc: also study-0 .. study-199 or a .json file")
       ->capture_default_str();
-  command.add_option("--twin", choice.model, "an epJSON model of your own instead of the built-in twin (EnergyPlus)");
+  command.add_option("--twin", choice.model,
+                     "an epJSON model of your own instead of the built-in twin (EnergyPlus); no patch of a built-in "
+                     "room goes onto it, --room then says only whose people, dampers and fan coils it has");
   command.add_option("--patch", choice.patches, "merge patches on the model, in order (EnergyPlus)");
   command.add_option("--weather", choice.weather, "EPW file (default: Tampa for EnergyPlus, synthetic for rc)");
   command.add_option("--start", choice.start, "first day, midnight")->capture_default_str();
@@ -176,18 +196,63 @@ bool is_energyplus(const PlantChoice& choice, const Site& site) {
   return choice.kind == "energyplus" || (choice.kind == "auto" && is_standard(site) && sim::have_energyplus());
 }
 
-std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days) {
-  const CivilTime start = start_of(choice);
-  const bool energyplus = is_energyplus(choice, site);
-  if (!energyplus) refuse_model_on_rc(choice, site);
+namespace {
+
+/// Runs `make`; what it says of an unknown room is said of --room.
+template <class Make>
+auto with_room_option(Make&& make) {
   try {
-    return energyplus ? make_energyplus(choice, site, start, days) : make_rc(choice, site, start);
+    return make();
   } catch (const hal::InputError& e) {
     if (e.place() != "room") throw;
     std::string names = e.expected();  // the engine's rooms are files, named with underscores
     std::replace(names.begin(), names.end(), '_', '-');
     throw hal::InputError("--room", e.found(), names, e.remedy());
   }
+}
+
+/// By name and checksum: files of one name need not be one file.
+std::string weather_file_text(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (!in && text.empty()) return "";
+  return fmt::format("{} (CRC-32C {:08x})", file.filename().string(), crc32c(std::as_bytes(std::span(text))));
+}
+
+}  // namespace
+
+void check_room(const PlantChoice& choice, const Site& site) {
+  const bool energyplus = is_energyplus(choice, site);
+  if (!energyplus) refuse_model_on_rc(choice, site);
+  with_room_option([&] {
+    if (energyplus) {
+      (void)engine_room(choice, site);
+    } else {
+      (void)rc_room(choice, site);
+    }
+  });
+}
+
+std::string weather_text(const PlantChoice& choice, const Site& site) {
+  if (!choice.weather.empty()) return weather_file_text(choice.weather);
+  if (!is_energyplus(choice, site)) return made_up_weather(choice)->description();
+  if (!sim::have_energyplus()) return "";
+  return weather_file_text(sim::default_weather(sim::find_energyplus()));
+}
+
+std::shared_ptr<const sim::Weather> made_up_weather(const PlantChoice& choice) {
+  const std::string& of = choice.weather_of.empty() ? choice.room : choice.weather_of;
+  return sim::synthetic_weather(weather_seed(of, choice.seed));
+}
+
+std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days) {
+  const CivilTime start = start_of(choice);
+  const bool energyplus = is_energyplus(choice, site);
+  if (!energyplus) refuse_model_on_rc(choice, site);
+  return with_room_option([&]() -> std::unique_ptr<sim::PlantModel> {
+    if (energyplus) return make_energyplus(choice, site, start, days);
+    return make_rc(choice, site, start);
+  });
 }
 
 std::string command_text(const PlantChoice& choice, const Site& site) {

@@ -10,6 +10,7 @@
 #include "airside/civil_time.hpp"
 #include "sim/effects/effect.hpp"
 #include "sim/plant_model.hpp"
+#include "sim/weather/weather.hpp"
 #include "tools/run/site.hpp"
 
 namespace airside::tools {
@@ -17,7 +18,7 @@ namespace airside::tools {
 struct PlantChoice {
   std::string kind = "auto";  ///< rc, energyplus, or auto: EnergyPlus where it is installed
   std::string room = "301";   ///< a built-in room, or a file (.json for rc)
-  std::string model;          ///< epJSON file instead of the built-in twin
+  std::string model;          ///< epJSON file instead of the built-in twin; no patch of a built-in room goes onto it
   std::vector<std::string> patches;
   std::string weather;  ///< EPW file; empty: Tampa for EnergyPlus, synthetic for rc
   std::string start = "2021-07-01";
@@ -45,6 +46,16 @@ CivilTime start_of(const PlantChoice& choice);
 
 /// Whether the choice means EnergyPlus on this machine and for this shape of room ("auto" is rc for other shapes).
 bool is_energyplus(const PlantChoice& choice, const Site& site);
+
+/// Refuses a room that make_plant() would not know, and a model that the plant cannot use, without making anything.
+/// Errors: hal::InputError.
+void check_room(const PlantChoice& choice, const Site& site);
+
+/// The weather by file and checksum, or the made-up year; "" where the engine or the file is missing.
+std::string weather_text(const PlantChoice& choice, const Site& site);
+
+/// The made-up year that rc has where no file is given.
+std::shared_ptr<const sim::Weather> made_up_weather(const PlantChoice& choice);
 
 /// Makes the room; `days` is how long it will be needed.
 /// Errors: hal::InputError for unknown rooms, bad files, an absent engine, a model or patches that rc would drop.

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "sim/energyplus/plant.hpp"
-#include "sim/energyplus/replay.hpp"
+#include "sim/energyplus/replay/replay.hpp"
 #include "sim/json/merge_patch.hpp"
 #include "sim/stateless_draw.hpp"
 #include "tools/gap/blind/blind_energyplus_objects.hpp"

@@ -1,8 +1,8 @@
 #pragma once
 // The EnergyPlus twin as an engine of the gap workflow.
 
-#include "sim/energyplus/replay.hpp"
-#include "sim/energyplus/replay_cache.hpp"
+#include "sim/energyplus/replay/replay.hpp"
+#include "sim/energyplus/replay/replay_cache.hpp"
 #include "tools/gap/model/engine.hpp"
 
 namespace airside::tools::gap {

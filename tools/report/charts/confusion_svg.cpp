@@ -1,4 +1,4 @@
-#include "tools/report/confusion_svg.hpp"
+#include "tools/report/charts/confusion_svg.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "tools/report/svg_chart.hpp"
+#include "tools/report/charts/svg_chart.hpp"
 
 #include <fmt/format.h>
 
@@ -12,8 +12,8 @@
 namespace airside::tools {
 namespace {
 
-constexpr double width = 960, left = 62, right = 14;
-constexpr double plot_width = width - left - right;
+constexpr double width = 960, left_px = 62, right_px = 14;
+constexpr double plot_width = width - left_px - right_px;
 
 constexpr const char* own_colours = R"(<style>
 text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,"Noto Sans",sans-serif;font-size:12px;fill:#3d4754}
@@ -51,18 +51,18 @@ std::string open_svg(const std::string& title, double height, SvgUse use) {
                   width, height, escape_markup(title));
   if (use == SvgUse::in_page) return svg + ">\n";
   svg += fmt::format(" width=\"{}\" height=\"{}\">\n{}", width, height, own_colours);
-  return svg + fmt::format("<text class=\"title\" x=\"{}\" y=\"24\">{}</text>\n", left, escape_markup(title));
+  return svg + fmt::format("<text class=\"title\" x=\"{}\" y=\"24\">{}</text>\n", left_px, escape_markup(title));
 }
 
 /// A row of keys; wraps, and returns how many lines it took.
 template <class List>
 int legend(std::string& svg, const List& list, const std::vector<Colour>& colours, double y) {
-  double x = left;
+  double x = left_px;
   int lines = 1;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const double advance = 34 + 7.2 * static_cast<double>(valid_utf8(list[i].name).size());
-    if (x > left && x + advance > width - right) {
-      x = left;
+    if (x > left_px && x + advance > width - right_px) {
+      x = left_px;
       ++lines;
     }
     const double base = y + 17 * (lines - 1);
@@ -123,9 +123,9 @@ void y_grid(std::string& svg, const Axis& axis, const std::string& unit, double 
   const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 1;
   for (const double v : ticks) {
     const double y = bottom - axis.place(v) * (bottom - top);
-    svg += fmt::format("<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>", left, width - right, y,
-                       y);
-    svg += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", left - 7, y + 4,
+    svg += fmt::format("<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>", left_px,
+                       width - right_px, y, y);
+    svg += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", left_px - 7, y + 4,
                        axis.log ? fmt::format("{:g}", v) : tick_text(v, step));
   }
   svg += fmt::format("<text transform=\"translate(15 {:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
@@ -143,7 +143,7 @@ void time_ticks(std::string& svg, const Axis& x_axis, double top, double bottom)
   const auto step = static_cast<std::int64_t>(step_s);
   const auto last = static_cast<std::int64_t>(std::floor(x_axis.high));
   for (std::int64_t t = static_cast<std::int64_t>(std::ceil(x_axis.low / step_s)) * step; t <= last; t += step) {
-    const double x = left + x_axis.place(static_cast<double>(t)) * plot_width;
+    const double x = left_px + x_axis.place(static_cast<double>(t)) * plot_width;
     const std::string text = hal::civil_text(CivilTime{t});
     const bool midnight = CivilTime{t}.second_of_day() == 0;
     svg += fmt::format("<line class=\"grid\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\"/>", x, top, bottom);
@@ -165,7 +165,7 @@ std::string path_of(const LineChart& chart, const ChartSeries& s, const Axis& x_
       continue;
     }
     const double at = level && i == 1 ? chart.x.back() : chart.x[i];
-    const double x = left + x_axis.place(at) * plot_width;
+    const double x = left_px + x_axis.place(at) * plot_width;
     const double y = bottom - y_axis.place(v) * (bottom - top);
     if (pen_down && s.stepped) path += fmt::format("H{:.1f}", x);
     path += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", x, y);
@@ -210,13 +210,13 @@ std::string line_chart_svg(const LineChart& chart, SvgUse use) {
   const Axis y_axis = y_axis_of(chart);
 
   std::string svg = open_svg(chart.title, height, use) + keys;
-  svg += fmt::format("<clipPath id=\"plot\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>\n", left,
+  svg += fmt::format("<clipPath id=\"plot\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>\n", left_px,
                      top, plot_width, bottom - top);
   svg += "<g clip-path=\"url(#plot)\">\n";
   for (const ChartBand& b : chart.bands) {
     const double x0 = x_axis.place(b.from), x1 = x_axis.place(b.to);
     svg += fmt::format("<rect class=\"band\" x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"{}\"/>\n",
-                       left + x0 * plot_width, top, std::max(0.0, x1 - x0) * plot_width, bottom - top);
+                       left_px + x0 * plot_width, top, std::max(0.0, x1 - x0) * plot_width, bottom - top);
   }
   svg += "</g>\n";
   y_grid(svg, y_axis, chart.unit, top, bottom);
@@ -226,16 +226,16 @@ std::string line_chart_svg(const LineChart& chart, SvgUse use) {
     const auto ticks = round_ticks(x_axis.low, x_axis.high, 8);
     for (const double v : ticks) {
       svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                         left + x_axis.place(v) * plot_width, bottom + 17,
+                         left_px + x_axis.place(v) * plot_width, bottom + 17,
                          tick_text(v, ticks.size() > 1 ? ticks[1] - ticks[0] : 1));
     }
   }
-  svg += fmt::format("<text x=\"{:.0f}\" y=\"{}\" text-anchor=\"middle\">{}{}</text>\n", left + plot_width / 2,
+  svg += fmt::format("<text x=\"{:.0f}\" y=\"{}\" text-anchor=\"middle\">{}{}</text>\n", left_px + plot_width / 2,
                      bottom + 36, escape_markup(chart.x_is_time ? "local time" : chart.x_label),
                      chart.band_name.empty() ? "" : escape_markup("; shaded: " + chart.band_name));
   svg +=
       fmt::format("<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2}\" y2=\"{2}\"/>\n<g clip-path=\"url(#plot)\">\n",
-                  left, width - right, bottom);
+                  left_px, width - right_px, bottom);
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     svg += fmt::format("<path class=\"line {}\" d=\"{}\"/>\n", colours[i].classes(),
                        path_of(chart, chart.series[i], x_axis, y_axis, top, bottom));
@@ -258,7 +258,7 @@ std::string bar_chart_svg(const BarChart& chart, SvgUse use) {
   const double bar = std::min(26.0, (slot - gap) / static_cast<double>(std::max<std::size_t>(1, chart.groups.size())));
   const double used = bar * static_cast<double>(chart.groups.size());
   for (std::size_t c = 0; c < chart.categories.size(); ++c) {
-    const double middle = left + slot * (static_cast<double>(c) + 0.5);
+    const double middle = left_px + slot * (static_cast<double>(c) + 0.5);
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", middle, bottom + 17,
                        escape_markup(chart.categories[c]));
     for (std::size_t g = 0; g < chart.groups.size(); ++g) {
@@ -291,8 +291,8 @@ std::string bar_chart_svg(const BarChart& chart, SvgUse use) {
       svg += "</g>\n";
     }
   }
-  svg += fmt::format("<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2}\" y2=\"{2}\"/>\n</svg>\n", left,
-                     width - right, bottom);
+  svg += fmt::format("<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2}\" y2=\"{2}\"/>\n</svg>\n", left_px,
+                     width - right_px, bottom);
   return svg;
 }
 

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "hal/text/input_error.hpp"
-#include "sim/energyplus/replay_files.hpp"
+#include "sim/energyplus/replay/replay_files.hpp"
 
 namespace airside::sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/energyplus/replay_files.hpp"
+#include "sim/energyplus/replay/replay_files.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tools/cli/http_box.hpp"
+#include "tools/cli/blob/http_box.hpp"
 
 #include <curl/curl.h>
 #include <fmt/format.h>

@@ -7,7 +7,7 @@
 
 #include "airside/fault.hpp"
 #include "hal/text/civil_text.hpp"
-#include "tools/cli/blob_facts.hpp"
+#include "tools/cli/blob/blob_facts.hpp"
 #include "tools/cli/command.hpp"
 
 namespace airside::tools {

@@ -1,4 +1,4 @@
-#include "sim/energyplus/replay_cache.hpp"
+#include "sim/energyplus/replay/replay_cache.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

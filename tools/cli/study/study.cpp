@@ -9,8 +9,9 @@
 #include "hal/text/input_error.hpp"
 #include "hal/text/staged_file.hpp"
 #include "tools/cli/command.hpp"
-#include "tools/cli/study.hpp"
+#include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
+#include "tools/run/run_facts.hpp"
 #include "tools/study/control_methods.hpp"
 #include "tools/study/table.hpp"
 
@@ -29,6 +30,7 @@ struct StudyCommand {
   int room_count = 12, seeds = 5, first_seed = 1, pretrain_days = 31, expert_days = 5, days = 14, updates = 0,
       steps = 3000, jobs = 2;
   bool json = false, no_paper = false;
+  RunFacts facts;
 
   struct Job {
     std::string room;
@@ -147,7 +149,9 @@ struct StudyCommand {
 
   void run() {
     const bool energyplus = is_energyplus(choice("301", 1, "2021-07-01"), site_of("product"));
-    kind = energyplus ? "energyplus" : "rc";
+    facts = run_facts(choice("301", 1, "2021-07-01"), site_of("product"));
+    if (!energyplus) facts.weather = "another made-up year for each room and seed";
+    kind = facts.plant;
     if (rooms.empty()) {
       rooms = {"301-real", "401-real", "402-real", "701-real", "702-real"};
       if (!energyplus) {
@@ -156,6 +160,7 @@ struct StudyCommand {
     }
     if (methods.empty()) methods = study_methods(energyplus);
     check_before_the_long_part(energyplus);
+    say_fallback(facts);
     std::vector<Job> list;
     for (const std::string& room : rooms) {
       for (int s = 0; s < seeds; ++s) list.push_back({room, static_cast<std::uint64_t>(first_seed + s)});
@@ -168,6 +173,7 @@ struct StudyCommand {
     const std::string floor = energyplus ? "floor-full" : "floor-frozen";
     nlohmann::json j;
     j["plant"] = kind;
+    add_to(j, facts);
     j["rooms"] = rooms;
     for (int s = 0; s < seeds; ++s) j["seeds"].push_back(first_seed + s);
     j["pretrain_days"] = pretrain_days;
@@ -192,6 +198,7 @@ struct StudyCommand {
     if (!json) {
       fmt::print("{}", study_markdown(j["methods"], order, floor));
       if (!sentence.empty()) fmt::print("\n{}", sentence);
+      fmt::print("\nBy {}.\n", text_of(facts));
     }
     for (std::size_t i = 0; i < outcomes.size(); ++i) j["runs"].push_back(outcomes[i]);
     if (!out.empty()) {

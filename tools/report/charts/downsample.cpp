@@ -1,4 +1,4 @@
-#include "tools/report/downsample.hpp"
+#include "tools/report/charts/downsample.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "sim/energyplus/replay.hpp"
+#include "sim/energyplus/replay/replay.hpp"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -14,11 +14,11 @@
 
 #include "hal/text/input_error.hpp"
 #include "hal/text/unfinished.hpp"
-#include "sim/energyplus/eso.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/process.hpp"
-#include "sim/energyplus/replay_cache.hpp"
-#include "sim/energyplus/replay_files.hpp"
+#include "sim/energyplus/replay/eso.hpp"
+#include "sim/energyplus/replay/replay_cache.hpp"
+#include "sim/energyplus/replay/replay_files.hpp"
 #include "sim/energyplus/words.hpp"
 #include "sim/weather/epw.hpp"
 

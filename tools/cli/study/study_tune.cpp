@@ -8,8 +8,9 @@
 #include "hal/text/input_error.hpp"
 #include "tools/baselines/tuning.hpp"
 #include "tools/cli/command.hpp"
-#include "tools/cli/study.hpp"
+#include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
+#include "tools/run/run_facts.hpp"
 #include "tools/study/control_methods.hpp"
 
 namespace airside::tools {
@@ -135,7 +136,9 @@ struct TuneCommand {
   }
 
   void run() {
-    kind = is_energyplus(choice("301", 1), built_in_site()) ? "energyplus" : "rc";
+    RunFacts facts = run_facts(choice("301", 1), built_in_site());
+    kind = facts.plant;
+    if (kind == "rc") facts.weather = "another made-up year for each room and seed";
     if (rooms.empty()) {
       if (kind == "energyplus") {
         rooms = {"301", "401", "402", "701", "702"};
@@ -161,12 +164,17 @@ struct TuneCommand {
     nlohmann::json j{
         {"plant", kind}, {"rooms", rooms},  {"seeds", seeds}, {"start", start}, {"expert_days", expert_days},
         {"days", days},  {"search", search}};
+    add_to(j, facts);
+    say_fallback(facts);
     for (const TunablePeer& peer : tunable_peers()) {
       if (std::find(methods.begin(), methods.end(), peer.method) == methods.end()) continue;
       j["peers"].push_back(tune(peer));
       if (!json) print(j["peers"].back());
     }
-    if (json) fmt::print("{}\n", j.dump());
+    if (json)
+      fmt::print("{}\n", j.dump());
+    else
+      fmt::print("by {}\n", text_of(facts));
   }
 };
 

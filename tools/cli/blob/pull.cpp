@@ -7,9 +7,9 @@
 #include "hal/site/site_settings.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/weights/blob_file.hpp"
-#include "tools/cli/blob_facts.hpp"
+#include "tools/cli/blob/blob_facts.hpp"
+#include "tools/cli/blob/http_box.hpp"
 #include "tools/cli/command.hpp"
-#include "tools/cli/http_box.hpp"
 
 namespace airside::tools {
 

@@ -1,4 +1,4 @@
-#include "tools/cli/blob_facts.hpp"
+#include "tools/cli/blob/blob_facts.hpp"
 
 #include <fmt/format.h>
 

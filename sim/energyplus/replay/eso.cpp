@@ -1,4 +1,4 @@
-#include "sim/energyplus/eso.hpp"
+#include "sim/energyplus/replay/eso.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -10,52 +10,20 @@
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/weights/key_ring.hpp"
-#include "sim/energyplus/epjson_lint.hpp"
 #include "sim/energyplus/install.hpp"
-#include "sim/json/merge_patch.hpp"
 #include "sim/rc/rc_room_file.hpp"
-#include "sim/weather/epw.hpp"
-#include "tools/cli/blob_facts.hpp"
+#include "tools/cli/blob/blob_facts.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/cli/site/check_twin.hpp"
+#include "tools/cli/site/findings.hpp"
+#include "tools/cli/site/site_warnings.hpp"
+#include "tools/run/run_facts.hpp"
 
 namespace airside::tools {
 
 namespace {
 
 using nlohmann::json;
-
-/// One thing that was looked at: in order with its key facts, or the complaint.
-struct Finding {
-  std::string what, file, facts;
-  std::optional<hal::InputError> complaint;
-};
-
-class Findings {
- public:
-  /// Runs `look`, which returns the key facts, and remembers what came of it.
-  template <class Look>
-  void check(const std::string& what, const std::string& file, Look&& look) {
-    try {
-      add({what, file, look(), {}});
-    } catch (const hal::InputError& e) {
-      add({what, file, "", e});
-    } catch (const std::exception& e) {
-      add({what, file, "",
-           hal::InputError(file, e.what(), "a readable " + what, "correct the file or its permissions")});
-    }
-  }
-  void refuse(const std::string& what, const std::string& file, const hal::InputError& e) { add({what, file, "", e}); }
-
-  std::size_t failed() const {
-    return static_cast<std::size_t>(
-        std::count_if(all_.begin(), all_.end(), [](const Finding& f) { return f.complaint.has_value(); }));
-  }
-  const std::vector<Finding>& all() const { return all_; }
-
- private:
-  void add(Finding f) { all_.push_back(std::move(f)); }
-  std::vector<Finding> all_;
-};
 
 std::string clock_text(int second) { return fmt::format("{:02}:{:02}", second / 3600, second / 60 % 60); }
 
@@ -75,15 +43,14 @@ std::string site_facts(const hal::SiteFile& f) {
                : "simulated only (no [modbus])");
 }
 
-std::string points_facts(const std::string& path, const hal::TopologyCounts& counts) {
+std::string points_facts(Findings& out, const std::string& path, const hal::TopologyCounts& counts) {
   const hal::PointMap map = hal::PointMap::load(path);
   map.check_topology(counts.vavs, counts.fcus, counts.powers);
   const auto writable =
       std::count_if(map.points().begin(), map.points().end(), [](const auto& p) { return p.writable(); });
-  const std::string warning = hal::warning_of(map);
-  return fmt::format("{} points for {}, {} of them writable, {} beyond the topology, fingerprint {:016x}{}",
-                     map.points().size(), counts.name, writable, map.extras().size(), map.fingerprint(),
-                     warning.empty() ? "" : "; " + warning);
+  for (std::string& text : warnings_of(map)) out.warn("points", path, std::move(text));
+  return fmt::format("{} points for {}, {} of them writable, {} beyond the topology, fingerprint {:016x}",
+                     map.points().size(), counts.name, writable, map.extras().size(), map.fingerprint());
 }
 
 std::string log_facts(const std::string& path, const hal::TopologyCounts& counts) {
@@ -113,13 +80,6 @@ std::string blob_facts(const std::string& path, const hal::TopologyCounts& count
                      f.topology, key_text(f.header), f.provenance.empty() ? "unknown" : f.provenance);
 }
 
-std::string weather_facts(const std::string& path) {
-  const auto weather = sim::read_epw(path);
-  const auto hours = weather->records().size() * static_cast<std::size_t>(weather->interval_s()) / 3600;
-  return fmt::format("{} hours of {}{}", hours, weather->location().name,
-                     weather->covers_year() ? ", a whole year" : "");
-}
-
 std::string room_facts(const std::string& path, const hal::TopologyCounts& counts) {
   const sim::RcRoom room = sim::load_room(path);
   if (room.vavs != counts.vavs || room.fcus != counts.fcus || room.powers != counts.powers) {
@@ -131,58 +91,34 @@ std::string room_facts(const std::string& path, const hal::TopologyCounts& count
                      room.powers, std::accumulate(room.floor_area_m2.begin(), room.floor_area_m2.end(), 0.0));
 }
 
-std::size_t objects_in(const json& model) {
-  std::size_t n = 0;
-  for (const auto& type : model) n += type.is_object() ? type.size() : 0;
-  return n;
-}
-
-/// The keys whose weights the box takes; their ids are what `revoked` wants.
 struct CheckCommand {
   std::string site, topology = "5vav-5fcu-2power", points, twin, weather, room;
   std::vector<std::string> patches, logs, weights;
-  bool as_json = false;
+  bool as_json = false, strict = false;
 
   bool nothing_named() const {
     return points.empty() && twin.empty() && weather.empty() && room.empty() && patches.empty() && logs.empty() &&
            weights.empty();
   }
 
-  /// A model or patch against the engine's schema; what it says if there is no engine.
-  static std::string lint(Findings& out, const std::string& what, const std::string& path, const json& model,
-                          sim::LintScope scope) {
-    if (!sim::have_energyplus()) return "not compared with the schema: EnergyPlus is not installed";
-    const auto complaints = sim::epjson_complaints(model, sim::find_energyplus().schema, {path, scope});
-    if (complaints.empty()) return "fits the schema";
-    const std::size_t shown = std::min<std::size_t>(complaints.size(), 20);
-    for (std::size_t i = 0; i + 1 < shown; ++i) out.refuse(what, path, complaints[i]);
-    throw complaints[shown - 1];
-  }
-
-  static void check_twin(Findings& out, const std::string& model_path, const std::vector<std::string>& patch_paths) {
-    json model;
-    if (!model_path.empty()) {
-      out.check("twin", model_path, [&] {
-        model = sim::read_json(model_path);
-        const std::string result = lint(out, "twin", model_path, model, sim::LintScope::whole);
-        return fmt::format("{} objects of {} types; {}", objects_in(model), model.size(), result);
-      });
+  static void check_site_twin(Findings& out, const hal::SiteFile& file, const hal::TopologyCounts& counts) {
+    const hal::TwinSection& named = *file.twin;
+    const bool rc = named.model == "rc";
+    if (!rc) check_twin(out, named.model, named.patches, counts);
+    if (rc && !named.patches.empty()) {
+      out.refuse("twin", file.path,
+                 {file.path + ": twin.patches", "patches on model = \"rc\"", "an epJSON model to patch",
+                  "leave the patches out, or name the model"});
     }
-    for (const std::string& path : patch_paths) {
-      out.check("patch", path, [&] {
-        const json patch = sim::read_json(path);
-        json base = model.is_object() ? model : json::object();
-        base = sim::merge_patched(std::move(base), patch, path);
-        const std::string result = lint(out, "patch", path, patch, sim::LintScope::patch);
-        if (model.is_object()) model = std::move(base);
-        return fmt::format("{} objects of {} types changed; {}", objects_in(patch), patch.size(), result);
-      });
-    }
-    if (!model_path.empty() && !patch_paths.empty() && out.failed() == 0) {
-      out.check("twin", model_path + " with its patches", [&] {
-        const std::string result = lint(out, "twin", model_path + " with its patches", model, sim::LintScope::whole);
-        return fmt::format("{} objects; {}", objects_in(model), result);
-      });
+    if (!named.weather.empty()) {
+      check_weather(out, named.weather, !rc);
+    } else {
+      out.warn("twin", file.path,
+               "no weather in [twin]: " +
+                   std::string(rc ? "a made-up year"
+                                  : "Tampa's, which comes "
+                                    "with EnergyPlus,") +
+                   " is taken");
     }
   }
 
@@ -197,11 +133,12 @@ struct CheckCommand {
         file = hal::read_site_file(site_path, hal::site_rules());
         with_topology(file->topology.c_str(), [&counts]<class T>(T) { counts = hal::counts_of<T>(); });
         scope = file->scope;
+        for (std::string& text : warnings_of(*file)) out.warn("site", site_path, std::move(text));
         return site_facts(*file);
       });
     }
     const auto check_points = [&](const std::string& p) {
-      out.check("points", p, [&] { return points_facts(p, counts); });
+      out.check("points", p, [&] { return points_facts(out, p, counts); });
     };
     const auto check_log = [&](const char* what, const std::string& p) {
       out.check(what, p, [&] { return log_facts(p, counts); });
@@ -209,11 +146,10 @@ struct CheckCommand {
     const auto check_blob = [&](const std::string& p) {
       out.check("weights", p, [&] { return blob_facts(p, counts, scope); });
     };
-    const auto check_weather = [&](const std::string& p) { out.check("weather", p, [&] { return weather_facts(p); }); };
     if (file) {
       if (file->modbus) {
         out.check("points", file->modbus->points, [&] {
-          std::string facts = points_facts(file->modbus->points, counts);
+          std::string facts = points_facts(out, file->modbus->points, counts);
           hal::refuse_contradiction(*file, hal::PointMap::load(file->modbus->points));
           return facts;
         });
@@ -221,16 +157,13 @@ struct CheckCommand {
       if (!file->weights_blob.empty()) check_blob(file->weights_blob);
       out.check("keys", file->keys_dir, [&] { return hal::describe(hal::KeyRing::load(file->keys_dir)); });
       if (!file->history_log.empty()) check_log("history", file->history_log);
-      if (file->twin) {
-        if (file->twin->model != "rc") check_twin(out, file->twin->model, file->twin->patches);
-        if (!file->twin->weather.empty()) check_weather(file->twin->weather);
-      }
+      if (file->twin) check_site_twin(out, *file, counts);
     }
     if (!points.empty()) check_points(points);
     for (const std::string& p : weights) check_blob(p);
     for (const std::string& p : logs) check_log("log", p);
-    check_twin(out, twin, patches);
-    if (!weather.empty()) check_weather(weather);
+    check_twin(out, twin, patches, counts);
+    if (!weather.empty()) check_weather(out, weather, !twin.empty());
     if (!room.empty()) out.check("room", room, [&] { return room_facts(room, counts); });
     return out;
   }
@@ -251,7 +184,12 @@ struct CheckCommand {
         }
         list.push_back(entry);
       }
-      const json all = {{"ok", found.failed() == 0}, {"checked", list}};
+      json warnings = json::array();
+      for (const Warning& w : found.warnings()) {
+        warnings.push_back({{"what", w.what}, {"file", w.file}, {"text", w.text}});
+      }
+      json all = {{"ok", found.failed() == 0}, {"checked", list}, {"warnings", warnings}};
+      add_program_to(all);
       fmt::print("{}\n", all.dump(-1, ' ', false, json::error_handler_t::replace));
     } else {
       for (const Finding& f : found.all()) {
@@ -263,9 +201,13 @@ struct CheckCommand {
       }
     }
     std::fflush(stdout);
+    for (const Warning& w : found.warnings()) fmt::print(stderr, "airside: warning: {}: {}\n", w.file, w.text);
     if (found.failed() != 0) {
       throw std::runtime_error(
           fmt::format("{} of {} checked things are not in order", found.failed(), found.all().size()));
+    }
+    if (strict && !found.warnings().empty()) {
+      throw std::runtime_error(fmt::format("{} warnings, and --strict", found.warnings().size()));
     }
   }
 };
@@ -277,7 +219,8 @@ void add_check(CLI::App& app) {
   CLI::App* c =
       app.add_subcommand("check",
                          "read everything that a site file names, and anything else given, and say what is in "
-                         "order and what is not");
+                         "order and what is not.\nWhat is in order and seldom meant, such as register 40001, is a "
+                         "warning on standard error.");
   c->add_option("site", self->site, "site file (default: site.toml, if nothing else is given)");
   c->add_option("--topology", self->topology, "room shape where no site file says it")
       ->check(CLI::IsMember(hal::site_rules().topologies))
@@ -289,6 +232,7 @@ void add_check(CLI::App& app) {
   c->add_option("--patch", self->patches, "merge patches on the model, in order")->allow_extra_args(false);
   c->add_option("--weather", self->weather, "an EPW file");
   c->add_option("--room-file", self->room, "a room of the RC plant (.json)");
+  c->add_flag("--strict", self->strict, "exit code 1 for warnings too");
   c->add_flag("--json", self->as_json, "print one JSON object and nothing else on standard output");
   c->callback([self] { self->run(); });
 }

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "sim/energyplus/replay.hpp"
+#include "sim/energyplus/replay/replay.hpp"
 
 namespace airside::sim {
 
