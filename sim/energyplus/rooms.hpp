@@ -11,7 +11,7 @@
 
 namespace airside::sim {
 
-/// What the engine is told for one step. Shape: one entry a VAV, an FCU, a zone (interior then perimeter).
+/// What the engine receives for one step. Shape: one entry a VAV, an FCU, a zone (interior then perimeter).
 struct RoomCommands {
   double supply_setpoint_degc = 0;
   std::vector<double> vav_on, fcu_on, occupancy;

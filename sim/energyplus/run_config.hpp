@@ -1,5 +1,5 @@
 #pragma once
-// What the worker process is told in its one file, run.json: everything that does not change during a run.
+// What the worker process receives in its one file, run.json: everything that does not change during a run.
 
 #include <cstdint>
 #include <filesystem>

@@ -12,6 +12,7 @@
 #include "support/program.hpp"
 #include "tools/run/control_run.hpp"
 #include "tools/run/plant_choice.hpp"
+#include "tools/run/training/pretraining.hpp"
 
 namespace airside::tools {
 namespace {

@@ -10,6 +10,7 @@
 #include "hal/site/site_settings.hpp"
 #include "hal/weights/blob_file.hpp"
 #include "support/blob_maker.hpp"
+#include "tools/run/training/transfer.hpp"
 
 namespace airside::fault_matrix {
 

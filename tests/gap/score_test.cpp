@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "hal/text/input_error.hpp"
-#include "tools/report/charts/confusion_svg.hpp"
+#include "tools/report/confusion_svg.hpp"
 
 namespace airside::tools::gap {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "hal/text/input_error.hpp"
 #include "report/synthetic_run.hpp"
+#include "tools/report/charts/report_text.hpp"
 #include "tools/report/charts/svg_chart.hpp"
 #include "tools/report/report.hpp"
-#include "tools/report/report_text.hpp"
 
 namespace airside::tools {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "tools/report/charts/downsample.hpp"
-#include "tools/report/report_text.hpp"
+#include "tools/report/charts/report_text.hpp"
 
 namespace airside::tools {
 namespace {

@@ -31,7 +31,7 @@ void add_pull(CLI::App& app);
 /// Hidden: prints shell completion of all commands that were added before it.
 void add_completion(CLI::App& app);
 
-/// Sends a blob to a web address, with certificates to trust; returns what is to be told of it.
+/// Sends a blob to a web address, with certificates to trust; returns what is to be reported of it.
 using SendBlob = nlohmann::json (*)(const std::string& address, std::span<const std::byte> blob, const std::string& ca);
 nlohmann::json send_over_http(const std::string& address, std::span<const std::byte> blob, const std::string& ca);
 /// `over_http`: none on the box, which has its inbox at hand.

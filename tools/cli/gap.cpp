@@ -19,7 +19,7 @@
 #include "tools/gap/model/patched_model.hpp"
 #include "tools/gap/verdict/shared_responses.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
-#include "tools/report/charts/confusion_svg.hpp"
+#include "tools/report/confusion_svg.hpp"
 
 namespace airside::tools {
 

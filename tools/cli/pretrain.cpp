@@ -11,9 +11,10 @@
 #include "hal/text/civil_text.hpp"
 #include "sim/plant_model.hpp"
 #include "tools/cli/command.hpp"
-#include "tools/run/blob_place.hpp"
 #include "tools/run/plant_choice.hpp"
 #include "tools/run/run_facts.hpp"
+#include "tools/run/training/blob_place.hpp"
+#include "tools/run/training/pretraining.hpp"
 
 namespace airside::tools {
 

@@ -5,8 +5,9 @@
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "tools/cli/command.hpp"
-#include "tools/run/blob_place.hpp"
 #include "tools/run/run_facts.hpp"
+#include "tools/run/training/blob_place.hpp"
+#include "tools/run/training/transfer.hpp"
 
 namespace airside::tools {
 

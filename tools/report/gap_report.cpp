@@ -11,8 +11,8 @@
 #include "hal/system/version.hpp"
 #include "hal/text/civil_text.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
+#include "tools/report/charts/report_text.hpp"
 #include "tools/report/gap_charts.hpp"
-#include "tools/report/report_text.hpp"
 
 namespace airside::tools {
 

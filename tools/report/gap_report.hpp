@@ -2,7 +2,7 @@
 // The report of the gap workflow: what is missing in the model, where and when it shows, and how sure that is.
 
 #include "tools/gap/gap_run.hpp"
-#include "tools/report/report_input.hpp"
+#include "tools/report/charts/report_input.hpp"
 
 namespace airside::tools {
 

@@ -9,9 +9,9 @@
 #include "hal/text/input_error.hpp"
 #include "hal/text/staged_folder.hpp"
 #include "tools/report/charts/downsample.hpp"
+#include "tools/report/charts/report_text.hpp"
 #include "tools/report/charts/svg_chart.hpp"
 #include "tools/report/page_parts.hpp"
-#include "tools/report/report_text.hpp"
 
 namespace airside::tools {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/report/report_input.hpp"
+#include "tools/report/charts/report_input.hpp"
 
 namespace airside::tools {
 

@@ -7,7 +7,7 @@
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
-#include "tools/report/report_text.hpp"
+#include "tools/report/charts/report_text.hpp"
 
 namespace airside::tools {
 namespace {
@@ -129,10 +129,11 @@ void add_line_charts(const RunRecord& r, ReportInput& out) {
   line(rooms, "target", {r.metrics.target_degc}, SeriesRole::reference, false);
   add(rooms);
 
-  LineChart setpoint = chart("Supply-air setpoint",
-                             "What the AHU was told, beside what the schedule, the network and the room head would "
-                             "each have chosen.",
-                             "°C", r.cycle_time);
+  LineChart setpoint =
+      chart("Supply-air setpoint",
+            "The setpoint that the AHU took, beside what the schedule, the network and the room head would "
+            "each have chosen.",
+            "°C", r.cycle_time);
   line(setpoint, "expert schedule", r.expert_setpoint_degc, SeriesRole::reference, true);
   line(setpoint, "network", r.network_setpoint_degc, SeriesRole::muted, true);
   line(setpoint, "room head", r.head_setpoint_degc, SeriesRole::muted, true);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "airside/civil_time.hpp"
-#include "tools/report/report_input.hpp"
+#include "tools/report/charts/report_input.hpp"
 #include "tools/run/metrics.hpp"
 
 namespace airside::tools {

@@ -1,6 +1,6 @@
 #pragma once
-// The verbs of the host tools on one room: run the schedule, pretrain, fine-tune, control, compare. They type-erase
-// the topology: blobs are bytes, rows are log rows, the room is a PlantModel.
+// The verbs of the host tools on one room: run the schedule, control, compare. They type-erase the topology: blobs are
+// bytes, rows are log rows, the room is a PlantModel. Training has a folder of its own (training/).
 
 #include <cstddef>
 #include <cstdint>
@@ -38,44 +38,6 @@ Metrics metrics_of(const Site& site, const ControlRun& run);
 
 /// The expert's schedule from the plant's present to `until`.
 ControlRun run_schedule(const Site& site, sim::PlantModel& plant, CivilTime until, const OnProgress& progress = {});
-
-/// Who acts in the twin while weights are pretrained (docs/method.md 7.2, 7.3, open point 27).
-enum class Pretrainer {
-  agent,            ///< dynamic: it controls and learns
-  drawn_schedules,  ///< static: each day's working setpoint is drawn from {19.5, 20.0 .. 21.5}
-  expert_schedule,  ///< static: the expert's, every day
-};
-
-struct PretrainOptions {
-  std::uint64_t seed = 1;
-  int updates_per_cycle = 0;  ///< 0: the preset's; pretraining can afford more than the box
-  Pretrainer pretrainer = Pretrainer::agent;
-  std::string provenance;  ///< twin, patches, weather, dates; stored in the blob
-};
-
-struct Pretraining {
-  BlobBytes blob;
-  ControlRun run;
-  std::uint64_t transitions = 0;  ///< remembered: any row of day 1 may start one, then every cycle
-};
-
-/// Dynamic pretraining (docs/method.md 7.2): day 1 under the schedule fits the scaler, then the agent controls the twin
-/// and learns until `until`.  Static (7.3): all days under schedules that are fixed beforehand, then training; where no
-/// reading is refused, with as many transitions and optimiser steps as the agent has of the same days.
-Pretraining pretrain(const Site& site, sim::PlantModel& plant, CivilTime until, const PretrainOptions& options,
-                     const OnProgress& progress = {});
-
-struct FineTuneOptions {
-  int steps = 3000;  ///< optimiser steps (docs/method.md 8, open point 12)
-  std::uint64_t seed = 1;
-  std::string provenance;
-};
-
-/// Transfer (docs/method.md 8): the source's scaler and weights, fine-tuned on the target's logged schedule days; the
-/// room head starts from the source's gain and is fitted to the same rows. An empty `source` trains from scratch.
-/// Errors: hal::InputError for a blob that does not fit, or a log without a single transition.
-BlobBytes fine_tune(const Site& site, const BlobBytes& source, const std::vector<hal::LogRow>& rows,
-                    const FineTuneOptions& options, const OnProgress& progress = {});
 
 /// Control by the product's code path with learning on, from the plant's present to `until`.
 /// Errors: hal::InputError for a blob that does not fit.

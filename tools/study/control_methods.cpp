@@ -8,6 +8,7 @@
 #include "sim/energyplus/plant.hpp"
 #include "sim/rc/rc_floor.hpp"
 #include "sim/rc/rc_plant.hpp"
+#include "tools/run/training/transfer.hpp"
 
 namespace airside::tools {
 

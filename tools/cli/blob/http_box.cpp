@@ -156,13 +156,13 @@ std::vector<std::byte> HttpBox::get(const std::string& path, std::size_t max_byt
 
 std::string HttpBox::send_blob(std::span<const std::byte> blob) const {
   constexpr std::size_t longest_answer = 65536;
-  const std::vector<std::byte> told = get("/token", longest_answer);
-  const std::string token(reinterpret_cast<const char*>(told.data()), told.size());
+  const std::vector<std::byte> token_answer = get("/token", longest_answer);
+  const std::string token(reinterpret_cast<const char*>(token_answer.data()), token_answer.size());
   static const std::regex shape("([0-9a-f]{32})\n?");
   std::smatch match;
   if (!std::regex_match(token, match, shape)) {
-    throw hal::InputError(address_ + "/token", fmt::format("{} bytes that are no token", told.size()), "32 hex digits",
-                          "give the address of an airside-page");
+    throw hal::InputError(address_ + "/token", fmt::format("{} bytes that are no token", token_answer.size()),
+                          "32 hex digits", "give the address of an airside-page");
   }
   const Answer answer = exchange("/weights", longest_answer, &blob, match[1]);
   if (answer.status != 202) refuse("/weights", answer);

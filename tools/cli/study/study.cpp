@@ -12,6 +12,7 @@
 #include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
 #include "tools/run/run_facts.hpp"
+#include "tools/run/training/pretraining.hpp"
 #include "tools/study/control_methods.hpp"
 #include "tools/study/table.hpp"
 

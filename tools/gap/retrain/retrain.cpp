@@ -6,6 +6,7 @@
 
 #include "hal/text/input_error.hpp"
 #include "tools/run/child_jobs.hpp"
+#include "tools/run/training/pretraining.hpp"
 
 namespace airside::tools::gap {
 

@@ -1,7 +1,7 @@
 #pragma once
 // Fewer points for the same picture.
 
-#include "tools/report/report_input.hpp"
+#include "tools/report/charts/report_input.hpp"
 
 namespace airside::tools {
 

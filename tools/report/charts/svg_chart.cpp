@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "hal/text/civil_text.hpp"
-#include "tools/report/report_text.hpp"
+#include "tools/report/charts/report_text.hpp"
 
 namespace airside::tools {
 namespace {

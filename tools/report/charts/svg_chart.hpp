@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tools/report/report_input.hpp"
+#include "tools/report/charts/report_input.hpp"
 
 namespace airside::tools {
 

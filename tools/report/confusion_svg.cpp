@@ -1,4 +1,4 @@
-#include "tools/report/charts/confusion_svg.hpp"
+#include "tools/report/confusion_svg.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "tools/report/report_text.hpp"
+#include "tools/report/charts/report_text.hpp"
 
 namespace airside::tools::gap {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/report/report_text.hpp"
+#include "tools/report/charts/report_text.hpp"
 
 #include <fmt/format.h>
 

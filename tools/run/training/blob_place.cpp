@@ -1,4 +1,4 @@
-#include "tools/run/blob_place.hpp"
+#include "tools/run/training/blob_place.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,0 +1,91 @@
+#pragma once
+// What a run of the loop leaves behind, row by row, and the sinks that fill it.
+
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+#include "airside/controller/cycle.hpp"
+#include "hal/log/log_record.hpp"
+#include "sim/plant_model.hpp"
+#include "tools/run/control_run.hpp"
+
+namespace airside::tools {
+
+/// Rows of a run, as the loop makes them.
+class Recorder {
+ public:
+  Recorder(const Site& site, const sim::PlantModel& model, CivilTime until, const OnProgress& progress)
+      : blank_(hal::make_log_row(site.counts)),
+        model_(model),
+        from_(next_row(model.time())),
+        until_(until),
+        progress_(progress) {}
+
+  template <Topology T>
+  void add(CivilTime t, const Expected<Reading<T>>& sensed, const Decision& decision, double setpoint_degc) {
+    run.rows.push_back(blank_);
+    hal::LogRow& row = run.rows.back();
+    hal::fill_log_row<T>(row, t, sensed, decision, setpoint_degc);
+    using L = Layout<T>;
+    const auto value = row.value.begin();
+    double power = 0;
+    for (int i = 0; i < T::powers; ++i) power += value[L::power + i];
+    CycleSample sample{t, 0, {value, value + L::rooms}, setpoint_degc};
+    if (&model_.truth() != &model_) {
+      // Scores are about the room, not about what broken sensors say of it.
+      const sim::Sensors& room = model_.truth().sensors();
+      power = std::accumulate(room.power_kw.begin(), room.power_kw.end(), 0.0);
+      sample.room_temp_degc = room.room_temp_degc;
+      sample.setpoint_degc = room.setpoint_degc;
+    }
+    run.energy.push_back({t, power});
+    if (starts_cycle(t)) {
+      for (const double s : sample.room_temp_degc) sample.room_mean_degc += s / L::rooms;
+      run.cycles.push_back(std::move(sample));
+    }
+    if (progress_ && starts_cycle(t)) {
+      progress_(static_cast<double>(t.seconds + cycle_s - from_.seconds) /
+                static_cast<double>(until_.seconds - from_.seconds));
+    }
+  }
+
+  ControlRun run;
+
+ private:
+  hal::LogRow blank_;
+  const sim::PlantModel& model_;
+  CivilTime from_, until_;
+  const OnProgress& progress_;
+};
+
+/// Counts optimiser steps, which the learner forgets when the gate refuses them.
+class StepCount {
+ public:
+  template <class Controller_>
+  void row(const Controller_& controller) {
+    const auto& learning = controller.learning();
+    const bool refused = learning.rejected != rejected_;
+    total += refused ? static_cast<std::uint64_t>(controller.settings().updates_per_cycle)
+                     : learning.learner.steps() - steps_;
+    rejected_ = learning.rejected;
+    steps_ = learning.learner.steps();
+  }
+  std::uint64_t total = 0;
+
+ private:
+  std::uint64_t steps_ = 0, rejected_ = 0;
+};
+
+template <Topology T>
+struct ControllerSink {
+  Recorder& recorder;
+  StepCount steps = {};
+  bool row(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller) {
+    steps.row(controller);
+    recorder.add<T>(t, sensed, controller.decision(), controller.cycle().last_setpoint_degc);
+    return true;
+  }
+};
+
+}  // namespace airside::tools
