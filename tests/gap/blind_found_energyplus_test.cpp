@@ -18,7 +18,7 @@
 #include "sim/json/json_file.hpp"
 #include "support/test_folder.hpp"
 #include "tools/gap/blind/blind_cases.hpp"
-#include "tools/gap/case_file.hpp"
+#include "tools/gap/case/case_loader.hpp"
 #include "tools/gap/verdict/shared_responses.hpp"
 
 namespace airside::tools::gap {

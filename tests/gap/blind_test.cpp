@@ -15,7 +15,7 @@
 #include "sim/weather/synthetic_weather.hpp"
 #include "support/test_folder.hpp"
 #include "tools/gap/blind/blind_cases.hpp"
-#include "tools/gap/case_file.hpp"
+#include "tools/gap/case/case_loader.hpp"
 
 namespace airside::tools::gap {
 namespace {

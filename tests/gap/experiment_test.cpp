@@ -1,5 +1,5 @@
 // Two effects that a log cannot tell apart: the proposed test must, on a room that is not the model.
-#include "tools/gap/verdict/experiment.hpp"
+#include "tools/gap/explain/experiment.hpp"
 #include "tools/gap/inference/null_blocks.hpp"
 
 #include <gtest/gtest.h>
@@ -128,7 +128,7 @@ struct AlikeCase {
     Window done;
     done.recording = commands->recording;
     done.recording.from.seconds += 7 * 86400;
-    const bool own_thermostats = !plan->fan_coils;
+    const bool own_thermostats = !plan->fcu_command;
     const auto followed = std::make_shared<const sim::Recording>(done.recording);
     sim::RcPlant plant(room, weather, {done.recording.from.seconds - 3 * 86400}, seed);
     plant.follow(followed, own_thermostats);

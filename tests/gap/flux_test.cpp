@@ -1,5 +1,5 @@
 // Heat that no effect explains, hidden in a room that is not the model: found in its zone and hours, and nowhere else.
-#include "tools/gap/verdict/flux.hpp"
+#include "tools/gap/explain/flux.hpp"
 
 #include <gtest/gtest.h>
 

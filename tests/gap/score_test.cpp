@@ -1,6 +1,6 @@
 // Verdicts written by hand, with answers counted by hand.
 
-#include "tools/gap/blind/score.hpp"
+#include "tools/gap/score/score.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "hal/text/input_error.hpp"
-#include "tools/report/confusion_svg.hpp"
+#include "tools/gap/report/confusion_svg.hpp"
 
 namespace airside::tools::gap {
 namespace {

@@ -12,9 +12,11 @@
 #include "sim/weather/synthetic_weather.hpp"
 #include "support/test_folder.hpp"
 #include "tools/gap/blind/blind.hpp"
-#include "tools/gap/case_file.hpp"
+#include "tools/gap/case/case_format.hpp"
 #include "tools/gap/inference/refit.hpp"
 #include "tools/gap/model/log_window.hpp"
+#include "tools/gap/verdict/verdict_json.hpp"
+#include "tools/gap/verdict/workflow.hpp"
 
 namespace airside::tools::gap {
 namespace {
@@ -22,9 +24,14 @@ namespace {
 constexpr std::int64_t day_s = 86400;
 constexpr std::uint64_t room_seed = 4;
 
+/// A part of the library, to be quick.
+const std::vector<std::string> usual_effects{"vav_flow",  "room_sensor_bias", "solar_gain", "infiltration",
+                                             "fan_power", "clock_shift",      "gain_zone",  "fcu_degraded"};
+
 /// One twin, one measured room and one stretch of weather; 10 days of reference, 10 of measurement.
 struct Stage {
-  std::vector<sim::Effect> effects = sim::load_effects(sim::find_effects());
+  std::vector<sim::Effect> effects;
+  std::vector<std::string> candidates;  ///< names
   sim::RcRoom twin = sim::load_room("301");
   RcEngine engine{twin};
   std::shared_ptr<const sim::Weather> weather = sim::synthetic_weather(11);
@@ -34,19 +41,18 @@ struct Stage {
   WindowResponses responses;
 
   /// Responses cost seconds; each test has a process of its own.
-  explicit Stage(bool with_responses) {
+  explicit Stage(bool with_responses, std::vector<std::string> some = usual_effects,
+                 std::vector<sim::Effect> library = sim::load_effects(sim::find_effects()))
+      : effects(std::move(library)), candidates(std::move(some)) {
     if (!with_responses) return;
     data.reference = window(real, reference, {});
     data.test = window(real, after(), {});
     responses = {responses_in(data.reference), responses_in(data.test)};
   }
   Responses responses_in(const Window& w) const {
-    // A part of the library, to be quick.
     Library library = library_of(engine, effects);
-    std::erase_if(library.candidates, [](const sim::EffectAt& at) {
-      static const std::vector<std::string> kept{"vav_flow",  "room_sensor_bias", "solar_gain", "infiltration",
-                                                 "fan_power", "clock_shift",      "gain_zone",  "fcu_degraded"};
-      return std::find(kept.begin(), kept.end(), at.effect->name) == kept.end();
+    std::erase_if(library.candidates, [this](const sim::EffectAt& at) {
+      return std::find(candidates.begin(), candidates.end(), at.effect->name) == candidates.end();
     });
     return simulate_responses(engine, library, w.recording, true, 2);
   }
@@ -147,6 +153,44 @@ TEST(Workflow, NamesWhatIsHiddenAndNothingElse) {
   EXPECT_EQ(ids, (std::vector<std::string>{"fan_power", "room_sensor_bias@1"}));
 }
 
+sim::Effect& effect_named(std::vector<sim::Effect>& effects, const std::string& name) {
+  return *std::find_if(effects.begin(), effects.end(), [&name](const sim::Effect& e) { return e.name == name; });
+}
+
+TEST(Workflow, NeverSaysNoGapOfWhatIsTooSmallToBeNamed) {
+  auto effects = sim::load_effects(sim::find_effects());
+  effect_named(effects, "room_sensor_bias").least = 1.5;
+  const Stage s(true, {"room_sensor_bias"}, effects);
+  const Verdict v = s.verdict({{"room_sensor_bias", 0, 0.8}});
+  EXPECT_EQ(v.kind, VerdictKind::ambiguous) << v.reason;
+  ASSERT_EQ(v.findings.size(), 1U) << v.reason;
+  EXPECT_EQ(v.findings[0].at.id(), "room_sensor_bias@1");
+  EXPECT_NEAR(v.findings[0].magnitude, 0.8, 0.2);
+  EXPECT_GT(v.findings[0].gain, 3 * v.findings[0].gain_limit);
+  EXPECT_NE(v.reason.find("x its limit, but at"), std::string::npos) << v.reason;
+  EXPECT_EQ(sentence_of(v).find("no gap"), std::string::npos) << sentence_of(v);
+}
+
+TEST(Workflow, NamesASureFindingBesideAnUnsureOneAndListsThatApart) {
+  auto effects = sim::load_effects(sim::find_effects());
+  sim::Effect twin = effect_named(effects, "fan_power");
+  twin.name = "fan_power_again";  // nothing can tell the two apart
+  effects.push_back(twin);
+  const Stage s(true, {"room_sensor_bias", "fan_power", "fan_power_again"}, effects);
+  const Verdict v = s.verdict({{"room_sensor_bias", 0, 0.8}, {"fan_power", 0, 1.5}});
+  EXPECT_EQ(v.kind, VerdictKind::named) << v.reason;
+  ASSERT_EQ(v.findings.size(), 1U) << v.reason;
+  EXPECT_EQ(v.findings[0].at.id(), "room_sensor_bias@1");
+  EXPECT_NEAR(v.findings[0].magnitude, 0.8, 0.2);
+  ASSERT_EQ(v.unsure.size(), 1U);
+  EXPECT_EQ(v.unsure[0].at.effect->name.substr(0, 9), "fan_power");
+  EXPECT_FALSE(v.unsure[0].why_not.empty());
+  EXPECT_NE(sentence_of(v).find("not sure beside it: "), std::string::npos) << sentence_of(v);
+  const nlohmann::json j = json_of(v, "case", s.responses.test, s.engine.channels());
+  EXPECT_EQ(j["effects"].size(), 1U);
+  EXPECT_EQ(j["unsure"][0]["why_not"], v.unsure[0].why_not);
+}
+
 TEST(Refit, FollowsParametersThatMoveAndMagnitudesThatBend) {
   const Stage s(true);
   const ReferenceFit fit = fit_reference(s.engine, s.responses.reference, s.data.reference);
@@ -183,7 +227,7 @@ TEST(Refit, FollowsParametersThatMoveAndMagnitudesThatBend) {
   as_true[0].steps = 0.3 / 0.25;  // the probe is three quarters
   EXPECT_LT(whole.cost, refitter.at(as_true, moved, whole.tangent).cost + 60);
   const Refit about_none = refitter.about_itself(none);
-  const Foretold told = refitter.predicted(whole, about_none);
+  const Predicted told = refitter.predicted(whole, about_none);
   EXPECT_GT(told.gain, 0) << "parameters take over most of the box's part, not all";
   EXPECT_GT(told.expected, told.gain) << "duties that differ by chance are counted in it";
   EXPECT_EQ(refitter.predicted(whole, whole).gain, 0);

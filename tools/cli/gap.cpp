@@ -13,13 +13,13 @@
 #include "tools/cli/gap.hpp"
 #include "tools/cli/gap_fit.hpp"
 #include "tools/gap/blind/blind_cases.hpp"
-#include "tools/gap/blind/score.hpp"
-#include "tools/gap/case_file.hpp"
+#include "tools/gap/case/case_loader.hpp"
 #include "tools/gap/model/parallel.hpp"
 #include "tools/gap/model/patched_model.hpp"
+#include "tools/gap/report/confusion_svg.hpp"
+#include "tools/gap/score/score.hpp"
 #include "tools/gap/verdict/shared_responses.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
-#include "tools/report/confusion_svg.hpp"
 
 namespace airside::tools {
 

@@ -9,9 +9,9 @@
 #include "hal/text/input_error.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/gap.hpp"
-#include "tools/gap/gap_run.hpp"
+#include "tools/gap/report/gap_report.hpp"
+#include "tools/gap/run/gap_run.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
-#include "tools/report/gap_report.hpp"
 #include "tools/report/report.hpp"
 #include "tools/run/log_weather.hpp"
 
@@ -214,7 +214,8 @@ struct SiteCommand : GapOptions {
     if (retrain) check_rooms(asked);
     const auto list = sun_on_site ? sim::with_sun_on_site(effects()) : effects();
     try {
-      finish(gap::run_gap(asked, list));
+      StagedProgress progress(stderr);
+      finish(gap::run_gap(asked, list, progress));
     } catch (const gap::RefusedLog& e) {
       say_log(stderr, e.logs().reference);
       say_log(stderr, e.logs().measured);
@@ -257,7 +258,8 @@ struct SiteCommand : GapOptions {
     if (retrain && run.patched) {  // a pretraining that dies leaves the verdict
       gap::RetrainRequest r = retrain_request();
       r.patched_file = std::move(patched_file);
-      gap::retrain_patched(run, r);
+      StagedProgress progress(stderr);
+      gap::retrain_patched(run, r, progress);
       write_findings();
     }
     if (json)
@@ -287,6 +289,10 @@ struct SiteCommand : GapOptions {
     for (const gap::Finding& f : run.verdict.findings) {
       fmt::print("  {}: gain {:.0f} (limit {:.0f}), {:.1f} x the next; on site: {}\n", f.at.id(), f.gain, f.gain_limit,
                  std::min(f.margin, 999.0), f.at.effect->confirm);
+    }
+    for (const gap::Finding& f : run.verdict.unsure) {
+      fmt::print("  {}: not sure, {}: gain {:.0f} (limit {:.0f}); on site: {}\n", f.at.id(), f.why_not, f.gain,
+                 f.gain_limit, f.at.effect->confirm);
     }
     const auto& days = j["locked_days"];
     const auto figure = [&days](const char* when, const char* what) { return days[when][what].get<double>(); };

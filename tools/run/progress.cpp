@@ -64,6 +64,15 @@ void Progress::set(std::uint64_t done) {
   show(false);
 }
 
+void Progress::report(std::uint64_t done, double left_s, const std::string& stage) {
+  const std::scoped_lock lock(mutex_);
+  if (finished_) return;
+  done_ = std::clamp(done, done_, total_);
+  left_s_ = left_s;
+  stage_ = stage;
+  show(false);
+}
+
 void Progress::finish() {
   const std::scoped_lock lock(mutex_);
   if (finished_) return;
@@ -78,8 +87,10 @@ void Progress::show(bool force) {
   const double share = static_cast<double>(done_) / static_cast<double>(total_);
   const double elapsed = elapsed_s();
   // The first moments say nothing about the rest.
-  const std::string left =
-      share > 0 && elapsed > 0.5 ? fmt::format("{} left", duration_text(elapsed * (1 - share) / share)) : "";
+  std::string left;
+  if (share > 0 && elapsed > 0.5)
+    left = fmt::format("{} left", duration_text(left_s_ ? *left_s_ : elapsed * (1 - share) / share));
+  if (!stage_.empty()) left += (left.empty() ? "(" : " (") + stage_ + ")";
   if (!terminal_) {
     const int tenth = static_cast<int>(share * 10 + 1e-9);
     if (force) {

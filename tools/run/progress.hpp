@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace airside::tools {
@@ -23,6 +24,8 @@ class Progress {
   void advance(std::uint64_t steps = 1);
   /// Shows `done` of the total. Never goes back.
   void set(std::uint64_t done);
+  /// The same, with the time left and the stage that runs as the caller knows them.
+  void report(std::uint64_t done, double left_s, const std::string& stage);
   /// All done; prints the time it took. Further calls do nothing.
   void finish();
 
@@ -37,6 +40,8 @@ class Progress {
   bool terminal_;
   bool finished_ = false;
   std::uint64_t done_ = 0;
+  std::optional<double> left_s_;
+  std::string stage_;
   int last_tenth_ = 0;
   std::chrono::steady_clock::time_point start_, last_draw_;
 };

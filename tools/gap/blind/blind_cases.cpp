@@ -18,8 +18,9 @@
 #include "sim/stateless_draw.hpp"
 #include "sim/weather/epw.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "tools/gap/blind/blind_plan.hpp"
 #include "tools/gap/blind/blind_site.hpp"
-#include "tools/gap/case_file.hpp"
+#include "tools/gap/case/case_format.hpp"
 #include "tools/gap/model/parallel.hpp"
 
 namespace airside::tools::gap {
@@ -27,24 +28,6 @@ namespace airside::tools::gap {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int window_count = 5;
-constexpr double wanted_ratios[] = {0.5, 1.0, 3.0};
-enum CaseDraw : std::uint64_t { draw_effect = 810, draw_place, draw_second, draw_magnitude, draw_name, draw_sign };
-
-CivilTime start_of_window(int window) {
-  constexpr int month_day[window_count][2] = {{5, 10}, {6, 20}, {7, 15}, {8, 20}, {9, 25}};
-  return sim::civil_midnight(2021, month_day[window][0], month_day[window][1]);
-}
-
-/// A case before anything is simulated: its set, its window, and which turn of its set on its engine it is.
-struct PlannedCase {
-  std::string set;
-  bool energyplus = false;
-  BlindWindow window;
-  double ratio = 0;
-  int turn = 0;
-};
 
 struct Sized {
   Hidden hidden;
@@ -56,25 +39,6 @@ struct MadeCase {
   ShownLive live;
   std::vector<Sized> not_reached;  ///< what was tried before: it cannot show so much, or never so little
 };
-
-/// By nothing but numbers, so that any case can be made alone.
-PlannedCase planned_case(const BlindPlan& plan, int i) {
-  PlannedCase c;
-  c.window = plan.window > 0 ? BlindWindow{plan.window - 1, i % 2 == 0}
-                             : BlindWindow{i % window_count, i / window_count % 2 == 0};
-  int at = i;
-  const auto belongs = [&at](int count) {
-    if (at < count) return true;
-    at -= count;
-    return false;
-  };
-  c.set = belongs(plan.single) ? "single" : belongs(plan.null) ? "null" : belongs(plan.outside) ? "outside" : "pair";
-  if (c.set == "single") c.ratio = plan.ratio > 0 ? plan.ratio : wanted_ratios[at / window_count % 3];
-  if (c.set == "pair") c.ratio = 3;
-  c.energyplus = plan.engine == BlindEngine::energyplus || (plan.engine == BlindEngine::mixed && at % 4 == 3);
-  c.turn = plan.engine != BlindEngine::mixed ? at : c.energyplus ? at / 4 : at - at / 4;
-  return c;
-}
 
 /// Effects that are there or not, nothing between.
 std::optional<double> fixed_magnitude(const std::string& effect) {
@@ -141,7 +105,7 @@ class Generator {
     setup.cache = plan_.cache;
     setup.effects = &effects_;
     setup.done = done_;
-    for (int w = 0; w < window_count; ++w) {
+    for (int w = 0; w < blind_windows; ++w) {
       setup.starts.push_back(start_of_window(w));
       setup.weather.push_back(weather_file(w));
     }
@@ -152,7 +116,7 @@ class Generator {
 
   void write_weather() const {
     fs::create_directories(folder_ / "weather");
-    for (int w = 0; w < window_count; ++w) {
+    for (int w = 0; w < blind_windows; ++w) {
       const auto weather = sim::synthetic_weather(plan_.seed * 1000 + static_cast<std::uint64_t>(w));
       sim::write_epw(weather_file(w).string(), *weather, 2021);
     }
@@ -298,16 +262,6 @@ class Generator {
   std::unique_ptr<BlindSite> rc_, energyplus_;
 };
 
-/// Case numbers in the order of their names, which says nothing: cases of one set do not stand together.
-std::vector<int> in_order_of_name(const BlindPlan& plan) {
-  std::vector<int> order(static_cast<std::size_t>(plan.total()));
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&plan](int a, int b) {
-    return sim::draw_bits(plan.seed, draw_name, 0, a) < sim::draw_bits(plan.seed, draw_name, 0, b);
-  });
-  return order;
-}
-
 /// When a file was written would tell how long its effect took to hide.
 void forget_times(const fs::path& folder) {
   const fs::file_time_type then{fs::file_time_type::clock::from_sys(
@@ -347,26 +301,6 @@ nlohmann::json key_entry(const PlannedCase& c, const MadeCase& made, const std::
 }
 
 }  // namespace
-
-BlindPlan plan_of(int cases, std::uint64_t seed) {
-  BlindPlan plan;
-  plan.seed = seed;
-  const auto share = [cases](int of) { return static_cast<int>(std::lround(cases * of / 760.0)); };
-  plan.null = share(300);
-  plan.outside = share(60);
-  plan.pairs = share(100);
-  plan.single = std::max(0, cases - plan.null - plan.outside - plan.pairs);
-  return plan;
-}
-
-int blind_steps(const BlindPlan& plan) {
-  std::set<std::pair<bool, BlindWindow>> shared;
-  for (int i = 0; i < plan.total(); ++i) {
-    const PlannedCase c = planned_case(plan, i);
-    shared.insert({c.energyplus, c.window});
-  }
-  return plan.total() + static_cast<int>(shared.size());
-}
 
 void make_blind_cases(const BlindPlan& plan, const std::vector<sim::Effect>& effects, const fs::path& folder,
                       const fs::path& key, const std::function<void()>& done) {

@@ -126,7 +126,7 @@ Eigen::MatrixXd Refitter::unmoved_residual(const std::vector<Chosen>& chosen) co
   return residual_of(chosen, Eigen::VectorXd::Zero(std::ssize(responses_.parameters)));
 }
 
-Foretold Refitter::predicted(const Refit& with, const Refit& without) const {
+Predicted Refitter::predicted(const Refit& with, const Refit& without) const {
   struct Unfitted {
     Eigen::VectorXd all, kept;
     Metric metric;

@@ -55,7 +55,7 @@ struct Refit {
 };
 
 /// What was not fitted, under two models.
-struct Foretold {
+struct Predicted {
   double gain = 0;      ///< 2 ln of how much likelier the one makes it than the other
   double expected = 0;  ///< the same, were the one right
 };
@@ -92,7 +92,7 @@ class Refitter {
   /// Of the bins outside `kept`, each model about itself, its parameters as free as the kept bins leave them.  With e
   /// the residual at the reference's parameters, M of all bins and M_k of the kept, d = e_without - e_with:
   ///   -2 ln p = e' (M - M_k) e + ln det M^-1 - ln det M_k^-1,  expected = d' (M - M_k) d in the metrics of `without`
-  Foretold predicted(const Refit& with, const Refit& without) const;
+  Predicted predicted(const Refit& with, const Refit& without) const;
   /// Of r at the reference's parameters.
   Eigen::VectorXd effective(const Refit& at) const;
   double magnitude(const Chosen& chosen) const;

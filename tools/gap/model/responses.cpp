@@ -74,6 +74,15 @@ std::size_t runs_of(const Library& library, bool with_candidates) {
   return 1 + library.parameters.size() + (with_candidates ? 2 * library.candidates.size() : 0);
 }
 
+std::size_t simulated_runs(const Engine& engine, const Library& library) {
+  const auto runs = [&](const sim::EffectAt& at) { return !engine.only_shows(*at.effect); };
+  const auto parameters = std::count_if(library.parameters.begin(), library.parameters.end(), [&](const auto& at) {
+    return runs(at) && !(engine.spares_runs() && enclosing_candidate(library, at));
+  });
+  const auto candidates = std::count_if(library.candidates.begin(), library.candidates.end(), runs);
+  return static_cast<std::size_t>(1 + parameters + 2 * candidates);
+}
+
 Eigen::MatrixXd shown_response(const Engine& engine, const sim::ChannelTable& base, const sim::EffectChange& change) {
   return binned(sim::changed_sensors(base, engine.channels(), std::span(&change, 1))) - binned(base);
 }

@@ -41,6 +41,16 @@ struct Responses {
   std::vector<Candidate> candidates;  ///< empty where only parameters were asked for
 };
 
+/// Both periods of a case.
+struct CaseData {
+  Window reference, test;
+};
+
+/// Responses of the two windows; shared by cases that have the same weather and hours.
+struct WindowResponses {
+  Responses reference, test;
+};
+
 /// Everything that an engine can be asked about.
 struct Library {
   std::vector<sim::EffectAt> parameters, candidates;
@@ -49,6 +59,9 @@ Library library_of(const Engine& engine, const std::vector<sim::Effect>& effects
 
 /// How many responses simulate_responses() makes, the model's own run included; done() is called so often.
 std::size_t runs_of(const Library& library, bool with_candidates);
+
+/// How many runs simulate_responses() makes of all effects, those that bent probes may ask for left out.
+std::size_t simulated_runs(const Engine& engine, const Library& library);
 
 /// What sensors show of a change that Engine::only_shows(): `base` is the run of the model as it is.
 /// Shape: bins x channels.

@@ -95,9 +95,10 @@ MagnitudeInterval interval_of(const Finding& f) {
 
 json json_of(const Verdict& v, const std::string& name, const Responses& responses, const sim::Channels& channels,
              const Rules& rules) {
-  json effects = json::array(), ranking = json::array(), gains = json::array(), null_gains = json::array(),
-       limits = json::array();
+  json effects = json::array(), unsure = json::array(), ranking = json::array(), gains = json::array(),
+       null_gains = json::array(), limits = json::array();
   for (const Finding& f : v.findings) effects.push_back(finding_json(f, rules));
+  for (const Finding& f : v.unsure) unsure.push_back(finding_json(f, rules));
   for (std::size_t i = 0; i < v.ranking.size() && i < 10; ++i) {
     ranking.push_back(responses.candidates[v.ranking[i].candidate].at.id());
     gains.push_back(v.ranking[i].gain);
@@ -108,6 +109,7 @@ json json_of(const Verdict& v, const std::string& name, const Responses& respons
           {"verdict", text_of(v.kind)},
           {"reason", v.reason},
           {"effects", effects},
+          {"unsure", unsure},
           {"ranking", ranking},
           {"ranking_gains", gains},
           {"ranking_gains_of_reference", null_gains},
@@ -174,8 +176,11 @@ std::string sentence_of(const Finding& f) {
 std::string sentence_of(const Verdict& v) {
   std::string found;
   for (const Finding& f : v.findings) found += (found.empty() ? "" : "; and ") + sentence_of(f);
+  std::string beside;
+  for (const Finding& f : v.unsure)
+    beside += fmt::format("{}{} ({})", beside.empty() ? "; not sure beside it: " : "; ", sentence_of(f), f.why_not);
   switch (v.kind) {
-    case VerdictKind::named: return "named: " + found;
+    case VerdictKind::named: return "named: " + found + beside;
     case VerdictKind::ambiguous: return fmt::format("ambiguous: perhaps {} ({})", found, v.reason);
     case VerdictKind::unknown: return "unknown: " + v.reason;
     case VerdictKind::none: return v.reason;

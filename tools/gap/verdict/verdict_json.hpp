@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tools/gap/clean_up/clean_up.hpp"
-#include "tools/gap/verdict/workflow.hpp"
+#include "tools/gap/verdict/verdict.hpp"
 
 namespace airside::tools::gap {
 
@@ -26,7 +26,8 @@ nlohmann::json finite_json(double value);
 /// One sentence a finding, for people: "flow of box 3 is not what its controller believes: 0.71 ± 0.02; ..".
 std::string sentence_of(const Finding& finding);
 
-/// The verdict in one sentence: "named: ..", "ambiguous: A or B: ..", "unknown: ..", "no gap above the floor".
+/// The verdict in one sentence: "named: ..", "ambiguous: A or B: ..", "unknown: ..", "no gap above the floor". What is
+/// not sure beside something named comes last.
 std::string sentence_of(const Verdict& verdict);
 
 /// The clean-up table for people: a few values that never came, in many columns, are one row.

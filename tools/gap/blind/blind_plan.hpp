@@ -1,0 +1,33 @@
+#pragma once
+// Which case of a blind plan is what: by nothing but numbers, so that any case can be made alone.
+
+#include <string>
+#include <vector>
+
+#include "tools/gap/blind/blind_cases.hpp"
+#include "tools/gap/blind/blind_site.hpp"
+
+namespace airside::tools::gap {
+
+constexpr int blind_windows = 5;
+/// Kinds of draws.
+enum CaseDraw : std::uint64_t { draw_effect = 810, draw_place, draw_second, draw_magnitude, draw_name, draw_sign };
+
+/// First midnight of a window, 0 ..
+CivilTime start_of_window(int window);
+
+/// A case before anything is simulated: its set, its window, and which turn of its set on its engine it is.
+struct PlannedCase {
+  std::string set;
+  bool energyplus = false;
+  BlindWindow window;
+  double ratio = 0;
+  int turn = 0;
+};
+
+PlannedCase planned_case(const BlindPlan& plan, int i);
+
+/// Case numbers in the order of their names, which says nothing: cases of one set do not stand together.
+std::vector<int> in_order_of_name(const BlindPlan& plan);
+
+}  // namespace airside::tools::gap

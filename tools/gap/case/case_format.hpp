@@ -1,0 +1,48 @@
+#pragma once
+// A case for the gap workflow as a folder of files: case.json names the model, the weather, and the two logs.
+// Format: FORMATS.md, "Cases of the gap workflow".
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "sim/energyplus/options.hpp"
+
+namespace airside::tools::gap {
+
+/// Where a case's model and logs come from; paths are resolved.
+struct CaseDescription {
+  std::string engine = "rc";  ///< rc or energyplus
+  std::string model;          ///< rc: room name or file; energyplus: room name or epJSON file
+  std::vector<std::string> patches;
+  std::string weather;  ///< EPW
+  std::string reference_log, measured_log;
+  int reference_days = 0;  ///< > 0, without a reference log: so many days of the measured log are the reference
+  std::string topology = "5vav-5fcu-2power";
+  std::string window;  ///< cases of one window and one model may share responses; empty: shares with none
+  bool duties = true;
+};
+
+/// Errors: hal::InputError with file and key.
+CaseDescription read_case(const std::filesystem::path& folder);
+/// Writes case.json; paths are written as they stand.
+void write_case(const std::filesystem::path& folder, const CaseDescription& description);
+
+/// Whether it is worth asking what cases may share, which SharedWindows decides by their recordings: where a response
+/// costs a second.
+bool shares_responses(const CaseDescription& description);
+/// Equal for cases that may share responses.
+std::string shared_window_of(const CaseDescription& c);
+
+/// The model as the user has it, before any effect: the epJSON with its patches, or the room file.
+/// Errors: hal::InputError of unreadable files and unknown names.
+nlohmann::json model_of(const CaseDescription& description);
+/// The names of a model's zones and schedules, and the loops beside it; EnergyPlus only.
+sim::EnergyPlusOptions energyplus_options_of(const CaseDescription& description);
+
+/// Folders below `folder` that hold a case.json, in order of name.
+/// Errors: hal::InputError if there is none.
+std::vector<std::filesystem::path> case_folders(const std::filesystem::path& folder);
+
+}  // namespace airside::tools::gap

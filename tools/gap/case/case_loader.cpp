@@ -1,0 +1,105 @@
+#include "tools/gap/case/case_loader.hpp"
+
+#include <fmt/format.h>
+
+#include "hal/text/civil_text.hpp"
+#include "sim/energyplus/install.hpp"
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/epw.hpp"
+#include "tools/gap/model/energyplus_engine.hpp"
+#include "tools/gap/model/log_window.hpp"
+#include "tools/run/site.hpp"
+
+namespace airside::tools::gap {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Midnight at or after t.
+CivilTime next_midnight(CivilTime t) { return {(t.seconds + 86399) / 86400 * 86400}; }
+
+/// "rc" has the shape of the logs; every other room has its own.
+sim::RcRoom room_of(const CaseDescription& c, const hal::TopologyCounts& counts) {
+  return c.model == "rc" ? sim::make_room(counts.vavs, counts.fcus, counts.powers) : sim::load_room(c.model);
+}
+
+CaseLogs divided_log(const CaseDescription& c, CleanLog all) {
+  CaseLogs logs{all, std::move(all)};
+  const auto from = logs.measured.rows.empty() ? CivilTime{} : next_midnight(logs.measured.rows.front().time);
+  const CivilTime divide{from.seconds + c.reference_days * std::int64_t{86400}};
+  std::erase_if(logs.reference.rows, [divide](const hal::LogRow& row) { return !(row.time < divide); });
+  std::erase_if(logs.measured.rows, [divide](const hal::LogRow& row) { return row.time < divide; });
+  logs.reference.remarks.clear();  // one log, one table
+  return logs;
+}
+
+}  // namespace
+
+CaseLogs read_case_logs(const CaseDescription& c, const CleanUpContext& context) {
+  CaseLogs logs;
+  const auto read = [&context](const std::string& path) {
+    CleanUpContext named = context;
+    named.place = path;
+    CleanLog log = read_dirty_log(path, named);
+    log.place = path;
+    return log;
+  };
+  try {
+    logs.measured = read(c.measured_log);
+    if (c.reference_log.empty()) {
+      logs.measured.require_usable();
+      return divided_log(c, std::move(logs.measured));
+    }
+    logs.reference = read(c.reference_log);
+    same_room(logs.reference, logs.measured, context);
+    logs.reference.require_usable();
+    logs.measured.require_usable();
+  } catch (const hal::InputError& reason) {
+    throw RefusedLog(reason, std::move(logs));
+  }
+  return logs;
+}
+
+void require_apart(const CaseLogs& logs) {
+  const auto& a = logs.reference.rows;
+  const auto& b = logs.measured.rows;
+  if (a.empty() || b.empty() || a.back().time < b.front().time || b.back().time < a.front().time) return;
+  throw hal::InputError(logs.measured.place,
+                        fmt::format("rows from {} on, within the reference period, which lasts to {}",
+                                    hal::civil_text(b.front().time), hal::civil_text(a.back().time)),
+                        "a measured period before or after the reference period",
+                        "give a log of other days, or one log and --reference-days");
+}
+
+LoadedCase load_case(const CaseDescription& c, const std::string& name, const fs::path& cache) {
+  LoadedCase loaded;
+  loaded.name = name;
+  const hal::TopologyCounts counts = built_in_site(c.topology).counts;
+  if (c.engine == "rc") {
+    loaded.engine = std::make_unique<RcEngine>(room_of(c, counts));
+  } else {
+    loaded.engine =
+        std::make_unique<EnergyPlusEngine>(sim::twin_of(energyplus_options_of(c)), c.model, cache, c.duties);
+  }
+  const auto weather = sim::read_epw(c.weather, {.whole_year = false, .from = {}, .to = {}});
+  const sim::Channels channels = loaded.engine->channels();
+  if (channels.rooms != counts.vavs || channels.fcus != counts.fcus || channels.powers != counts.powers) {
+    throw hal::InputError(name + ": model " + c.model,
+                          fmt::format("{} VAVs, {} FCUs, {} powers", channels.rooms, channels.fcus, channels.powers),
+                          "the counts of topology " + c.topology, "name the topology of the log and its model");
+  }
+  CleanUpContext context;
+  context.counts = counts;
+  context.station = weather;
+  loaded.logs = read_case_logs(c, context);
+  try {
+    loaded.data.reference = window_of(loaded.logs.reference.rows, channels, weather, loaded.logs.reference.place);
+    loaded.data.test = window_of(loaded.logs.measured.rows, channels, weather, loaded.logs.measured.place);
+  } catch (const hal::InputError& reason) {
+    throw RefusedLog(reason, loaded.logs);
+  }
+  return loaded;
+}
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,51 @@
+#pragma once
+// What the parts of a gap report look at, and the parts.
+
+#include <string>
+#include <vector>
+
+#include "tools/gap/run/gap_run.hpp"
+#include "tools/report/report_input.hpp"
+
+namespace airside::tools {
+
+struct GapPage {
+  explicit GapPage(const gap::GapRun& of);
+
+  const gap::GapRun& run;
+  sim::Channels at;
+  Eigen::Index first;      ///< bin after the first day
+  std::vector<int> shown;  ///< channels that were ever measured
+
+  bool found() const { return !run.verdict.findings.empty(); }
+  Eigen::Index bins() const { return run.residual_given.rows(); }
+  long locked_days() const { return static_cast<long>((bins() - run.locked_from()) / gap::bins_per_day); }
+  gap::ChannelErrors locked(const Eigen::MatrixXd& residual) const {
+    return gap::errors_of(residual, run.locked_from(), bins());
+  }
+};
+
+inline TableCell number_cell(double value) { return {value, std::nullopt, ""}; }
+inline TableCell text_cell(std::string text) { return {std::nullopt, std::nullopt, std::move(text)}; }
+/// "2021-07-01".
+std::string date_text(CivilTime t);
+/// With a full stop.
+std::string as_sentence(std::string text);
+/// "room 1", "FCU room 2", "power 1": what people call a channel.
+std::string channel_title(const sim::Channels& at, int c);
+
+// Each adds its blocks, where there is something to show.
+void add_figures(const GapPage& page, ReportInput& input);
+void add_findings(const GapPage& page, ReportInput& input);
+void add_experiments(const GapPage& page, ReportInput& input);
+void add_heat(const GapPage& page, ReportInput& input);
+void add_clean_up(const GapPage& page, ReportInput& input);
+void add_maps(const GapPage& page, ReportInput& input);
+void add_curves(const GapPage& page, ReportInput& input);
+void add_ranking(const GapPage& page, ReportInput& input);
+void add_locked_days(const GapPage& page, ReportInput& input);
+void add_guideline(const GapPage& page, ReportInput& input);
+void add_ledger(const GapPage& page, ReportInput& input);
+void add_retraining(const GapPage& page, ReportInput& input);
+
+}  // namespace airside::tools

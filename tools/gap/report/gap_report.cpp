@@ -1,0 +1,86 @@
+#include "tools/gap/report/gap_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/system/version.hpp"
+#include "hal/text/civil_text.hpp"
+#include "tools/gap/report/gap_page.hpp"
+#include "tools/gap/verdict/verdict_json.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+constexpr const char* gap_titles[] = {"No gap above the floor", "The missing effect has a name",
+                                      "The missing effect is one of several", "Something unknown is missing"};
+
+/// A row that says nothing is left out.
+bool ever_measured(const Eigen::MatrixXd& residual, int channel) {
+  return std::any_of(residual.col(channel).begin(), residual.col(channel).end(),
+                     [](double x) { return std::isfinite(x); });
+}
+
+void add_facts(const GapPage& page, ReportInput& input) {
+  const auto period = [](const gap::Window& window, const gap::CleanLog& log) {
+    return fmt::format("{}: {} to {}, {} days", log.place, date_text(window.recording.from),
+                       date_text({window.recording.to().seconds - 1}), window.measured.rows() / gap::bins_per_day);
+  };
+  input.command = page.run.request.command;
+  input.facts = {{"site", page.run.request.site},
+                 {"model", page.run.request.source.engine + " " + page.run.request.source.model},
+                 {"weather", page.run.request.source.weather},
+                 {"reference", period(page.run.loaded.data.reference, page.run.loaded.logs.reference)},
+                 {"measured", period(page.run.loaded.data.test, page.run.loaded.logs.measured)},
+                 {"effects tried", std::to_string(page.run.responses.test.candidates.size() / 2)},
+                 {"versions", hal::version_line("airside")}};
+  if (page.run.patched) {
+    input.facts.push_back({"model before", gap::model_digest(page.run.patched->before)});
+    input.facts.push_back({"model after", gap::model_digest(page.run.patched->after)});
+  }
+}
+
+}  // namespace
+
+GapPage::GapPage(const gap::GapRun& of)
+    : run(of), at(of.channels()), first(std::min<Eigen::Index>(gap::bins_per_day, of.residual_given.rows())) {
+  for (int c = 0; c < at.count(); ++c) {
+    if (ever_measured(of.residual_given, c)) shown.push_back(c);
+  }
+}
+
+std::string as_sentence(std::string text) {
+  if (!text.empty() && text.back() != '.') text += '.';
+  return text;
+}
+
+std::string date_text(CivilTime t) { return hal::civil_text(t).substr(0, 10); }
+
+/// "room 1", "FCU room 2", "power 1": what people call a channel.
+std::string channel_title(const sim::Channels& at, int c) {
+  if (c < at.fcu_temp()) return fmt::format("room {}", c + 1);
+  if (c < at.mau_temp()) return fmt::format("FCU room {}", c - at.fcu_temp() + 1);
+  if (c == at.mau_temp()) return "MAU outlet";
+  if (c == at.supply_temp()) return "supply";
+  if (c < at.fcu_duty()) return fmt::format("power {}", c - at.power() + 1);
+  return fmt::format("FCU duty {}", c - at.fcu_duty() + 1);
+}
+
+ReportInput make_gap_report(const gap::GapRun& run) {
+  const GapPage page(run);
+  ReportInput input;
+  input.title = gap_titles[static_cast<std::size_t>(run.verdict.kind)];
+  input.subtitle = fmt::format("{}: {} against its log of {} to {}", run.request.site, run.loaded.engine->description(),
+                               date_text(run.loaded.data.test.recording.from),
+                               date_text({run.loaded.data.test.recording.to().seconds - 1}));
+  input.headline = as_sentence(gap::sentence_of(run));
+  for (const auto add : {add_figures, add_findings, add_experiments, add_heat, add_clean_up, add_maps, add_curves,
+                         add_ranking, add_locked_days, add_guideline, add_ledger, add_retraining, add_facts}) {
+    add(page, input);
+  }
+  return input;
+}
+
+}  // namespace airside::tools

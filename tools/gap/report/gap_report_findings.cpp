@@ -1,0 +1,150 @@
+// What was found: figures, findings, tests on site, missing heat, clean-up.
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "hal/text/civil_text.hpp"
+#include "tools/gap/report/gap_page.hpp"
+#include "tools/gap/verdict/verdict_json.hpp"
+#include "tools/report/report_text.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+std::string finding_magnitude(const gap::Finding& f) {
+  const gap::MagnitudeInterval interval = gap::interval_of(f);
+  return fmt::format("{:.3g}{} ({:.3g} to {:.3g}; nothing would be {:.3g})", f.magnitude,
+                     gap::unit_suffix(*f.at.effect), interval.low, interval.high, f.at.effect->null_value);
+}
+
+}  // namespace
+
+void add_figures(const GapPage& page, ReportInput& input) {
+  const gap::ChannelErrors before = page.locked(page.run.residual_before), after = page.locked(page.run.residual_after);
+  const auto change = [&](const char* label, int from, int to, const char* unit) {
+    const double now = gap::joint_rmse(after, from, to), then = gap::joint_rmse(before, from, to);
+    input.figures.push_back({number_text(now, 2), unit, label,
+                             page.found() ? number_text(then, 2) + " without what was found" : "root mean square"});
+  };
+  const gap::Verdict& v = page.run.verdict;
+  input.figures.push_back({gap::text_of(v.kind), "", "verdict", v.reason});
+  input.figures.push_back({number_text(v.best_gain, 0), "", "best gain of one effect",
+                           "limit " + number_text(v.gain_limit, 0) + ", above which it is no noise"});
+  change("temperatures, locked days", 0, page.at.mau_temp() + 1, "K");
+  change("powers, locked days", page.at.power(), page.at.fcu_duty(), "kW");
+  input.figures.push_back({number_text(v.leftover, 2), "x", "left over, of the noise", "1 is a right model"});
+  if (page.run.retraining) {
+    const gap::RetrainSpread s = gap::spread_of(*page.run.retraining, &Metrics::dae_degc);
+    input.figures.push_back({number_text(s.after.mean, 3), "K", "DAE, weights of the patched twin",
+                             number_text(s.before.mean, 3) + " with weights of the twin"});
+  }
+}
+
+void add_findings(const GapPage& page, ReportInput& input) {
+  if (!page.found()) return;
+  ReportTable table;
+  table.title = page.run.verdict.kind == gap::VerdictKind::named ? "What is missing" : "What might be missing";
+  table.note = fmt::format(
+      "Gain: twice the logarithm of the likelihood that the effect adds; up to its limit it is noise. Margin: that "
+      "gain "
+      "over the gain of the best other explanation. Signs: share of two-day blocks that ask for the same direction.");
+  table.row_header = "effect";
+  table.prose = true;
+  for (const char* name : {"magnitude, 95 % interval", "gain", "margin", "signs", "cannot be told from", "looks like",
+                           "confirm on site"}) {
+    table.columns.push_back({name, "", 0, false});
+  }
+  std::vector<gap::Finding> listed = page.run.verdict.findings;
+  listed.insert(listed.end(), page.run.verdict.unsure.begin(), page.run.verdict.unsure.end());
+  for (const gap::Finding& f : listed) {
+    std::string alike;
+    for (const sim::EffectAt& other : f.cannot_tell_from) alike += (alike.empty() ? "" : "; ") + other.text();
+    table.rows.push_back({f.at.text() + (f.why_not.empty() ? "" : " (" + f.why_not + ")"),
+                          {text_cell(finding_magnitude(f)), text_cell(number_text(f.gain, 0)),
+                           text_cell(f.margin > 999 ? "> 999 x" : number_text(f.margin, 1) + " x"),
+                           text_cell(number_text(100 * f.same_sign, 0) + " %"), text_cell(alike.empty() ? "–" : alike),
+                           text_cell(f.at.effect->looks_like), text_cell(f.at.effect->confirm)},
+                          SeriesRole::plain,
+                          false});
+  }
+  input.blocks.push_back(table);
+}
+
+void add_experiments(const GapPage& page, ReportInput& input) {
+  if (page.run.experiments.empty()) return;
+  ReportTable table;
+  table.title = "Which test would tell them apart";
+  table.note =
+      "Simulated on this twin with this weather. Power: the chance to tell the two members apart that are hardest "
+      "to, "
+      "when five in a hundred decisions may be wrong.";
+  table.row_header = "test";
+  table.prose = true;
+  for (const char* name : {"hours", "power", "rooms", "hardest pair"}) table.columns.push_back({name, "", 0, false});
+  for (std::size_t i = 0; i < page.run.experiments.size() && i < 5; ++i) {
+    const gap::ExperimentProposal& e = page.run.experiments[i];
+    table.rows.push_back(
+        {e.text,
+         {text_cell(number_text(e.hours, 0)),
+          text_cell((e.upper_bound ? "at most " : "") + number_text(100 * e.power, 0) + " %"),
+          text_cell(fmt::format("{:.1f} to {:.1f} °C", e.lowest_room_degc, e.highest_room_degc)), text_cell(e.hardest)},
+         i == 0 && e.separates ? SeriesRole::main : SeriesRole::plain,
+         false});
+  }
+  input.blocks.push_back(table);
+}
+
+void add_heat(const GapPage& page, ReportInput& input) {
+  if (!page.run.heat) return;
+  ReportTable table;
+  table.title = "What is missing, as heat into each zone";
+  table.note = as_sentence(page.run.heat->text);
+  table.row_header = "zone";
+  table.columns = {{"mean", "kW", 2, false},           {"from", "h", 0, false},    {"to", "h", 0, false},
+                   {"in those hours", "kW", 2, false}, {"a day", "kWh", 1, false}, {"above noise", "", 0, false}};
+  for (const gap::ZoneHeat& z : page.run.heat->zones) {
+    const bool vav = z.zone < page.at.rooms;
+    table.rows.push_back(
+        {vav ? fmt::format("room {}", z.zone + 1) : fmt::format("FCU room {}", z.zone - page.at.rooms + 1),
+         {{z.mean_kw, z.mean_sd_kw, ""},
+          number_cell(z.from_h),
+          number_cell(z.to_h),
+          {z.active_kw, z.active_sd_kw, ""},
+          number_cell(z.kwh_per_day),
+          text_cell(z.above_noise ? "yes" : "no")},
+         z.above_noise ? SeriesRole::main : SeriesRole::plain,
+         false});
+  }
+  input.blocks.push_back(table);
+}
+
+void add_clean_up(const GapPage& page, ReportInput& input) {
+  ReportTable table;
+  table.title = "What was wrong with the logs";
+  table.note = "Nothing is concluded from values that were left out.";
+  table.row_header = "defect";
+  table.prose = true;
+  for (const char* name : {"done", "log", "column", "from", "to", "count", "what was found"}) {
+    table.columns.push_back({name, "", 0, false});
+  }
+  for (const gap::CleanLog* log : {&page.run.loaded.logs.reference, &page.run.loaded.logs.measured}) {
+    for (const gap::Remark& r : gap::shown_remarks(*log)) {
+      table.rows.push_back(
+          {gap::text_of(r.defect),
+           {text_cell(gap::text_of(r.action)), text_cell(log->place), text_cell(r.column.empty() ? "all" : r.column),
+            text_cell(hal::civil_text(r.from).substr(0, 16)), text_cell(hal::civil_text(r.to).substr(0, 16)),
+            text_cell(std::to_string(r.count)), text_cell(r.text)},
+           SeriesRole::plain,
+           false});
+    }
+  }
+  if (table.rows.empty()) {
+    input.blocks.push_back(ReportNote{table.title, {"Nothing: no value had to be left out or put right."}});
+    return;
+  }
+  input.blocks.push_back(table);
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,153 @@
+#include "tools/gap/run/gap_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/text/input_error.hpp"
+#include "sim/json/merge_patch.hpp"
+#include "tools/gap/model/counted_engine.hpp"
+#include "tools/gap/model/energyplus_engine.hpp"
+#include "tools/gap/run/gap_stages.hpp"
+#include "tools/gap/verdict/verdict_json.hpp"
+#include "tools/gap/verdict/workflow.hpp"
+
+namespace airside::tools::gap {
+
+namespace {
+
+/// Standard deviations of fitted parameters are of the posterior, inflated as the workflow inflates it.
+std::vector<ReferenceParameter> reference_parameters(const ReferenceFit& fit, const Nuisance& nuisance,
+                                                     const Responses& responses) {
+  const Changes changes = fit.changes();
+  std::vector<ReferenceParameter> fitted;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const double variance = nuisance.inflation * fit.covariance(k, k);
+    fitted.push_back({changes[i], responses.parameters[i].prior_sd * std::sqrt(std::max(0.0, variance))});
+  }
+  return fitted;
+}
+
+/// The first finding and what the log cannot tell it from, each at the magnitude that it would have.
+Changes rivals(const GapRun& run) {
+  const Finding& first = run.verdict.findings.front();
+  Changes members{{first.at, first.magnitude}};
+  for (const sim::EffectAt& at : first.cannot_tell_from) {
+    for (const Score& score : run.verdict.ranking) {
+      const Candidate& c = run.responses.test.candidates[score.candidate];
+      if (c.at.id() != at.id() || members.size() >= 5) continue;
+      const sim::Effect& e = *at.effect;
+      members.push_back({at, std::clamp(e.null_value + score.steps * (c.probe - e.null_value), e.low, e.high)});
+    }
+  }
+  return members;
+}
+
+PatchedModel patch_model(const GapRun& run) {
+  const CaseDescription& source = run.request.source;
+  if (source.engine == "energyplus") {
+    PatchedModel patched = patched_energyplus(model_of(source), energyplus_options_of(source).names, run.after);
+    check_patched_energyplus(patched, run.request.source.model);
+    return patched;
+  }
+  const auto& engine = dynamic_cast<const RcEngine&>(*run.loaded.engine);
+  return patched_room(model_of(source), engine.room(), run.after);
+}
+
+/// Parameters, changes, and the curves and residuals of the model without and with them.
+void simulate_curves(GapRun& run, const Engine& engine) {
+  const Window& test = run.loaded.data.test;
+  run.parameters = reference_parameters(run.verdict.fit, run.verdict.nulls.nuisance, run.responses.test);
+  if (!run.request.findings_only) {
+    for (const ReferenceParameter& p : run.parameters) run.before.push_back(p.change);
+  }
+  run.after = run.before;
+  for (const Finding& f : run.verdict.findings) run.after.push_back({f.at, f.magnitude});
+  const auto curve_of = [&](const Changes& changes) -> Eigen::MatrixXd {
+    return changes.empty() ? run.responses.test.base : binned(engine.simulate(changes, test.recording));
+  };
+  const Eigen::MatrixXd simulated_before = curve_of(run.before);
+  run.simulated_after = run.verdict.findings.empty() ? simulated_before : curve_of(run.after);
+  run.residual_given = test.measured - run.responses.test.base;
+  run.residual_before = test.measured - simulated_before;
+  run.residual_after = test.measured - run.simulated_after;
+}
+
+/// The test that tells the candidates apart, or the heat that is missing.
+void explain(GapRun& run, const Engine& engine) {
+  const Verdict& v = run.verdict;
+  const Window& test = run.loaded.data.test;
+  const Changes fitted = v.fit.changes();
+  if (v.kind == VerdictKind::ambiguous) {
+    ExperimentRules rules;
+    rules.nuisance = v.nulls.nuisance;
+    run.experiments =
+        propose_experiments(engine, test, v.fit, run.responses.test, rivals(run), fitted, run.request.jobs, rules);
+  } else if (v.kind == VerdictKind::unknown) {
+    HeatRules rules;
+    rules.nuisance = v.nulls.nuisance;
+    rules.model_share = run.rules.magnitude_share;
+    run.heat = reconstruct_heat(engine, test, v.fit, run.responses.test, fitted, run.request.jobs, rules);
+  }
+}
+
+}  // namespace
+
+Eigen::Index GapRun::locked_from() const { return gap::locked_from(rules, residual_given.rows()); }
+
+GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effects, StagedProgress& progress) {
+  GapRun run;
+  run.request = request;
+  run.loaded = load_case(request.source, request.site, request.cache);
+  require_apart(run.loaded.logs);
+  const CountedEngine engine(*run.loaded.engine, [&progress] { progress.advance(); });
+  const CaseData& data = run.loaded.data;
+  const Library library = library_of(engine, effects);
+  const GapStages stages(engine, library, static_cast<int>(data.test.measured.rows() / bins_per_day), request.jobs);
+  progress.start("comparing the log with " + engine.description(), stages.stages());
+  const auto responses = [&](const Window& window) {
+    return simulate_responses(engine, library, window.recording, true, request.jobs);
+  };
+  run.responses = {responses(data.reference), responses(data.test)};
+  const auto expect = [&](double over_limit) {
+    progress.expect(GapStage::searching, stages.search_steps(over_limit));
+    progress.expect(GapStage::explaining, stages.explaining_steps(over_limit));
+  };
+  expect(seems_to_miss_something(data, run.responses) ? 2 : 0);
+  progress.enter(GapStage::fitting);
+  run.verdict = analyse(engine, data, run.responses, run.rules, request.jobs, [&](double over_limit) {
+    expect(over_limit);
+    progress.enter(GapStage::searching);
+  });
+  progress.expect(GapStage::explaining, stages.explaining_steps(run.verdict));
+  progress.enter(GapStage::explaining);
+  simulate_curves(run, engine);
+  explain(run, engine);
+  progress.finish();
+
+  const bool found = !run.verdict.findings.empty();
+  if (found && (run.verdict.kind == VerdictKind::named || request.best_guess)) run.patched = patch_model(run);
+  return run;
+}
+
+std::string sentence_of(const GapRun& run) {
+  std::string text = sentence_of(run.verdict);
+  if (!run.experiments.empty()) text += ". " + sentence_of(run.experiments);
+  if (run.heat) text += ". " + run.heat->text;
+  return text;
+}
+
+void keep_patched_run(const GapRun& run, const std::filesystem::path& folder) {
+  const auto* engine = dynamic_cast<const EnergyPlusEngine*>(run.loaded.engine.get());
+  if (engine == nullptr) {
+    throw hal::InputError("--keep-run", "an RC room", "an EnergyPlus twin", "leave --keep-run out");
+  }
+  sim::EnergyPlusTwin twin = engine->twin();
+  twin.model = sim::merge_patched(std::move(twin.model), sim::model_patch(engine->twin().model, twin.names, run.after),
+                                  "effects");
+  twin.loops = sim::changed_loops(engine->twin().loops, run.after);
+  const sim::Recording lived = sim::changed_recording(run.loaded.data.test.recording, run.after);
+  sim::replay_energyplus(twin, lived, {.thermostats = false, .cache = {}, .keep = folder, .engine_runs = nullptr});
+}
+
+}  // namespace airside::tools::gap

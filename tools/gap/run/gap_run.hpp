@@ -1,0 +1,97 @@
+#pragma once
+// The whole workflow on one site: logs in, verdict, patched model and everything that a report shows out.
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/gap/case/case_loader.hpp"
+#include "tools/gap/explain/experiment.hpp"
+#include "tools/gap/explain/flux.hpp"
+#include "tools/gap/model/model_error.hpp"
+#include "tools/gap/model/patched_model.hpp"
+#include "tools/gap/retrain/retrain.hpp"
+#include "tools/gap/verdict/verdict.hpp"
+#include "tools/run/staged_progress.hpp"
+
+namespace airside::tools::gap {
+
+struct GapRequest {
+  CaseDescription source;
+  std::string site;     ///< name, for reports
+  std::string command;  ///< that repeats the run
+  std::filesystem::path cache;
+  int jobs = 1;
+  bool findings_only = false;  ///< the twin keeps its own parameters; only what was found is added
+  bool best_guess = false;     ///< patch the model with an ambiguous verdict too
+};
+
+/// A parameter of the twin, as the reference period wants it.
+struct ReferenceParameter {
+  sim::EffectChange change;
+  double sd = 0;  ///< of the magnitude, inflated for residuals that are not independent
+};
+
+/// Residuals are measured minus simulated, bins x channels, of the model alone: what anyone gets who runs it.
+struct GapRun {
+  GapRequest request;
+  Rules rules;
+  LoadedCase loaded;
+  WindowResponses responses;
+  Verdict verdict;
+  std::vector<ReferenceParameter> parameters;
+  Changes before, after;                        ///< to the model as given: parameters; and what was found
+  Eigen::MatrixXd residual_given;               ///< of the model as given
+  Eigen::MatrixXd residual_before;              ///< with fitted parameters
+  Eigen::MatrixXd residual_after;               ///< and with what was found
+  Eigen::MatrixXd simulated_after;              ///< the curve of the model with what was found
+  std::vector<ExperimentProposal> experiments;  ///< ambiguous: tests that tell the candidates apart, best first
+  std::optional<UnknownHeat> heat;              ///< unknown: what is missing in each zone
+  std::optional<PatchedModel> patched;          ///< named, or asked for
+  std::optional<Retraining> retraining;         ///< asked for: what the patch is worth to the controller
+
+  sim::Channels channels() const { return loaded.engine->channels(); }
+  /// First bin of the days that were locked away.
+  Eigen::Index locked_from() const;
+};
+
+/// The verdict in one sentence, with the test to do or the heat that is missing.
+std::string sentence_of(const GapRun& run);
+
+/// Runs it.  `effects` must outlive the result.
+/// Errors: RefusedLog, before any simulation; hal::InputError; std::runtime_error of a simulation that died.
+/// Cost: as simulate_responses() of both windows, then as analyse().
+GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effects, StagedProgress& progress);
+
+/// What was added to the model, why, how sure that is, and the patch that takes it back. `run.patched` must be set.
+/// Format: FORMATS.md.
+nlohmann::json ledger_of(const GapRun& run);
+
+/// What --json prints.
+nlohmann::json json_of(const GapRun& run);
+
+/// JSON for people who open the file: a key a line, a list of mere values on one.
+std::string readable_text(const nlohmann::json& j);
+
+/// What is asked of a retraining after the workflow.
+struct RetrainRequest {
+  Site site = built_in_site();
+  RetrainRoom measured;                ///< empty: the patched twin plays it
+  std::filesystem::path patched_file;  ///< rc: the patched room; EnergyPlus: the merge patch
+  int seeds = 5, pretrain_days = 31, days = 7, jobs = 1;
+};
+
+/// Both twins, from the files that hold them, and the measured room.
+RetrainPlan retrain_plan(const CaseDescription& source, const RetrainRequest& request);
+
+/// Pretrains again and sets `run.retraining`. `run.patched` must be set.
+/// Errors: as retrain().
+void retrain_patched(GapRun& run, const RetrainRequest& request, StagedProgress& progress);
+
+/// The patched model's run over the measured period, in a folder in which plain `energyplus` repeats it.
+/// Errors: hal::InputError for an engine that is not EnergyPlus.
+void keep_patched_run(const GapRun& run, const std::filesystem::path& folder);
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,47 @@
+#pragma once
+// What the whole workflow costs, stage by stage, as far as that is known at each moment.
+
+#include <vector>
+
+#include "tools/gap/model/responses.hpp"
+#include "tools/gap/verdict/verdict.hpp"
+#include "tools/run/stage_clock.hpp"
+
+namespace airside::tools::gap {
+
+/// Numbers of the stages.
+struct GapStage {
+  static constexpr std::size_t responding = 0, fitting = 1, searching = 2, explaining = 3;
+};
+
+/// Whether the model as it is misses the measured window clearly more than the reference: by a third in some channel's
+/// root mean square error. A guess for the time left, and for nothing else.
+bool seems_to_miss_something(const CaseData& data, const WindowResponses& responses);
+
+/// Steps are simulations; weights are by what runs in parallel, how long the simulated periods are, and for an RC room,
+/// whose simulations are short, by the linear algebra between them. Counts: see simulate_responses(), fit_reference(),
+/// Refitter, propose_experiments(), reconstruct_heat(), each with typical numbers of iterations.
+class GapStages {
+ public:
+  /// `days`: of the measured window.
+  GapStages(const Engine& engine, const Library& library, int days, int jobs);
+
+  /// Before anything is known: something will be found or not.
+  std::vector<Stage> stages() const;
+  /// Steps of the search, once it is known how far the best effect is over its limit at first sight.
+  double search_steps(double over_limit) const;
+  /// Steps of what follows the verdict; before there is one, half of an ambiguous one's if something will be found.
+  double explaining_steps(double over_limit) const { return over_limit > 1 ? experiment_steps() / 2 : 2; }
+  double explaining_steps(const Verdict& verdict) const;
+
+ private:
+  double experiment_steps() const { return 100; }
+  double heat_steps() const;
+
+  double responses_ = 0, parameters_ = 0;
+  int zones_ = 0, jobs_ = 1;
+  double days_ = 1;
+  bool spares_ = false;
+};
+
+}  // namespace airside::tools::gap

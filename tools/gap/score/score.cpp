@@ -1,0 +1,55 @@
+#include "tools/gap/score/score.hpp"
+
+#include "tools/gap/score/score_measures.hpp"
+
+namespace airside::tools::gap {
+
+namespace {
+
+void describe_sets(ScoreTable& table, const std::vector<ScoredCase>& cases) {
+  static const std::map<std::string, int> planned{{"single", 300}, {"null", 300}, {"real_null", 30},
+                                                  {"outside", 60}, {"pair", 100}, {"real", 1}};
+  std::vector<std::string> silent, refused;
+  for (const char* set : set_names) {
+    SetFacts facts;
+    facts.set = set;
+    facts.planned = planned.at(set);
+    for (const ScoredCase* c : of_set(cases, set)) {
+      ++facts.cases;
+      if (!c->answered) {
+        ++facts.unanswered;
+        silent.push_back(c->id);
+      }
+      if (c->answered && c->kind == SaidKind::refused) {
+        ++facts.refused;
+        refused.push_back(c->id);
+      }
+      if (c->engine != "energyplus") continue;
+      ++facts.energyplus;
+      if (c->feedback && *c->feedback) ++facts.energyplus_feedback;
+    }
+    table.sets.push_back(facts);
+  }
+  warn(table, silent, "without verdict, counted as abstained");
+  warn(table, refused, "refused for what is wrong with the logs, counted as abstained");
+}
+
+}  // namespace
+
+ScoreTable score(const nlohmann::json& verdicts, const nlohmann::json& key,
+                 const std::map<std::string, double>& null_of) {
+  const std::vector<ScoredCase> cases = read_cases(verdicts, key, null_of);
+  ScoreTable table;
+  describe_sets(table, cases);
+  count_sets(table, cases);
+  measure_shrink(table, cases);
+  measure_magnitudes(table, cases, null_of);
+  const auto below_1 = [](const ScoredCase& c) {
+    return (c.set == "single" || c.set == "outside") && c.ratio && *c.ratio < 1;
+  };
+  table.confusion = confusion_of(cases, [&](const ScoredCase& c) { return !below_1(c); });
+  table.confusion_below_1 = confusion_of(cases, below_1);
+  return table;
+}
+
+}  // namespace airside::tools::gap

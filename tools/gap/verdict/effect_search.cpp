@@ -1,0 +1,108 @@
+#include "tools/gap/verdict/effect_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace airside::tools::gap {
+
+EffectSearch::EffectSearch(const FittedCase& c) : c_(c), unexplained_(unpatched().cost) {}
+
+/// The model with these effects, about itself; `near` it another simulated one with the same effects.
+const Refit& EffectSearch::refit(const Refit& near) const {
+  std::vector<std::size_t> key;
+  for (const Chosen& c : near.chosen) key.push_back(c.candidate);
+  const auto [at, added] = refits_.try_emplace(key);
+  if (added) at->second = c_.refitter.about_itself(c_.refitter.refit(near, near.tangent));
+  return at->second;
+}
+
+const Refit& EffectSearch::unpatched() const {
+  if (const auto at = refits_.find({}); at != refits_.end()) return at->second;
+  const Eigen::Index parameters = std::ssize(c_.responses.test.parameters);
+  return refit(c_.refitter.at({}, Eigen::VectorXd::Zero(parameters), c_.refitter.tangent()));
+}
+
+const Refit& EffectSearch::without(const Refit& now, std::size_t left_out) const {
+  std::vector<Chosen> fewer = now.chosen;
+  fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(left_out));
+  if (fewer.empty()) return unpatched();
+  return refit(c_.refitter.at(fewer, now.moved, now.tangent));
+}
+
+Refit EffectSearch::forward(std::optional<SetAside>& aside) const {
+  Refit now = unpatched();
+  // Backward deletion may give back what forward selection took: the rounds are counted.
+  for (int round = 0; round < 2 * c_.rules.most_effects && std::ssize(now.chosen) < c_.rules.most_effects; ++round) {
+    const auto next = better(now, aside);
+    if (!next) break;
+    now = *next;
+  }
+  return now;
+}
+
+std::optional<Refit> EffectSearch::better(const Refit& now) const {
+  std::optional<SetAside> ignored;
+  return better(now, ignored);
+}
+
+std::optional<Refit> EffectSearch::better(const Refit& now, std::optional<SetAside>& aside) const {
+  const Trials trials = tried_out(now);
+  for (const std::optional<Refit>& trial : {trials.best, trials.small}) {
+    if (!trial) continue;
+    const Refit& fitted = refit(*trial);
+    if (now.cost - fitted.cost < c_.limit(fitted.chosen.back().candidate)) continue;
+    if (c_.plausible(fitted)) return without_superfluous(fitted);
+    if (now.chosen.empty()) aside = SetAside{fitted, now.cost - fitted.cost};
+  }
+  return std::nullopt;
+}
+
+EffectSearch::Trials EffectSearch::tried_out(const Refit& now) const {
+  Trials trials;
+  int tried = 0;
+  double first_gain = 0;
+  for (const Score& score : beside(now, now.chosen.size()).scores(c_.refitter.effective(now))) {
+    const double least = c_.limit(score.candidate) + shape_error(now, score.candidate);
+    if (score.gain < least || c_.already(now, score.candidate)) continue;
+    if (tried == 0) first_gain = score.gain;
+    if (tried >= c_.rules.first_looks || score.gain < c_.rules.first_look_share * first_gain) break;
+    ++tried;
+    Refit trial = c_.refitter.add(now, score, now.tangent);
+    if (now.cost - trial.cost < least) continue;
+    // Beside other effects one that is too small is their shape; alone it counts once it is fitted.
+    if (!c_.plausible(trial) && !now.chosen.empty()) continue;
+    std::optional<Refit>& kind = c_.plausible(trial) ? trials.best : trials.small;
+    if (!kind || trial.cost < kind->cost) kind = std::move(trial);
+  }
+  return trials;
+}
+
+/// Backward: an effect that the others have made superfluous goes.
+Refit EffectSearch::without_superfluous(const Refit& now) const {
+  for (std::size_t i = 0; now.chosen.size() > 1 && i + 1 < now.chosen.size(); ++i) {
+    const Refit& fewer = without(now, i);
+    if (fewer.cost - now.cost < c_.limit(now.chosen[i].candidate)) return fewer;
+  }
+  return now;
+}
+
+/// What the chosen effects' own wrong shape may look like: a share of what they explain, as far as they show in the
+/// channels in which the candidate shows.
+double EffectSearch::shape_error(const Refit& now, std::size_t candidate) const {
+  const Eigen::VectorXd own = channel_norms(now, candidate);
+  double overlap = 0;
+  for (const Chosen& c : now.chosen) {
+    const Eigen::VectorXd other = channel_norms(now, c.candidate);
+    const double norms = own.norm() * other.norm();
+    if (norms > 0) overlap = std::max(overlap, own.dot(other) / norms);
+  }
+  return c_.rules.further_share * overlap * overlap * std::max(0.0, explained(now));
+}
+
+Eigen::VectorXd EffectSearch::channel_norms(const Refit& now, std::size_t candidate) const {
+  const Eigen::Index width = c_.data.test.measured.cols();
+  const Eigen::VectorXd z = now.tangent->evidence().response(candidate);
+  return Eigen::Map<const Eigen::MatrixXd>(z.data(), width, z.size() / width).rowwise().norm();
+}
+
+}  // namespace airside::tools::gap

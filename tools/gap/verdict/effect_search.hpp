@@ -1,0 +1,55 @@
+#pragma once
+// The search for what is missing: one effect after another, each by real simulation, and back where one has become
+// superfluous.
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "tools/gap/verdict/fitted_case.hpp"
+
+namespace airside::tools::gap {
+
+/// What the search left aside, although it gains more than its limit: it is smaller than such an effect is at least.
+struct SetAside {
+  Refit at;         ///< the model with it
+  double gain = 0;  ///< 2 ln likelihood, by real simulation
+};
+
+class EffectSearch {
+ public:
+  /// `c` must outlive it.
+  explicit EffectSearch(const FittedCase& c);
+
+  /// The model without effects.
+  const Refit& unpatched() const;
+  /// Without one of its effects.
+  const Refit& without(const Refit& now, std::size_t left_out) const;
+  /// With as many effects as the rules allow and the data ask for. `aside`: what was left aside where none got in.
+  Refit forward(std::optional<SetAside>& aside) const;
+  /// The model with one more effect, the best of the few most likely ones by real simulation. One that its own limit
+  /// keeps out is no candidate here, but stays a rival of whatever gets in.
+  std::optional<Refit> better(const Refit& now) const;
+  /// 2 ln likelihood that the effects of a model gain.
+  double explained(const Refit& now) const { return unexplained_ - now.cost; }
+
+ private:
+  /// One effect more in the tangent of the model: the best of those that are as large as they are at least, and of
+  /// those that are not.
+  struct Trials {
+    std::optional<Refit> best, small;
+  };
+
+  std::optional<Refit> better(const Refit& now, std::optional<SetAside>& aside) const;
+  Trials tried_out(const Refit& now) const;
+  Refit without_superfluous(const Refit& now) const;
+  const Refit& refit(const Refit& near) const;
+  double shape_error(const Refit& now, std::size_t candidate) const;
+  Eigen::VectorXd channel_norms(const Refit& now, std::size_t candidate) const;
+
+  const FittedCase& c_;
+  mutable std::map<std::vector<std::size_t>, Refit> refits_;  // by candidates, in the order in which they were found
+  double unexplained_ = 0;                                    // cost of the model without effects
+};
+
+}  // namespace airside::tools::gap

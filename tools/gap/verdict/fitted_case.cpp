@@ -1,0 +1,56 @@
+#include "tools/gap/verdict/fitted_case.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace airside::tools::gap {
+
+namespace {
+
+std::vector<bool> fitted_bins(const Rules& rules, Eigen::Index bins) {
+  auto kept = counted_bins(bins);
+  std::fill(kept.begin() + locked_from(rules, bins), kept.end(), false);
+  return kept;
+}
+
+}  // namespace
+
+FittedCase::FittedCase(const Engine& with, const CaseData& of, const WindowResponses& shown, const Rules& by, int jobs)
+    : engine(with),
+      data{evidence_of(of.reference, with.channels()), evidence_of(of.test, with.channels())},
+      responses(shown),
+      rules(by),
+      fit(fit_reference(with, shown.reference, data.reference, jobs)),
+      kept(fitted_bins(by, data.test.measured.rows())),
+      nulls(null_blocks(fit, shown.reference, data.reference)),
+      refitter(with, data.test, shown.test, fit, nulls.nuisance, kept, jobs) {}
+
+bool FittedCase::plausible(const Refit& at) const {
+  const Chosen& last = at.chosen.back();
+  return candidate(last).at.effect->plausible(refitter.magnitude(last));
+}
+
+bool FittedCase::already(const Refit& now, std::size_t other) const {
+  return std::any_of(now.chosen.begin(), now.chosen.end(),
+                     [&](const Chosen& c) { return candidate(c).at.id() == responses.test.candidates[other].at.id(); });
+}
+
+double FittedCase::samples() const {
+  const auto r = refitter.whiten(data.test.measured - responses.test.base);
+  return std::max(1.0, static_cast<double>((r.array() != 0).count()));
+}
+
+double FittedCase::leftover_of_chance() const {
+  const double days = std::max(1.0, static_cast<double>(std::count(kept.begin(), kept.end(), true)) / bins_per_day);
+  return 1 + (rules.leftover_limit - 1) * std::sqrt(std::max(1.0, rules.leftover_days / days));
+}
+
+Selection beside(const Refit& now, std::size_t left_out) {
+  std::vector<std::size_t> others;
+  for (std::size_t i = 0; i < now.chosen.size(); ++i) {
+    if (i != left_out) others.push_back(now.chosen[i].candidate);
+  }
+  return Selection(now.tangent->evidence(), others);
+}
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,46 @@
+#pragma once
+// What every part of the verdict looks at: both windows as evidence, the fit to the reference, what its own days score,
+// and the refits of the measured window.
+
+#include <vector>
+
+#include "tools/gap/inference/refit.hpp"
+#include "tools/gap/verdict/rules.hpp"
+
+namespace airside::tools::gap {
+
+/// Parts refer to each other, so it stays where it was made; the arguments are kept by reference.
+/// Errors: as Engine::simulate.  Cost: as fit_reference(), null_blocks() and a Refitter.
+struct FittedCase {
+  FittedCase(const Engine& engine, const CaseData& data, const WindowResponses& responses, const Rules& rules,
+             int jobs);
+  FittedCase(const FittedCase&) = delete;
+  FittedCase& operator=(const FittedCase&) = delete;
+
+  const Engine& engine;
+  const CaseData data;  ///< evidence_of() both windows
+  const WindowResponses& responses;
+  const Rules& rules;
+  const ReferenceFit fit;
+  const std::vector<bool> kept;  ///< bins of the measured window that are fitted: neither the first day nor locked ones
+  const NullBlocks nulls;
+  const Refitter refitter;
+
+  Eigen::Index bins() const { return data.test.measured.rows(); }
+  const Candidate& candidate(const Chosen& c) const { return responses.test.candidates[c.candidate]; }
+  double limit(std::size_t candidate) const { return gain_limit(rules, nulls, candidate); }
+  /// Whether the last of the chosen effects is as large as such an effect is at least.
+  bool plausible(const Refit& at) const;
+  /// Whether this effect at this place is chosen already, in either direction.
+  bool already(const Refit& now, std::size_t candidate) const;
+  /// Values that are fitted, at least 1.
+  double samples() const;
+  /// What is left by chance scatters the more the fewer days are fitted: the limit of Verdict::leftover without
+  /// findings.
+  double leftover_of_chance() const;
+};
+
+/// The chosen effects' magnitudes are free, but for number `left_out`.
+Selection beside(const Refit& now, std::size_t left_out);
+
+}  // namespace airside::tools::gap
