@@ -82,11 +82,11 @@ Judged judged(const nlohmann::json& answer, const Verdict& verdict, const Window
   j.verdict = verdict.kind;
   if (answer.contains("live")) j.room_temp = answer["live"]["room_temp"]["ratio"];
   std::string first = "-", others;
-  double gain = verdict.best_gain, magnitude = 0;
+  double log_likelihood_ratio = verdict.best_log_likelihood_ratio, magnitude = 0;
   if (!verdict.findings.empty()) {
     const Finding& f = verdict.findings.front();
     first = f.at.id();
-    gain = f.gain;
+    log_likelihood_ratio = f.log_likelihood_ratio;
     magnitude = f.magnitude;
     for (const sim::EffectAt& at : f.cannot_tell_from) {
       others += " " + at.id();
@@ -99,14 +99,14 @@ Judged judged(const nlohmann::json& answer, const Verdict& verdict, const Window
   std::fprintf(table, "%-24s %8.4g x%-5.2f %-8s %-11s rooms %4.2f | %-9s %-24s %8.4g gain %7.0f %s%s%s\n",
                j.truth.c_str(), hidden["magnitude"].get<double>(), hidden["achieved_ratio"].get<double>(),
                j.feedback ? "feedback" : "open", j.channel.c_str(), j.room_temp, text_of(verdict.kind), first.c_str(),
-               magnitude, gain,
+               magnitude, log_likelihood_ratio,
                j.first           ? "first"
                : j.in_class      ? "in the class"
                : best == j.truth ? "first of the ranking"
                                  : "missed",
                others.empty() ? "" : ", class:", others.c_str());
-  std::fprintf(table, "  %s; leftover %.2f of %.2f\n", verdict.reason.c_str(), verdict.leftover,
-               verdict.leftover_limit);
+  std::fprintf(table, "  %s; leftover %.2f of %.2f\n", verdict.reason.c_str(), verdict.residual_ratio,
+               verdict.residual_ratio_limit);
   std::fflush(table);
   return j;
 }

@@ -100,9 +100,9 @@ struct AlikeCase {
         Changes changes = fitted;
         changes.push_back({at, m});
         const Eigen::VectorXd z = whiten(binned(engine.simulate(changes, test.recording)) - base), r = whiten(residual);
-        const double zz = metric.dot(z, z), zr = metric.dot(z, r), gain = zr > 0 ? zr * zr / zz : 0;
-        if (gain > best) {
-          best = gain;
+        const double zz = metric.dot(z, z), zr = metric.dot(z, r), log_likelihood_ratio = zr > 0 ? zr * zr / zz : 0;
+        if (log_likelihood_ratio > best) {
+          best = log_likelihood_ratio;
           magnitude = std::clamp(at.effect->null_value + zr / zz * (m - at.effect->null_value), at.effect->low,
                                  at.effect->high);
         }

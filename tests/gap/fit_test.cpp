@@ -64,9 +64,9 @@ TEST(ParameterFit, FindsLineWithPriorAndSaysWhatWasTold) {
       fit_parameters(parameters, model, measured, std::vector<bool>(static_cast<std::size_t>(bins), true), {1, 0, 0});
   EXPECT_NEAR(parameters[0].value(fit.z(0)), 2, 0.03);
   EXPECT_NEAR(parameters[1].value(fit.z(1)), 3, 0.05);
-  EXPECT_GT(fit.told(0), 0.99);
-  EXPECT_GT(fit.told(1), 0.99);
-  EXPECT_NEAR(fit.told(2), 0, 1e-6);
+  EXPECT_GT(fit.learned(0), 0.99);
+  EXPECT_GT(fit.learned(1), 0.99);
+  EXPECT_NEAR(fit.learned(2), 0, 1e-6);
   EXPECT_EQ(parameters[2].value(fit.z(2)), 2);
   // Uniform noise of 0.1 / sqrt(3) on 960 bins of a line: sd of a is 2 sd / sqrt(n).
   EXPECT_NEAR(fit.sd(parameters[0], 0), 2 * 0.1 / std::sqrt(3.0) / std::sqrt(960.0), 0.002);
@@ -143,11 +143,11 @@ TEST(FitRoom, FindsAChangedSuiteAndPredictsLockedDays) {
   // Known to fall short: 0.96 +- 0.04 for a truth of 0.8. The sign is right, the interval too narrow.
   EXPECT_LT(flow.estimate, 0.99);
   EXPECT_LT(flow.sd, 0.15);
-  EXPECT_GT(flow.told, 0.6);
+  EXPECT_GT(flow.learned, 0.6);
   const FittedParameter& sun = parameter(fit, "sun, south facade");
   EXPECT_LT(sun.estimate, 0.99);  // for a truth of 0.7: the same shortfall
   // Nothing in this log tells how thick the outside wall is.
-  EXPECT_LT(parameter(fit, "outside wall").told, 0.9);
+  EXPECT_LT(parameter(fit, "outside wall").learned, 0.9);
 }
 
 /// Not a test of one figure but a table: rooms of another structure, five seeds. Minutes; asked for by
@@ -173,7 +173,7 @@ TEST(FitRoom, DISABLED_TableOfPerturbedRooms) {
       const auto [low1, high1] = p.interval(1);
       const bool in = true_value >= low && true_value <= high;
       hit += in ? 1 : 0;
-      if (p.told > 0.5) {
+      if (p.learned > 0.5) {
         ++n_told;
         hit_told += in ? 1 : 0;
         auto& row = by_field[p.knob.field];
@@ -183,7 +183,7 @@ TEST(FitRoom, DISABLED_TableOfPerturbedRooms) {
       }
       if (seed == 1) {
         fmt::print("  {:<36} {:9.4g} -> {:9.4g} +- {:8.2g} true {:9.4g} told {:3.0f} %{}\n", p.prior.name,
-                   p.prior.start, p.estimate, p.sd, true_value, 100 * p.told, in ? "" : "  *");
+                   p.prior.start, p.estimate, p.sd, true_value, 100 * p.learned, in ? "" : "  *");
       }
     }
     const auto n = static_cast<int>(fit.parameters.size());

@@ -180,8 +180,8 @@ TEST(SharedResponses, TwoStagesEndWhereAllOwnResponsesDo) {
     ASSERT_FALSE(fast.ranking.empty());
     const auto first = [&](const Verdict& v) { return own.test.candidates[v.ranking.front().candidate].at.id(); };
     std::printf("  %-18s two stages: %s, %s, gain %.0f, %d runs; all own: %s, %s, gain %.0f\n", hidden.effect.c_str(),
-                text_of(fast.kind), first(fast).c_str(), fast.best_gain, cost, text_of(slow.kind), first(slow).c_str(),
-                slow.best_gain);
+                text_of(fast.kind), first(fast).c_str(), fast.best_log_likelihood_ratio, cost, text_of(slow.kind),
+                first(slow).c_str(), slow.best_log_likelihood_ratio);
     EXPECT_EQ(first(fast), first(slow));
     EXPECT_EQ(first(fast), id_of(hidden, some_effects()));
     EXPECT_EQ(fast.kind, slow.kind);
@@ -191,7 +191,7 @@ TEST(SharedResponses, TwoStagesEndWhereAllOwnResponsesDo) {
     // What is not on the shortlist keeps borrowed responses, and takes another share of the residual as structure; here
     // even boxes were off at other times.
     EXPECT_NEAR(f.magnitude, s.magnitude, 2 * s.sd + 0.2 * std::abs(s.magnitude - s.at.effect->null_value));
-    EXPECT_NEAR(std::log(f.gain / s.gain), 0, 0.5);
+    EXPECT_NEAR(std::log(f.log_likelihood_ratio / s.log_likelihood_ratio), 0, 0.5);
   }
 }
 

@@ -148,8 +148,8 @@ TEST(Scores, FindTheEffectItsSizeAndItsGain) {
   EXPECT_EQ(scores[0].candidate, 3U);
   EXPECT_NEAR(scores[0].steps, 0.7, 0.01);
   EXPECT_NEAR(scores[0].steps_sd, 1 / s.z.col(3).norm(), 1e-9);
-  EXPECT_NEAR(scores[0].gain, 0.49 * s.z.col(3).squaredNorm(), 3);
-  EXPECT_LT(scores[1].gain, 0.1 * scores[0].gain);
+  EXPECT_NEAR(scores[0].log_likelihood_ratio, 0.49 * s.z.col(3).squaredNorm(), 3);
+  EXPECT_LT(scores[1].log_likelihood_ratio, 0.1 * scores[0].log_likelihood_ratio);
 }
 
 TEST(Scores, NothingIsGainedTheWrongWay) {
@@ -158,13 +158,14 @@ TEST(Scores, NothingIsGainedTheWrongWay) {
   s.z.conservativeResize(Eigen::NoChange, 1);
   const auto scores = s.scores(-s.z.col(0));
   ASSERT_EQ(scores.size(), 1U);
-  EXPECT_EQ(scores[0].gain, 0);
+  EXPECT_EQ(scores[0].log_likelihood_ratio, 0);
 }
 
 TEST(Scores, AParameterThatCouldHaveDoneItTakesTheGainAway) {
   const Scored s;
   const Eigen::VectorXd residual = s.z.col(0);
-  const double open = s.scores(residual)[0].gain, shared = s.scores(residual, {}, s.z.col(0))[0].gain;
+  const double open = s.scores(residual)[0].log_likelihood_ratio,
+               shared = s.scores(residual, {}, s.z.col(0))[0].log_likelihood_ratio;
   EXPECT_GT(open, 100);
   EXPECT_LT(shared, 1.1);
 }

@@ -92,26 +92,30 @@ HouseVerdict verdict_on(const FittedHouse& houses, const HouseLog& log) {
   const auto id = [&](std::size_t i) { return responses.test.candidates[v.ranking[i].candidate].at.id(); };
   if (v.ranking.size() > 1) {
     out.first = id(0);
-    out.margin = v.ranking[1].gain > 0 ? v.ranking[0].gain / v.ranking[1].gain : 1e9;
+    out.margin = v.ranking[1].log_likelihood_ratio > 0
+                     ? v.ranking[0].log_likelihood_ratio / v.ranking[1].log_likelihood_ratio
+                     : 1e9;
   }
   out.before_k = last_days_rmse_k(v.residual_before, locked_days);
   out.after_k = last_days_rmse_k(v.residual_after, locked_days);
   fmt::print("house {}: {}, {}\n", log.name, text_of(v.kind), v.reason);
   for (const Finding& f : v.findings) {
     fmt::print("  finding {}: {:.2f} +- {:.2f}, gain {:.0f}, margin {:.2f}, same sign {:.0f} %{}{}\n", f.at.id(),
-               f.magnitude, f.sd, f.gain, f.margin, 100 * f.same_sign, f.why_not.empty() ? "" : ", ", f.why_not);
+               f.magnitude, f.sd, f.log_likelihood_ratio, f.margin, 100 * f.same_sign, f.why_not.empty() ? "" : ", ",
+               f.why_not);
     for (const Rival& r : f.rivals)
-      fmt::print("    rival {}: gain {:.0f}, cosine {:.2f}\n", r.at.id(), r.gain, r.cosine);
+      fmt::print("    rival {}: gain {:.0f}, cosine {:.2f}\n", r.at.id(), r.log_likelihood_ratio, r.cosine);
   }
   fmt::print("  ranking:");
   for (std::size_t i = 0; i < std::min<std::size_t>(6, v.ranking.size()); ++i) {
-    fmt::print(" {} {:.0f}", id(i), v.ranking[i].gain);
+    fmt::print(" {} {:.0f}", id(i), v.ranking[i].log_likelihood_ratio);
   }
   fmt::print(
       "; margin {:.1f}, limit {:.0f}\n  locked days {:.2f} -> {:.2f} K, gain {:.0f} of {:.0f}, all days {:.2f} -> "
       "{:.2f} K, leftover {:.2f}\n",
-      out.margin, v.gain_limit, out.before_k, out.after_k, v.locked.gain, v.locked.predicted_gain,
-      counted_rmse_k(v.residual_before), counted_rmse_k(v.residual_after), v.leftover);
+      out.margin, v.log_likelihood_limit, out.before_k, out.after_k, v.locked.log_likelihood_ratio,
+      v.locked.predicted_log_likelihood_ratio, counted_rmse_k(v.residual_before), counted_rmse_k(v.residual_after),
+      v.residual_ratio);
   out.responses = std::move(responses.test);
   return out;
 }
@@ -156,7 +160,7 @@ TEST(TwinHouse, ShutBlindsAreSouthSunAndAnUntouchedHouseHasNoName) {
     const FitParameter& p = houses.house.parameters[i];
     const auto k = static_cast<Eigen::Index>(i);
     fmt::print("  {:<28} {:9.3g} -> {:9.3g} +- {:8.2g}, told {:3.0f} %\n", p.name, p.start, p.value(fit.z(k)),
-               fit.sd(p, k), 100 * fit.told(k));
+               fit.sd(p, k), 100 * fit.learned(k));
   }
   EXPECT_LT(counted_rmse_k(left), 0.4);
 
@@ -196,7 +200,7 @@ TEST(TwinHouse, NothingIsNamedInAHouseAgainstItsOwnReference) {
         silent += v.kind == VerdictKind::none;
         fmt::print("{} from {} September, {} days: {}{}{}\n", name, first, days, text_of(v.kind),
                    v.findings.empty() ? "" : ", " + v.findings.front().at.id(),
-                   v.findings.empty() ? "" : fmt::format(" {:.0f}", v.findings.front().gain));
+                   v.findings.empty() ? "" : fmt::format(" {:.0f}", v.findings.front().log_likelihood_ratio));
       }
     }
   }

@@ -122,16 +122,17 @@ TEST(Reference, FitLowersTheResidualKnowsItsNoiseAndJudgesItsOwnDays) {
     EXPECT_LT(rms(fit.residual, c), 0.25) << "K, room " << c;
   }
   EXPECT_LT(after, 0.8 * before);
-  EXPECT_GT(fit.leftover, 0.4) << "noise is not made up";
-  EXPECT_LT(fit.leftover, 1.3);
+  EXPECT_GT(fit.residual_ratio, 0.4) << "noise is not made up";
+  EXPECT_LT(fit.residual_ratio, 1.3);
   for (Eigen::Index i = 0; i < fit.covariance.rows(); ++i) EXPECT_LE(fit.covariance(i, i), 1 + 1e-9);
 
   const NullBlocks nulls = null_blocks(fit, s.responses.reference, s.data.reference, 3);
   EXPECT_EQ(nulls.blocks, 3) << "the first day counts for nothing";
-  ASSERT_EQ(nulls.gain.size(), s.responses.reference.candidates.size());
-  EXPECT_GT(nulls.best_gain, 0);
-  for (std::size_t i = 0; i < nulls.gain.size(); i += 2) EXPECT_EQ(nulls.gain[i], nulls.gain[i + 1]);
-  EXPECT_GE(nulls.leftover, 0.5);
+  ASSERT_EQ(nulls.log_likelihood_ratio.size(), s.responses.reference.candidates.size());
+  EXPECT_GT(nulls.best_log_likelihood_ratio, 0);
+  for (std::size_t i = 0; i < nulls.log_likelihood_ratio.size(); i += 2)
+    EXPECT_EQ(nulls.log_likelihood_ratio[i], nulls.log_likelihood_ratio[i + 1]);
+  EXPECT_GE(nulls.residual_ratio, 0.5);
 }
 
 TEST(Workflow, NamesWhatIsHiddenAndNothingElse) {
@@ -166,7 +167,7 @@ TEST(Workflow, NeverSaysNoGapOfWhatIsTooSmallToBeNamed) {
   ASSERT_EQ(v.findings.size(), 1U) << v.reason;
   EXPECT_EQ(v.findings[0].at.id(), "room_sensor_bias@1");
   EXPECT_NEAR(v.findings[0].magnitude, 0.8, 0.2);
-  EXPECT_GT(v.findings[0].gain, 3 * v.findings[0].gain_limit);
+  EXPECT_GT(v.findings[0].log_likelihood_ratio, 3 * v.findings[0].log_likelihood_limit);
   EXPECT_NE(v.reason.find("x its limit, but at"), std::string::npos) << v.reason;
   EXPECT_EQ(sentence_of(v).find("no gap"), std::string::npos) << sentence_of(v);
 }
@@ -227,14 +228,14 @@ TEST(Refit, FollowsParametersThatMoveAndMagnitudesThatBend) {
   as_true[0].steps = 0.3 / 0.25;  // the probe is three quarters
   EXPECT_LT(whole.cost, refitter.at(as_true, moved, whole.tangent).cost + 60);
   const Refit about_none = refitter.about_itself(none);
-  const Predicted told = refitter.predicted(whole, about_none);
-  EXPECT_GT(told.gain, 0) << "parameters take over most of the box's part, not all";
-  EXPECT_GT(told.expected, told.gain) << "duties that differ by chance are counted in it";
-  EXPECT_EQ(refitter.predicted(whole, whole).gain, 0);
+  const Predicted predicted = refitter.predicted(whole, about_none);
+  EXPECT_GT(predicted.log_likelihood_ratio, 0) << "parameters take over most of the box's part, not all";
+  EXPECT_GT(predicted.expected, predicted.log_likelihood_ratio) << "duties that differ by chance are counted in it";
+  EXPECT_EQ(refitter.predicted(whole, whole).log_likelihood_ratio, 0);
   Refit wrong = whole;  // which acts the other way on the days that were not fitted
   const Eigen::Index left_out = 5 * bins_per_day;
   wrong.residual.bottomRows(left_out) += (whole.residual - none.residual).bottomRows(left_out);
-  EXPECT_LT(refitter.predicted(wrong, about_none).gain, -told.expected);
+  EXPECT_LT(refitter.predicted(wrong, about_none).log_likelihood_ratio, -predicted.expected);
 }
 
 TEST(CaseFile, SaysWhichKeyIsWrong) {

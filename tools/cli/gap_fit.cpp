@@ -53,7 +53,7 @@ struct FitCommand {
             {"estimate", p.estimate},
             {"sd", p.sd},
             {"interval", {p.interval(1.96).first, p.interval(1.96).second}},
-            {"told", p.told}};
+            {"told", p.learned}};
   }
   static nlohmann::json json_of(const gap::ChannelFit& c) {
     return {{"channel", c.name},
@@ -66,13 +66,13 @@ struct FitCommand {
   }
 
   static void print_table(const gap::RoomFit& fit) {
-    fmt::print("{:<36} {:<7} {:>9} {:>8} {:>9} {:>8}  told by the data\n", "parameter", "unit", "prior", "+- sd",
+    fmt::print("{:<36} {:<7} {:>9} {:>8} {:>9} {:>8}  from the data\n", "parameter", "unit", "prior", "+- sd",
                "estimate", "+- sd");
     for (const gap::FittedParameter& p : fit.parameters) {
       const double prior_sd = p.prior.logarithmic ? p.prior.start * p.prior.prior_sd : p.prior.prior_sd;
-      const auto bar = static_cast<std::size_t>(std::lround(10 * std::clamp(p.told, 0.0, 1.0)));
+      const auto bar = static_cast<std::size_t>(std::lround(10 * std::clamp(p.learned, 0.0, 1.0)));
       fmt::print("{:<36} {:<7} {:>9.4g} {:>8.2g} {:>9.4g} {:>8.2g}  {:>3.0f} % {}\n", p.prior.name, p.prior.unit,
-                 p.prior.start, prior_sd, p.estimate, p.sd, 100 * p.told, std::string(bar, '='));
+                 p.prior.start, prior_sd, p.estimate, p.sd, 100 * p.learned, std::string(bar, '='));
     }
     fmt::print("\n{:<20} {:<3} {:>8} {:>8} {:>9} {:>12} {:>8}\n", "residual", "", "start sd", "fit sd", "one step",
                "locked start", "locked");

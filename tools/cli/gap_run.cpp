@@ -287,12 +287,12 @@ struct SiteCommand : GapOptions {
     say_log(stdout, run.loaded.logs.measured);
     fmt::print("{}\n", gap::sentence_of(run));
     for (const gap::Finding& f : run.verdict.findings) {
-      fmt::print("  {}: gain {:.0f} (limit {:.0f}), {:.1f} x the next; on site: {}\n", f.at.id(), f.gain, f.gain_limit,
-                 std::min(f.margin, 999.0), f.at.effect->confirm);
+      fmt::print("  {}: gain {:.0f} (limit {:.0f}), {:.1f} x the next; on site: {}\n", f.at.id(),
+                 f.log_likelihood_ratio, f.log_likelihood_limit, std::min(f.margin, 999.0), f.at.effect->confirm);
     }
     for (const gap::Finding& f : run.verdict.unsure) {
-      fmt::print("  {}: not sure, {}: gain {:.0f} (limit {:.0f}); on site: {}\n", f.at.id(), f.why_not, f.gain,
-                 f.gain_limit, f.at.effect->confirm);
+      fmt::print("  {}: not sure, {}: gain {:.0f} (limit {:.0f}); on site: {}\n", f.at.id(), f.why_not,
+                 f.log_likelihood_ratio, f.log_likelihood_limit, f.at.effect->confirm);
     }
     const auto& days = j["locked_days"];
     const auto figure = [&days](const char* when, const char* what) { return days[when][what].get<double>(); };

@@ -7,7 +7,7 @@
 
 namespace airside::tools {
 
-/// A part of a task: so many steps, each of `weight` times the time of a step of weight 1.
+/// A part of a task: its number of steps, each of `weight` times the time of a step of weight 1.
 struct Stage {
   std::string name;
   double steps = 0;

@@ -23,7 +23,7 @@ struct BlindWindow {
   auto operator<=>(const BlindWindow&) const = default;
 };
 
-/// What the sites are told once.
+/// What all sites are given once.
 struct BlindSetup {
   std::string twin;
   std::uint64_t seed = 1;

@@ -36,7 +36,8 @@ CaseDescription read_case(const fs::path& folder) {
   const fs::path file = folder / "case.json";
   const nlohmann::json j = sim::read_json(file);
   const auto refuse = [&file](const std::string& key, const std::string& found, const std::string& expected) {
-    throw hal::InputError(file.string() + ": " + key, found, expected, "see FORMATS.md, \"Cases of the gap workflow\"");
+    throw hal::InputError(file.string() + ": " + key, found, expected,
+                          "see docs/formats.md, \"Cases of the gap workflow\"");
   };
   if (!j.is_object()) refuse("", j.dump().substr(0, 40), "an object");
   static const std::vector<std::string> known{"format",    "engine",   "model",    "patches", "weather",

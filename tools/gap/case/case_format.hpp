@@ -1,6 +1,6 @@
 #pragma once
 // A case for the gap workflow as a folder of files: case.json names the model, the weather, and the two logs.
-// Format: FORMATS.md, "Cases of the gap workflow".
+// Format: docs/formats.md, "Cases of the gap workflow".
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -18,7 +18,7 @@ struct CaseDescription {
   std::vector<std::string> patches;
   std::string weather;  ///< EPW
   std::string reference_log, measured_log;
-  int reference_days = 0;  ///< > 0, without a reference log: so many days of the measured log are the reference
+  int reference_days = 0;  ///< > 0, without a reference log: the first N days of the measured log are the reference
   std::string topology = "5vav-5fcu-2power";
   std::string window;  ///< cases of one window and one model may share responses; empty: shares with none
   bool duties = true;

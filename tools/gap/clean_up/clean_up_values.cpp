@@ -100,7 +100,7 @@ std::vector<Run> runs_of(const LogTable& table, const LogColumn& column, std::in
   return runs;
 }
 
-/// How far a column moves in so many rows when it does: 80 % of such stretches move less.
+/// How far a column moves in N rows when it does: 80 % of such stretches move less.
 double usual_range(const LogColumn& column, std::size_t rows) {
   std::vector<double> ranges;
   for (std::size_t i = 0; i + rows <= column.value.size(); i += std::max<std::size_t>(rows / 2, 1)) {

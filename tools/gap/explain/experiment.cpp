@@ -237,7 +237,7 @@ class ExperimentSearch {
     const auto first_bin = static_cast<Eigen::Index>(tried.test.first_row / rows_per_bin);
     Eigen::Index at = std::max<Eigen::Index>(0, first_bin - NoiseModel::order) * width;
     while (at < rows) {
-      // The hours are asked for one by one only where they will be told.
+      // Hours are searched one by one only where they will be shown.
       const Eigen::Index n = parameters ? std::min(per_hour, rows - at) : rows - at;
       const auto block = all.middleRows(at, n);
       gram += block.transpose() * block;

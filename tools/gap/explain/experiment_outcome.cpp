@@ -7,14 +7,14 @@ namespace airside::tools::gap {
 
 namespace {
 
-std::vector<double> gains_of(const Eigen::MatrixXd& products) {
+std::vector<double> ratios_of(const Eigen::MatrixXd& products) {
   const Eigen::Index r = products.rows() - 1;
-  std::vector<double> gains;
+  std::vector<double> ratios;
   for (Eigen::Index a = 0; a < r; ++a) {
     const double ar = products(a, r), aa = products(a, a);
-    gains.push_back(ar > 0 && aa > 1e-9 ? ar * ar / aa : 0);
+    ratios.push_back(ar > 0 && aa > 1e-9 ? ar * ar / aa : 0);
   }
-  return gains;
+  return ratios;
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ ExperimentOutcome judge_experiment(const Engine& engine, const Window& window, c
     test.col(before + static_cast<Eigen::Index>(i)) =
         nuisance.structural_sd * fit.noise.whiten(directions[i], kept, done.measured);
   }
-  return {gains_of(evidence.window_products()), gains_of(evidence.products_with(test.transpose() * test))};
+  return {ratios_of(evidence.window_products()), ratios_of(evidence.products_with(test.transpose() * test))};
 }
 
 std::string sentence_of(std::span<const ExperimentProposal> proposals) {

@@ -262,7 +262,7 @@ class HeatInversion {
     solution_ = inverse_times(right_side(r));
     const VectorXd rest = r - response_to(solution_), j = nuisance_.transpose() * rest;
     const double samples = static_cast<double>((r.array() != 0).count());
-    leftover_ = (rest.squaredNorm() - j.dot(inner_factor_.solve(j))) / std::max(1.0, samples - freedom_.sum());
+    residual_ratio_ = (rest.squaredNorm() - j.dot(inner_factor_.solve(j))) / std::max(1.0, samples - freedom_.sum());
   }
 
   /// Each zone's weight by the evidence: lambda = freedom / |D2 u|^2, freedom the trace of the zone's part of how u
@@ -286,7 +286,8 @@ class HeatInversion {
       for (Index zone = 0; zone < temps_; ++zone) {
         const auto x = u.col(zone);
         const double rough = (x.head(bins_ - 2) - 2 * x.segment(1, bins_ - 2) + x.tail(bins_ - 2)).squaredNorm();
-        smoothing_(zone) = std::clamp(std::max(1.0, leftover_) * freedom_(zone) / std::max(1e-9, rough), 1.0, 1e6);
+        smoothing_(zone) =
+            std::clamp(std::max(1.0, residual_ratio_) * freedom_(zone) / std::max(1e-9, rough), 1.0, 1e6);
       }
     }
   }
@@ -294,10 +295,10 @@ class HeatInversion {
   MatrixXd as_bins(const VectorXd& x) const { return Eigen::Map<const MatrixXd>(x.data(), temps_, bins_).transpose(); }
 
   UnknownHeat result() const {
-    const double scale = std::max(1.0, leftover_);
+    const double scale = std::max(1.0, residual_ratio_);
     UnknownHeat heat;
     heat.smoothing.assign(smoothing_.begin(), smoothing_.end());
-    heat.leftover = leftover_;
+    heat.residual_ratio = residual_ratio_;
     heat.heat_kw = as_bins(solution_);
     const MatrixXd spread = marginal_.solve(solved_across_.transpose());
     const VectorXd variance =
@@ -331,7 +332,7 @@ class HeatInversion {
   Eigen::LDLT<MatrixXd> marginal_;  // S - C A^-1 C'
   VectorXd solution_;
   VectorXd smoothing_, freedom_;  // of each zone
-  double leftover_ = 1;
+  double residual_ratio_ = 1;
 };
 
 }  // namespace

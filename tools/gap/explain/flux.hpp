@@ -16,7 +16,7 @@ struct HeatRules {
   double pulse_kw = 4;                               ///< for 30 min
   std::vector<double> pulse_hours = {2, 8, 14, 20};  ///< of day; a bin's response is that of the nearest
   int refinements = 4;                               ///< real simulations that correct the linear responses
-  double limit_sd = 4;                               ///< below so many standard deviations it is noise ..
+  double limit_sd = 4;                               ///< standard deviations below which it is noise ..
   double least_kw = 0.3;                             ///< .. and below this nobody would look for it
   double model_share = Rules{}.magnitude_share;      ///< sd of an amount from the twin's other errors, of the amount
   Nuisance nuisance = {};
@@ -51,7 +51,7 @@ struct UnknownHeat {
   Eigen::MatrixXd heat_kw, sd_kw;  ///< bins x zones; into the air
   std::vector<ZoneHeat> zones;     ///< all, in order
   std::vector<double> smoothing;   ///< of each zone: weight of the squared second differences
-  double leftover = 0;             ///< mean square of what the heat leaves of the whitened temperatures
+  double residual_ratio = 0;       ///< mean square of what the heat leaves of the whitened temperatures
   std::string text;                ///< of the zones above noise, largest first; or that there is none
 };
 

@@ -29,7 +29,7 @@ nlohmann::json json_of(const UnknownHeat& heat, bool series) {
                      {"text", z.text}});
   }
   nlohmann::json j = {
-      {"text", heat.text}, {"smoothing", heat.smoothing}, {"leftover", heat.leftover}, {"zones", zones}};
+      {"text", heat.text}, {"smoothing", heat.smoothing}, {"leftover", heat.residual_ratio}, {"zones", zones}};
   if (!series) return j;
   const auto rounded_series = [](const Eigen::MatrixXd& m) {
     nlohmann::json list = nlohmann::json::array();

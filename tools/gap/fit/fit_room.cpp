@@ -190,7 +190,7 @@ std::vector<FittedParameter> fit_dials(sim::RcRoom& room, const Window& window, 
     p.prior = {p.knob.text, "K", start[f], dial_prior_sd_k, false, start[f] - 4, start[f] + 4};
     p.estimate = room.fcu_setpoint_offset_k[f];
     p.sd = sd[f];
-    p.told = 1 - std::pow(sd[f] / dial_prior_sd_k, 2);
+    p.learned = 1 - std::pow(sd[f] / dial_prior_sd_k, 2);
     fitted.push_back(p);
   }
   return fitted;
@@ -343,7 +343,7 @@ RoomFit fit_room(const sim::RcRoom& start, const Window& window, const std::stri
   for (std::size_t i = 0; i < knobs.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     values(k) = parameters[i].value(fit.z(k));
-    out.parameters.push_back({knobs[i], parameters[i], values(k), fit.sd(parameters[i], k), fit.told(k)});
+    out.parameters.push_back({knobs[i], parameters[i], values(k), fit.sd(parameters[i], k), fit.learned(k)});
   }
   out.room = turned(start, knobs, values);
   out.room.name = start.name + "-fitted";

@@ -39,7 +39,7 @@ struct FittedParameter {
   RoomKnob knob;
   FitParameter prior;
   double estimate = 0, sd = 0;  ///< in the prior's unit
-  double told = 0;              ///< by the data: 1 - posterior variance / prior variance
+  double learned = 0;           ///< by the data: 1 - posterior variance / prior variance
 
   /// Bounds of `k` standard deviations; of the logarithm where the prior is of it.
   std::pair<double, double> interval(double k) const;

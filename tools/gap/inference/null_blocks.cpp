@@ -103,7 +103,7 @@ NullBlocks null_blocks(const ReferenceFit& fit, const Responses& responses, cons
   NullBlocks out;
   out.block_days = block_days;
   out.blocks = static_cast<int>(blocks.size());
-  out.gain.assign(responses.candidates.size(), 0.0);
+  out.log_likelihood_ratio.assign(responses.candidates.size(), 0.0);
   if (blocks.empty()) return out;
   out.nuisance = most_probable(blocks);
   for (const LeftOut& block : blocks) {
@@ -117,13 +117,13 @@ NullBlocks null_blocks(const ReferenceFit& fit, const Responses& responses, cons
     for (const Score& score : Selection(evidence).scores(block.residual)) {
       // The two directions of one place stand beside each other; only the better has a score.
       for (const std::size_t i : {score.candidate & ~std::size_t{1}, score.candidate | 1}) {
-        out.gain[i] = std::max(out.gain[i], score.gain);
+        out.log_likelihood_ratio[i] = std::max(out.log_likelihood_ratio[i], score.log_likelihood_ratio);
       }
-      out.best_gain = std::max(out.best_gain, score.gain);
+      out.best_log_likelihood_ratio = std::max(out.best_log_likelihood_ratio, score.log_likelihood_ratio);
     }
     const double samples = std::max(1.0, static_cast<double>((block.residual.array() != 0).count()));
-    out.leftover =
-        std::max(out.leftover, evidence.metric().dot(block.residual, block.residual) / samples / fit.leftover);
+    out.residual_ratio = std::max(out.residual_ratio,
+                                  evidence.metric().dot(block.residual, block.residual) / samples / fit.residual_ratio);
   }
   return out;
 }

@@ -12,9 +12,9 @@ struct NullBlocks {
   Nuisance nuisance;  ///< sizes under which the blocks are most probable
   int block_days = 0;
   int blocks = 0;
-  std::vector<double> gain;  ///< one a candidate: the largest of all blocks; 2 ln likelihood
-  double best_gain = 0;      ///< the largest of all candidates
-  double leftover = 1;       ///< largest mean square of a block's whitened residual, over that of the whole fit
+  std::vector<double> log_likelihood_ratio;  ///< one a candidate: the largest of all blocks; 2 ln likelihood
+  double best_log_likelihood_ratio = 0;      ///< the largest of all candidates
+  double residual_ratio = 1;  ///< largest mean square of a block's whitened residual, over that of the whole fit
 };
 
 /// Every block in turn is left out, the linearised fit is repeated on the others, and all candidates are scored on the

@@ -1,6 +1,6 @@
 #pragma once
 // Parameters of a model fitted to a log: least squares with priors on whitened residuals, how sure each parameter is
-// afterwards, and how much of that the log told.
+// afterwards, and how much of that is from the log.
 
 #include <functional>
 #include <string>
@@ -33,7 +33,7 @@ using FitModel = std::function<sim::ChannelTable(const Eigen::VectorXd& values)>
 struct FitSettings {
   int rounds = 4;                        ///< each with a noise model of what the last one left
   int plain_rounds = 2;                  ///< of them, the first: residuals by their spread, not whitened
-  double plain_values_per_day = 4;       ///< a plain day's residuals count as so many independent ones
+  double plain_values_per_day = 4;       ///< a plain day's residuals count as this number of independent ones
   int iterations = 5;                    ///< of Levenberg-Marquardt a round, at most
   double huber = 2.5;                    ///< whitened residuals beyond count linearly
   double step = 0.15;                    ///< of the numerical Jacobian, in prior standard deviations
@@ -52,7 +52,7 @@ struct ParameterFit {
   /// Standard deviation of parameter i in its own unit, to first order.
   double sd(const FitParameter& parameter, Eigen::Index i) const;
   /// 1 - posterior variance / prior variance: 0 nothing learned, 1 everything.
-  double told(Eigen::Index i) const { return 1 - covariance(i, i); }
+  double learned(Eigen::Index i) const { return 1 - covariance(i, i); }
 };
 
 /// Most probable values under the prior and the log.

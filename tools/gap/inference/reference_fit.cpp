@@ -135,7 +135,7 @@ ReferenceFit fit_reference(const Engine& engine, const Responses& responses, con
   fit.residual = residual;
   const Eigen::VectorXd r = fit.noise.whiten(residual, kept, window.measured);
   const double samples = static_cast<double>((r.array() != 0).count());
-  fit.leftover = samples > 0 ? r.squaredNorm() / samples : 1;
+  fit.residual_ratio = samples > 0 ? r.squaredNorm() / samples : 1;
   return fit;
 }
 

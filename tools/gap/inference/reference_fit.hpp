@@ -30,7 +30,7 @@ struct ReferenceFit {
   NoiseModel noise;
   Eigen::MatrixXd residual;           ///< bins x channels; of the fitted model
   std::vector<Parameter> parameters;  ///< responses about the fitted model, in the reference period
-  double leftover = 1;                ///< mean square of the whitened residual; about 1
+  double residual_ratio = 1;          ///< mean square of the whitened residual; about 1
 
   /// The fitted parameters as changes to the model; `moved`: so many prior standard deviations beyond, one a parameter.
   Changes changes(const Eigen::VectorXd& moved = {}) const;

@@ -222,7 +222,7 @@ Refit Refitter::add(const Refit& to, const Score& added, const std::shared_ptr<c
   Refit best = refit(from, tangent);
   from.tangent = tangent;
   judge(from);
-  if (from.cost - best.cost < 0.5 * added.gain && bends(added.candidate)) {
+  if (from.cost - best.cost < 0.5 * added.log_likelihood_ratio && bends(added.candidate)) {
     std::vector<Chosen> chosen = from.chosen;
     chosen.back().steps = 1;
     const Eigen::VectorXd moved = tangent->mean(effective(from) - z_->col(static_cast<Eigen::Index>(added.candidate)));

@@ -56,8 +56,8 @@ struct Refit {
 
 /// What was not fitted, under two models.
 struct Predicted {
-  double gain = 0;      ///< 2 ln of how much likelier the one makes it than the other
-  double expected = 0;  ///< the same, were the one right
+  double log_likelihood_ratio = 0;  ///< 2 ln of how much likelier the one makes it than the other
+  double expected = 0;              ///< the same, were the one right
 };
 
 /// Cost of each fit: up to 10 simulations; of a tangent, the first included: one a parameter, but none on an engine

@@ -31,12 +31,12 @@ Eigen::MatrixXd NuisanceResponses::joined() const {
 }
 
 Eigen::MatrixXd NuisanceResponses::mixing(const Eigen::MatrixXd& covariance, const Nuisance& settings) const {
-  const Eigen::Index count = directions.cols(), gains = day_gain.cols(), shifts = day_shift.cols();
+  const Eigen::Index count = directions.cols(), ratios = day_gain.cols(), shifts = day_shift.cols();
   Eigen::MatrixXd wide = settings.inflation * covariance;
   wide += settings.structural_sd * settings.structural_sd * Eigen::MatrixXd::Identity(count, count);
-  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(count + gains + shifts, count + gains + shifts);
+  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(count + ratios + shifts, count + ratios + shifts);
   root.topLeftCorner(count, count) = wide.llt().matrixL();
-  root.diagonal().segment(count, gains).setConstant(settings.day_gain_sd);
+  root.diagonal().segment(count, ratios).setConstant(settings.day_gain_sd);
   root.diagonal().tail(shifts).setConstant(settings.day_shift_h);
   return root;
 }
@@ -137,11 +137,12 @@ std::vector<Score> Selection::scores(const Eigen::VectorXd& residual) const {
     const double steps = along(static_cast<Eigen::Index>(i)) / square;
     const Score score{i, steps > 0 ? steps * steps * square : 0, steps, 1 / std::sqrt(square)};
     const auto [at, added] = best.try_emplace(evidence_.candidates_[i].at.id(), score);
-    if (!added && score.gain > at->second.gain) at->second = score;
+    if (!added && score.log_likelihood_ratio > at->second.log_likelihood_ratio) at->second = score;
   }
   std::vector<Score> scores;
   for (const auto& [id, score] : best) scores.push_back(score);
-  std::sort(scores.begin(), scores.end(), [](const Score& a, const Score& b) { return a.gain > b.gain; });
+  std::sort(scores.begin(), scores.end(),
+            [](const Score& a, const Score& b) { return a.log_likelihood_ratio > b.log_likelihood_ratio; });
   return scores;
 }
 

@@ -57,9 +57,9 @@ Eigen::MatrixXd nuisance_directions(const ReferenceFit& fit, const Responses& re
 
 /// One candidate against a residual.
 struct Score {
-  std::size_t candidate = 0;  ///< index in Responses::candidates
-  double gain = 0;            ///< 2 ln likelihood gained; 0 if it would have to go the other way
-  double steps = 0;           ///< of the way from null to probe
+  std::size_t candidate = 0;        ///< index in Responses::candidates
+  double log_likelihood_ratio = 0;  ///< 2 ln likelihood gained; 0 if it would have to go the other way
+  double steps = 0;                 ///< of the way from null to probe
   double steps_sd = 0;
 };
 

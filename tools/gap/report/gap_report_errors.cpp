@@ -167,8 +167,8 @@ void add_ranking(const GapPage& page, ReportInput& input) {
     const std::string id = page.run.responses.test.candidates[score.candidate].at.id();
     const bool is_found = std::any_of(page.run.verdict.findings.begin(), page.run.verdict.findings.end(),
                                       [&id](const gap::Finding& f) { return f.at.id() == id; });
-    bars.push_back(
-        {id, score.gain, gap::gain_limit(page.run.rules, page.run.verdict.nulls, score.candidate), is_found});
+    bars.push_back({id, score.log_likelihood_ratio,
+                    gap::log_likelihood_limit(page.run.rules, page.run.verdict.nulls, score.candidate), is_found});
   }
   if (bars.empty()) return;
   pictures.svg.push_back(rank_svg(bars, "limit of each effect"));

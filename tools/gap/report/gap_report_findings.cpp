@@ -30,11 +30,11 @@ void add_figures(const GapPage& page, ReportInput& input) {
   };
   const gap::Verdict& v = page.run.verdict;
   input.figures.push_back({gap::text_of(v.kind), "", "verdict", v.reason});
-  input.figures.push_back({number_text(v.best_gain, 0), "", "best gain of one effect",
-                           "limit " + number_text(v.gain_limit, 0) + ", above which it is no noise"});
+  input.figures.push_back({number_text(v.best_log_likelihood_ratio, 0), "", "best gain of one effect",
+                           "limit " + number_text(v.log_likelihood_limit, 0) + ", above which it is no noise"});
   change("temperatures, locked days", 0, page.at.mau_temp() + 1, "K");
   change("powers, locked days", page.at.power(), page.at.fcu_duty(), "kW");
-  input.figures.push_back({number_text(v.leftover, 2), "x", "left over, of the noise", "1 is a right model"});
+  input.figures.push_back({number_text(v.residual_ratio, 2), "x", "left over, of the noise", "1 is a right model"});
   if (page.run.retraining) {
     const gap::RetrainSpread s = gap::spread_of(*page.run.retraining, &Metrics::dae_degc);
     input.figures.push_back({number_text(s.after.mean, 3), "K", "DAE, weights of the patched twin",
@@ -52,8 +52,8 @@ void add_findings(const GapPage& page, ReportInput& input) {
       "over the gain of the best other explanation. Signs: share of two-day blocks that ask for the same direction.");
   table.row_header = "effect";
   table.prose = true;
-  for (const char* name : {"magnitude, 95 % interval", "gain", "margin", "signs", "cannot be told from", "looks like",
-                           "confirm on site"}) {
+  for (const char* name :
+       {"magnitude, 95 % interval", "gain", "margin", "signs", "not separable from", "looks like", "confirm on site"}) {
     table.columns.push_back({name, "", 0, false});
   }
   std::vector<gap::Finding> listed = page.run.verdict.findings;
@@ -62,7 +62,7 @@ void add_findings(const GapPage& page, ReportInput& input) {
     std::string alike;
     for (const sim::EffectAt& other : f.cannot_tell_from) alike += (alike.empty() ? "" : "; ") + other.text();
     table.rows.push_back({f.at.text() + (f.why_not.empty() ? "" : " (" + f.why_not + ")"),
-                          {text_cell(finding_magnitude(f)), text_cell(number_text(f.gain, 0)),
+                          {text_cell(finding_magnitude(f)), text_cell(number_text(f.log_likelihood_ratio, 0)),
                            text_cell(f.margin > 999 ? "> 999 x" : number_text(f.margin, 1) + " x"),
                            text_cell(number_text(100 * f.same_sign, 0) + " %"), text_cell(alike.empty() ? "–" : alike),
                            text_cell(f.at.effect->looks_like), text_cell(f.at.effect->confirm)},

@@ -37,7 +37,7 @@ void add_ledger(const GapPage& page, ReportInput& input) {
   ReportTable table;
   table.title = "What was written into the twin";
   table.note =
-      "The ledger. twin-patch.json holds the change, ledger.json also the way back: "
+      "The ledger. twin-patch.json holds the change, ledger.json also the patch that takes it back: "
       "airside gap revert ledger.json MODEL -o OUT.";
   table.row_header = "change";
   table.prose = true;

@@ -108,7 +108,7 @@ json ledger_of(const GapRun& run) {
       entry["role"] = "finding";
       entry["sd"] = finite_json(f.sd);
       entry["interval"] = {interval.low, interval.high};
-      entry["gain"] = f.gain;
+      entry["gain"] = f.log_likelihood_ratio;
       entry["margin"] = f.margin;
       entry["same_sign_share"] = f.same_sign;
       entry["why"] = f.why_not.empty() ? "named" : f.why_not;
@@ -129,7 +129,7 @@ json ledger_of(const GapRun& run) {
           {"patches", run.request.source.patches},
           {"verdict", text_of(run.verdict.kind)},
           {"reason", run.verdict.reason},
-          {"gain_limit", run.verdict.gain_limit},
+          {"gain_limit", run.verdict.log_likelihood_limit},
           {"reference", period_json(run.loaded.data.reference)},
           {"measured", period_json(run.loaded.data.test)},
           {"locked_days", {{"before", locked(before)}, {"after", locked(after)}}},

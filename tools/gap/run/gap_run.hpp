@@ -66,7 +66,7 @@ std::string sentence_of(const GapRun& run);
 GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effects, StagedProgress& progress);
 
 /// What was added to the model, why, how sure that is, and the patch that takes it back. `run.patched` must be set.
-/// Format: FORMATS.md.
+/// Format: docs/formats.md.
 nlohmann::json ledger_of(const GapRun& run);
 
 /// What --json prints.

@@ -16,7 +16,7 @@ constexpr double test_days = 5;    // simulated for each test on site
 constexpr double heat_part = 0.6;  // of the window, that a pulse of heat is lived through
 constexpr double fit_algebra = 1.0, search_algebra = 1.0, heat_algebra = 1.0;
 
-/// Of so many steps alone and others side by side.
+/// Of steps one after another and others side by side.
 double weight_of(double serial, double parallel, int jobs) {
   return (serial + parallel / jobs) / std::max(1.0, serial + parallel);
 }

@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::json;
 using hal::InputError;
 
-/// A value and where it stands.
+/// A value and its place in the file.
 class Field {
  public:
   Field(const Json& object, std::string path) : json_(&object), path_(std::move(path)) {}

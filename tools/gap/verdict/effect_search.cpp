@@ -29,11 +29,11 @@ const Refit& EffectSearch::without(const Refit& now, std::size_t left_out) const
   return refit(c_.refitter.at(fewer, now.moved, now.tangent));
 }
 
-Refit EffectSearch::forward(std::optional<SetAside>& aside) const {
+Refit EffectSearch::forward(std::optional<TooSmall>& too_small) const {
   Refit now = unpatched();
   // Backward deletion may give back what forward selection took: the rounds are counted.
   for (int round = 0; round < 2 * c_.rules.most_effects && std::ssize(now.chosen) < c_.rules.most_effects; ++round) {
-    const auto next = better(now, aside);
+    const auto next = better(now, too_small);
     if (!next) break;
     now = *next;
   }
@@ -41,18 +41,18 @@ Refit EffectSearch::forward(std::optional<SetAside>& aside) const {
 }
 
 std::optional<Refit> EffectSearch::better(const Refit& now) const {
-  std::optional<SetAside> ignored;
+  std::optional<TooSmall> ignored;
   return better(now, ignored);
 }
 
-std::optional<Refit> EffectSearch::better(const Refit& now, std::optional<SetAside>& aside) const {
+std::optional<Refit> EffectSearch::better(const Refit& now, std::optional<TooSmall>& too_small) const {
   const Trials trials = tried_out(now);
   for (const std::optional<Refit>& trial : {trials.best, trials.small}) {
     if (!trial) continue;
     const Refit& fitted = refit(*trial);
     if (now.cost - fitted.cost < c_.limit(fitted.chosen.back().candidate)) continue;
     if (c_.plausible(fitted)) return without_superfluous(fitted);
-    if (now.chosen.empty()) aside = SetAside{fitted, now.cost - fitted.cost};
+    if (now.chosen.empty()) too_small = TooSmall{fitted, now.cost - fitted.cost};
   }
   return std::nullopt;
 }
@@ -60,12 +60,12 @@ std::optional<Refit> EffectSearch::better(const Refit& now, std::optional<SetAsi
 EffectSearch::Trials EffectSearch::tried_out(const Refit& now) const {
   Trials trials;
   int tried = 0;
-  double first_gain = 0;
+  double first_ratio = 0;
   for (const Score& score : beside(now, now.chosen.size()).scores(c_.refitter.effective(now))) {
     const double least = c_.limit(score.candidate) + shape_error(now, score.candidate);
-    if (score.gain < least || c_.already(now, score.candidate)) continue;
-    if (tried == 0) first_gain = score.gain;
-    if (tried >= c_.rules.first_looks || score.gain < c_.rules.first_look_share * first_gain) break;
+    if (score.log_likelihood_ratio < least || c_.already(now, score.candidate)) continue;
+    if (tried == 0) first_ratio = score.log_likelihood_ratio;
+    if (tried >= c_.rules.first_looks || score.log_likelihood_ratio < c_.rules.first_look_share * first_ratio) break;
     ++tried;
     Refit trial = c_.refitter.add(now, score, now.tangent);
     if (now.cost - trial.cost < least) continue;

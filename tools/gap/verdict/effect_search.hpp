@@ -10,10 +10,11 @@
 
 namespace airside::tools::gap {
 
-/// What the search left aside, although it gains more than its limit: it is smaller than such an effect is at least.
-struct SetAside {
-  Refit at;         ///< the model with it
-  double gain = 0;  ///< 2 ln likelihood, by real simulation
+/// What the search left out, although it gains more than its limit: it is smaller than such an effect is at
+/// least.
+struct TooSmall {
+  Refit at;                         ///< the model with it
+  double log_likelihood_ratio = 0;  ///< 2 ln likelihood, by real simulation
 };
 
 class EffectSearch {
@@ -25,8 +26,9 @@ class EffectSearch {
   const Refit& unpatched() const;
   /// Without one of its effects.
   const Refit& without(const Refit& now, std::size_t left_out) const;
-  /// With as many effects as the rules allow and the data ask for. `aside`: what was left aside where none got in.
-  Refit forward(std::optional<SetAside>& aside) const;
+  /// With as many effects as the rules allow and the data ask for. `too_small`: what was left too_small where none got
+  /// in.
+  Refit forward(std::optional<TooSmall>& too_small) const;
   /// The model with one more effect, the best of the few most likely ones by real simulation. One that its own limit
   /// keeps out is no candidate here, but stays a rival of whatever gets in.
   std::optional<Refit> better(const Refit& now) const;
@@ -40,7 +42,7 @@ class EffectSearch {
     std::optional<Refit> best, small;
   };
 
-  std::optional<Refit> better(const Refit& now, std::optional<SetAside>& aside) const;
+  std::optional<Refit> better(const Refit& now, std::optional<TooSmall>& too_small) const;
   Trials tried_out(const Refit& now) const;
   Refit without_superfluous(const Refit& now) const;
   const Refit& refit(const Refit& near) const;

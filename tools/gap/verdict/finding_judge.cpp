@@ -23,14 +23,14 @@ class FindingJudge {
     f.sd = std::hypot(step / std::sqrt(std::max(1e-12, norm)),
                       c_.rules.magnitude_share * (f.magnitude - chosen.at.effect->null_value));
     const Refit& others = search_.without(now, i);
-    f.gain = others.cost - now.cost;
+    f.log_likelihood_ratio = others.cost - now.cost;
     f.same_sign = same_sign(others.chosen, c.candidate);
     const double rival = add_rivals(f, now, others, selection, c.candidate);
-    f.margin = rival > 0 ? f.gain / rival : 1e9;
-    f.gain_limit = c_.limit(c.candidate);
-    if (f.gain < f.gain_limit)
+    f.margin = rival > 0 ? f.log_likelihood_ratio / rival : 1e9;
+    f.log_likelihood_limit = c_.limit(c.candidate);
+    if (f.log_likelihood_ratio < f.log_likelihood_limit)
       f.why_not = "its gain is within the noise";
-    else if (f.gain < rival + c_.rules.margin_gain)
+    else if (f.log_likelihood_ratio < rival + c_.rules.margin_log_likelihood)
       f.why_not = "another effect explains nearly as much";
     else if (!f.cannot_tell_from.empty())
       f.why_not = "effects of one class: the data cannot tell them apart";
@@ -54,14 +54,16 @@ class FindingJudge {
       if (++tried > c_.rules.rivals) break;
       const Refit in_its_stead = c_.refitter.add(others, s, now.tangent);
       if (!c_.plausible(in_its_stead)) continue;
-      const double gain = others.cost - in_its_stead.cost;
-      const Rival rival{other.at, gain, selection.cosine(found, s.candidate)};
+      const double log_likelihood_ratio = others.cost - in_its_stead.cost;
+      const Rival rival{other.at, log_likelihood_ratio, selection.cosine(found, s.candidate)};
       f.rivals.push_back(rival);
       const bool alike = std::abs(rival.cosine) > c_.rules.class_cosine;
-      if (!alike) best = std::max(best, rival.gain);
-      if (rival.gain < c_.rules.rival_share * f.gain) continue;
-      if (alike || f.gain - rival.gain < least_excess(c_.rules, f.gain, rival)) f.cannot_tell_from.push_back(other.at);
-      if (f.gain < c_.rules.class_ratio * rival.gain) nearly.push_back(other.at);
+      if (!alike) best = std::max(best, rival.log_likelihood_ratio);
+      if (rival.log_likelihood_ratio < c_.rules.rival_share * f.log_likelihood_ratio) continue;
+      if (alike ||
+          f.log_likelihood_ratio - rival.log_likelihood_ratio < least_excess(c_.rules, f.log_likelihood_ratio, rival))
+        f.cannot_tell_from.push_back(other.at);
+      if (f.log_likelihood_ratio < c_.rules.class_ratio * rival.log_likelihood_ratio) nearly.push_back(other.at);
     }
     // Once it is a class, all that do nearly as well are in it.
     if (!f.cannot_tell_from.empty()) {

@@ -40,9 +40,9 @@ double FittedCase::samples() const {
   return std::max(1.0, static_cast<double>((r.array() != 0).count()));
 }
 
-double FittedCase::leftover_of_chance() const {
+double FittedCase::residual_ratio_of_chance() const {
   const double days = std::max(1.0, static_cast<double>(std::count(kept.begin(), kept.end(), true)) / bins_per_day);
-  return 1 + (rules.leftover_limit - 1) * std::sqrt(std::max(1.0, rules.leftover_days / days));
+  return 1 + (rules.residual_ratio_limit - 1) * std::sqrt(std::max(1.0, rules.residual_ratio_days / days));
 }
 
 Selection beside(const Refit& now, std::size_t left_out) {

@@ -28,16 +28,16 @@ struct FittedCase {
 
   Eigen::Index bins() const { return data.test.measured.rows(); }
   const Candidate& candidate(const Chosen& c) const { return responses.test.candidates[c.candidate]; }
-  double limit(std::size_t candidate) const { return gain_limit(rules, nulls, candidate); }
+  double limit(std::size_t candidate) const { return log_likelihood_limit(rules, nulls, candidate); }
   /// Whether the last of the chosen effects is as large as such an effect is at least.
   bool plausible(const Refit& at) const;
   /// Whether this effect at this place is chosen already, in either direction.
   bool already(const Refit& now, std::size_t candidate) const;
   /// Values that are fitted, at least 1.
   double samples() const;
-  /// What is left by chance scatters the more the fewer days are fitted: the limit of Verdict::leftover without
+  /// What is left by chance scatters the more the fewer days are fitted: the limit of Verdict::residual_ratio without
   /// findings.
-  double leftover_of_chance() const;
+  double residual_ratio_of_chance() const;
 };
 
 /// The chosen effects' magnitudes are free, but for number `left_out`.

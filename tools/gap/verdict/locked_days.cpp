@@ -74,9 +74,11 @@ double contradiction(const Rules& rules, double expected) {
 
 bool locked_days_agree(const Rules& rules, const LockedDays& locked) {
   const double fell = 1 - locked.score_after / locked.score_before;
-  const double enough = std::max(rules.locked_gain, rules.locked_gain_share * locked.predicted_gain);
-  return (fell >= rules.locked_share_gained && locked.gain >= contradiction(rules, locked.predicted_gain)) ||
-         (fell >= -rules.locked_share_lost && locked.gain >= enough);
+  const double enough =
+      std::max(rules.locked_log_likelihood, rules.locked_log_likelihood_share * locked.predicted_log_likelihood_ratio);
+  return (fell >= rules.locked_share_gained &&
+          locked.log_likelihood_ratio >= contradiction(rules, locked.predicted_log_likelihood_ratio)) ||
+         (fell >= -rules.locked_share_lost && locked.log_likelihood_ratio >= enough);
 }
 
 }  // namespace airside::tools::gap

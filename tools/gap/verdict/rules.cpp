@@ -5,12 +5,13 @@
 
 namespace airside::tools::gap {
 
-double gain_limit(const Rules& rules, const NullBlocks& nulls, std::size_t candidate) {
-  return rules.gain_limit + rules.null_share * nulls.gain[candidate];
+double log_likelihood_limit(const Rules& rules, const NullBlocks& nulls, std::size_t candidate) {
+  return rules.log_likelihood_limit + rules.null_share * nulls.log_likelihood_ratio[candidate];
 }
 
-double least_excess(const Rules& rules, double gain, const Rival& rival) {
-  return std::max(rules.margin_gain, rules.margin_share * gain * (1 - rival.cosine * rival.cosine));
+double least_excess(const Rules& rules, double log_likelihood_ratio, const Rival& rival) {
+  return std::max(rules.margin_log_likelihood,
+                  rules.margin_share * log_likelihood_ratio * (1 - rival.cosine * rival.cosine));
 }
 
 Eigen::Index locked_from(const Rules& rules, Eigen::Index bins) {

@@ -47,7 +47,7 @@ double difference_of(const sim::Recording& a, const sim::Recording& b) {
 std::vector<std::string> shortlist(const Verdict& screen, const Responses& responses) {
   std::vector<std::string> places;
   for (const Score& score : screen.ranking) {
-    if (std::ssize(places) == shortlist_places || !(score.gain > 0)) break;
+    if (std::ssize(places) == shortlist_places || !(score.log_likelihood_ratio > 0)) break;
     places.push_back(responses.candidates[score.candidate].at.id());
   }
   return places;
@@ -128,7 +128,7 @@ WindowResponses SharedWindows::of(const Engine& engine, const CaseData& data, co
   if (reference.own_commands && test.own_commands) return out;
   // A ranking is all that is asked of this analysis: nothing can be found.
   Rules ranking_only = rules;
-  ranking_only.gain_limit = std::numeric_limits<double>::max();
+  ranking_only.log_likelihood_limit = std::numeric_limits<double>::max();
   ranking_only.most_effects = ranking_only.rivals = 0;
   const auto places = shortlist(analyse(engine, data, out, ranking_only), out.test);
   if (!reference.own_commands) reference_.again(engine, data.reference.recording, places, out.reference, jobs);

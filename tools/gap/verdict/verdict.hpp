@@ -15,8 +15,8 @@ const char* text_of(VerdictKind kind);
 struct Finding {
   sim::EffectAt at;
   double magnitude = 0, sd = 0;
-  double gain = 0;                              ///< 2 ln likelihood, by real simulation
-  double gain_limit = 0;                        ///< below which it is noise: each effect has its own
+  double log_likelihood_ratio = 0;              ///< 2 ln likelihood, by real simulation
+  double log_likelihood_limit = 0;              ///< below which it is noise: each effect has its own
   double margin = 0;                            ///< gain over that of the best effect outside the class
   double same_sign = 1;                         ///< share of two-day blocks, each by what it can tell
   std::vector<sim::EffectAt> cannot_tell_from;  ///< its class, itself left out
@@ -29,22 +29,22 @@ struct LockedDays {
   Eigen::VectorXd rmse_before, rmse_after, mean_before, mean_after;  ///< K, kW, -
   double temp_rmse_before_k = 0, temp_rmse_after_k = 0;              ///< over all temperature channels
   double power_rmse_before_kw = 0, power_rmse_after_kw = 0;
-  double score_before = 0, score_after = 0;  ///< root sum of squares over affected channels, each by its noise
-  double score_floor = 0;                    ///< what noise alone would give
-  double gain = 0;                           ///< 2 ln likelihood, parameters as free as the other days leave them
-  double predicted_gain = 0;                 ///< the same, were the findings the whole truth
+  double score_before = 0, score_after = 0;   ///< root sum of squares over affected channels, each by its noise
+  double score_floor = 0;                     ///< what noise alone would give
+  double log_likelihood_ratio = 0;            ///< 2 ln likelihood, parameters as free as the other days leave them
+  double predicted_log_likelihood_ratio = 0;  ///< the same, were the findings the whole truth
 };
 
 struct Verdict {
   VerdictKind kind = VerdictKind::none;
-  std::vector<Finding> findings;  ///< named: all of them sure; ambiguous: the first is the best guess
-  std::vector<Finding> unsure;    ///< named: what stands beside them and is not sure; no model holds it
-  ReferenceFit fit;               ///< to the reference period
-  NullBlocks nulls;               ///< what the reference's own days score
-  double best_gain = 0;           ///< of any single effect on the unpatched model
-  double gain_limit = 0;          ///< of the first finding, without one of that single effect
-  double leftover = 0;            ///< after the findings, over the reference's
-  double leftover_limit = 0;      ///< above which something else must be missing
+  std::vector<Finding> findings;         ///< named: all of them sure; ambiguous: the first is the best guess
+  std::vector<Finding> unsure;           ///< named: found beside them, but not sure; no model holds it
+  ReferenceFit fit;                      ///< to the reference period
+  NullBlocks nulls;                      ///< what the reference's own days score
+  double best_log_likelihood_ratio = 0;  ///< of any single effect on the unpatched model
+  double log_likelihood_limit = 0;       ///< of the first finding, without one of that single effect
+  double residual_ratio = 0;             ///< after the findings, over the reference's
+  double residual_ratio_limit = 0;       ///< above which something else must be missing
   LockedDays locked;
   std::vector<Score> ranking;                       ///< of single effects on the unpatched model
   Eigen::MatrixXd residual_before, residual_after;  ///< bins x channels, all days

@@ -27,7 +27,8 @@ json place_json(const sim::EffectAt& at) {
 double margin_over_limit(const Finding& f, const Rules& rules) {
   double least = std::numeric_limits<double>::infinity();
   for (const Rival& r : f.rivals) {
-    least = std::min(least, (f.gain - r.gain) / least_excess(rules, f.gain, r));
+    least = std::min(
+        least, (f.log_likelihood_ratio - r.log_likelihood_ratio) / least_excess(rules, f.log_likelihood_ratio, r));
   }
   return least;
 }
@@ -36,7 +37,8 @@ json finding_json(const Finding& f, const Rules& rules) {
   json alike = json::array();
   for (const sim::EffectAt& at : f.cannot_tell_from) alike.push_back(at.id());
   json rivals = json::array();
-  for (const Rival& r : f.rivals) rivals.push_back({{"id", r.at.id()}, {"gain", r.gain}, {"cosine", r.cosine}});
+  for (const Rival& r : f.rivals)
+    rivals.push_back({{"id", r.at.id()}, {"gain", r.log_likelihood_ratio}, {"cosine", r.cosine}});
   const sim::Effect& effect = *f.at.effect;
   const MagnitudeInterval interval = interval_of(f);
   return {{"id", f.at.id()},
@@ -49,9 +51,10 @@ json finding_json(const Finding& f, const Rules& rules) {
           {"unit", effect.unit},
           {"null", effect.null_value},
           {"interval", {interval.low, interval.high}},
-          {"gain", f.gain},
-          {"gain_limit", f.gain_limit},
-          {"gain_over_limit", f.gain_limit > 0 ? finite_json(f.gain / f.gain_limit) : json()},
+          {"gain", f.log_likelihood_ratio},
+          {"gain_limit", f.log_likelihood_limit},
+          {"gain_over_limit",
+           f.log_likelihood_limit > 0 ? finite_json(f.log_likelihood_ratio / f.log_likelihood_limit) : json()},
           {"margin", f.margin},
           {"margin_over_limit", finite_json(margin_over_limit(f, rules))},
           {"same_sign_share", f.same_sign},
@@ -75,8 +78,8 @@ json locked_json(const LockedDays& locked, const sim::Channels& channels) {
   return {{"score_before", locked.score_before},
           {"score_after", locked.score_after},
           {"score_floor", locked.score_floor},
-          {"gain", locked.gain},
-          {"predicted_gain", locked.predicted_gain},
+          {"gain", locked.log_likelihood_ratio},
+          {"predicted_gain", locked.predicted_log_likelihood_ratio},
           {"temp_rmse_before_k", locked.temp_rmse_before_k},
           {"temp_rmse_after_k", locked.temp_rmse_after_k},
           {"power_rmse_before_kw", locked.power_rmse_before_kw},
@@ -95,15 +98,15 @@ MagnitudeInterval interval_of(const Finding& f) {
 
 json json_of(const Verdict& v, const std::string& name, const Responses& responses, const sim::Channels& channels,
              const Rules& rules) {
-  json effects = json::array(), unsure = json::array(), ranking = json::array(), gains = json::array(),
-       null_gains = json::array(), limits = json::array();
+  json effects = json::array(), unsure = json::array(), ranking = json::array(), ratios = json::array(),
+       null_ratios = json::array(), limits = json::array();
   for (const Finding& f : v.findings) effects.push_back(finding_json(f, rules));
   for (const Finding& f : v.unsure) unsure.push_back(finding_json(f, rules));
   for (std::size_t i = 0; i < v.ranking.size() && i < 10; ++i) {
     ranking.push_back(responses.candidates[v.ranking[i].candidate].at.id());
-    gains.push_back(v.ranking[i].gain);
-    null_gains.push_back(v.nulls.gain.at(v.ranking[i].candidate));
-    limits.push_back(gain_limit(rules, v.nulls, v.ranking[i].candidate));
+    ratios.push_back(v.ranking[i].log_likelihood_ratio);
+    null_ratios.push_back(v.nulls.log_likelihood_ratio.at(v.ranking[i].candidate));
+    limits.push_back(log_likelihood_limit(rules, v.nulls, v.ranking[i].candidate));
   }
   return {{"case", name},
           {"verdict", text_of(v.kind)},
@@ -111,26 +114,26 @@ json json_of(const Verdict& v, const std::string& name, const Responses& respons
           {"effects", effects},
           {"unsure", unsure},
           {"ranking", ranking},
-          {"ranking_gains", gains},
-          {"ranking_gains_of_reference", null_gains},
+          {"ranking_gains", ratios},
+          {"ranking_gains_of_reference", null_ratios},
           {"ranking_gain_limits", limits},
-          {"best_gain", v.best_gain},
-          {"gain_limit", v.gain_limit},
-          {"leftover", finite_json(v.leftover)},
+          {"best_gain", v.best_log_likelihood_ratio},
+          {"gain_limit", v.log_likelihood_limit},
+          {"leftover", finite_json(v.residual_ratio)},
           {"thresholds",
-           {{"gain", v.gain_limit},
-            {"gain_anywhere", rules.gain_limit},
+           {{"gain", v.log_likelihood_limit},
+            {"gain_anywhere", rules.log_likelihood_limit},
             {"gain_share_of_reference", rules.null_share},
             {"margin_share", rules.margin_share},
-            {"margin_gain", rules.margin_gain},
+            {"margin_gain", rules.margin_log_likelihood},
             {"class_ratio", rules.class_ratio},
             {"class_cosine", rules.class_cosine},
             {"same_sign_share", rules.same_sign_share},
-            {"leftover", finite_json(v.leftover_limit)},
+            {"leftover", finite_json(v.residual_ratio_limit)},
             {"locked_gain_share", rules.locked_share_gained},
             {"locked_share_lost", rules.locked_share_lost},
-            {"locked_gain", rules.locked_gain},
-            {"locked_gain_share_of_predicted", rules.locked_gain_share}}},
+            {"locked_gain", rules.locked_log_likelihood},
+            {"locked_gain_share_of_predicted", rules.locked_log_likelihood_share}}},
           {"locked", locked_json(v.locked, channels)}};
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Verdicts as files: what `airside gap --json` prints and `airside gap score` reads.  Format: FORMATS.md.
+// Verdicts as files: what `airside gap --json` prints and `airside gap score` reads.  Format: docs/formats.md.
 
 #include <nlohmann/json.hpp>
 #include <string>

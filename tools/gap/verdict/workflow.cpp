@@ -25,30 +25,32 @@ class Analysis {
     v_.residual_before = v_.residual_after = c_.refitter.unmoved_residual({});
     v_.ranking = Selection(now_.tangent->evidence()).scores(c_.refitter.effective(now_));
     if (!v_.ranking.empty()) {
-      v_.best_gain = v_.ranking.front().gain;
-      v_.gain_limit = c_.limit(v_.ranking.front().candidate);
+      v_.best_log_likelihood_ratio = v_.ranking.front().log_likelihood_ratio;
+      v_.log_likelihood_limit = c_.limit(v_.ranking.front().candidate);
     }
     if (first_look) first_look(over_limit());
-    std::optional<SetAside> aside;
-    now_ = search_.forward(aside);
+    std::optional<TooSmall> too_small;
+    now_ = search_.forward(too_small);
     v_.findings = findings_of(c_, search_, now_);
     drop_weak_findings();
-    set_leftover();
+    set_residual_ratio();
     const bool more_needed = std::ssize(now_.chosen) == c_.rules.most_effects && search_.better(now_).has_value();
     if (!v_.findings.empty())
       judge_findings(more_needed);
-    else if (aside && !something_left())
-      judge_aside(*aside);
+    else if (too_small && !something_left())
+      judge_too_small(*too_small);
     else
-      judge_nothing_found(aside);
-    if (!v_.findings.empty()) v_.gain_limit = v_.findings.front().gain_limit;
+      judge_nothing_found(too_small);
+    if (!v_.findings.empty()) v_.log_likelihood_limit = v_.findings.front().log_likelihood_limit;
     return std::move(v_);
   }
 
  private:
   /// Of the best single effect, by linear responses.
-  double over_limit() const { return v_.gain_limit > 0 ? v_.best_gain / v_.gain_limit : 0; }
-  bool something_left() const { return v_.leftover > v_.leftover_limit; }
+  double over_limit() const {
+    return v_.log_likelihood_limit > 0 ? v_.best_log_likelihood_ratio / v_.log_likelihood_limit : 0;
+  }
+  bool something_left() const { return v_.residual_ratio > v_.residual_ratio_limit; }
 
   void set_model(Refit model) {
     now_ = std::move(model);
@@ -58,10 +60,12 @@ class Analysis {
   /// The least of those that are neither sure nor large beside the others: more likely their shape than an effect.
   std::optional<std::size_t> weak_finding() const {
     if (v_.findings.size() < 2) return std::nullopt;
-    const auto least = std::min_element(v_.findings.begin(), v_.findings.end(),
-                                        [](const Finding& a, const Finding& b) { return a.gain < b.gain; });
+    const auto least = std::min_element(v_.findings.begin(), v_.findings.end(), [](const Finding& a, const Finding& b) {
+      return a.log_likelihood_ratio < b.log_likelihood_ratio;
+    });
     const double large = c_.rules.further_share * search_.explained(now_);
-    if (is_sure(*least) || least->gain >= std::max(large, least->gain_limit)) return std::nullopt;
+    if (is_sure(*least) || least->log_likelihood_ratio >= std::max(large, least->log_likelihood_limit))
+      return std::nullopt;
     return static_cast<std::size_t>(least - v_.findings.begin());
   }
 
@@ -70,15 +74,15 @@ class Analysis {
     // One effect after another: what the last one adds must help on days that nobody looked at.
     while (now_.chosen.size() > 1) {
       const Refit& fewer = search_.without(now_, now_.chosen.size() - 1);
-      if (c_.refitter.predicted(now_, fewer).gain > 0) break;
+      if (c_.refitter.predicted(now_, fewer).log_likelihood_ratio > 0) break;
       set_model(fewer);
     }
   }
 
-  void set_leftover() {
-    v_.leftover = now_.distance / c_.samples() / c_.fit.leftover;
-    const double explained = search_.explained(now_) / c_.samples() / c_.fit.leftover;
-    v_.leftover_limit = c_.leftover_of_chance() + c_.rules.shape_share * explained;
+  void set_residual_ratio() {
+    v_.residual_ratio = now_.distance / c_.samples() / c_.fit.residual_ratio;
+    const double explained = search_.explained(now_) / c_.samples() / c_.fit.residual_ratio;
+    v_.residual_ratio_limit = c_.residual_ratio_of_chance() + c_.rules.shape_share * explained;
   }
 
   void judge_findings(bool more_needed) {
@@ -89,23 +93,25 @@ class Analysis {
           fmt::format("after {} effects another would still gain: something else is missing", c_.rules.most_effects);
     } else if (something_left()) {
       v_.kind = VerdictKind::unknown;
-      v_.reason = fmt::format("the best effects leave {:.2f} times the noise: something else is missing", v_.leftover);
+      v_.reason =
+          fmt::format("the best effects leave {:.2f} times the noise: something else is missing", v_.residual_ratio);
     } else if (name_the_sure_ones()) {
       v_.kind = VerdictKind::named;
       v_.reason = "the locked days agree";
     } else {
       v_.kind = VerdictKind::ambiguous;
       const auto unsure = std::find_if_not(v_.findings.begin(), v_.findings.end(), is_sure);
-      const bool silent = v_.locked.predicted_gain < c_.rules.locked_gain &&
-                          v_.locked.gain >= contradiction(c_.rules, v_.locked.predicted_gain);
+      const bool silent =
+          v_.locked.predicted_log_likelihood_ratio < c_.rules.locked_log_likelihood &&
+          v_.locked.log_likelihood_ratio >= contradiction(c_.rules, v_.locked.predicted_log_likelihood_ratio);
       v_.reason = unsure != v_.findings.end() ? unsure->why_not
                   : silent                    ? "the locked days cannot tell"
                                               : "the locked days do not agree";
     }
   }
 
-  /// Whether something is sure, also by itself, and helps on the locked days by itself. What stands beside it is then
-  /// listed apart, and the model holds what is named alone.
+  /// Whether something is sure, also by itself, and helps on the locked days by itself. What was found beside it is
+  /// then listed apart, and the model holds what is named alone.
   bool name_the_sure_ones() {
     if (std::all_of(v_.findings.begin(), v_.findings.end(), is_sure)) return locked_days_agree(c_.rules, v_.locked);
     if (std::none_of(v_.findings.begin(), v_.findings.end(), is_sure)) return false;
@@ -129,33 +135,35 @@ class Analysis {
   }
 
   /// Something gains more than noise can, but is smaller than such an effect is.
-  void judge_aside(const SetAside& aside) {
-    set_model(aside.at);
-    set_leftover();
+  void judge_too_small(const TooSmall& too_small) {
+    set_model(too_small.at);
+    set_residual_ratio();
     check_locked_days(now_);
     Finding& f = v_.findings.front();
-    f.why_not = why_aside(f);
+    f.why_not = why_too_small(f);
     v_.kind = VerdictKind::ambiguous;
     v_.reason = f.why_not;
   }
 
-  static std::string why_aside(const Finding& f) {
+  static std::string why_too_small(const Finding& f) {
     const sim::Effect& e = *f.at.effect;
     return fmt::format(
         "its gain is {:.1f} x its limit, but at {:.2g} it is too near to {:g}: such an effect is {:g} or {}",
-        f.gain / f.gain_limit, f.magnitude, e.null_value, e.least, e.least > e.null_value ? "more" : "less");
+        f.log_likelihood_ratio / f.log_likelihood_limit, f.magnitude, e.null_value, e.least,
+        e.least > e.null_value ? "more" : "less");
   }
 
-  void judge_nothing_found(const std::optional<SetAside>& aside) {
+  void judge_nothing_found(const std::optional<TooSmall>& too_small) {
     const double over = over_limit();
     const std::string first =
         v_.ranking.empty() ? "" : c_.responses.test.candidates[v_.ranking.front().candidate].at.text();
     if (something_left()) {
       v_.kind = VerdictKind::unknown;
-      v_.reason = fmt::format("the model is wrong by {:.2f} times its noise and no effect explains it", v_.leftover);
-      if (aside) {
-        const Finding nearest = findings_of(c_, search_, aside->at).front();
-        v_.reason += fmt::format("; nearest comes: {}, {}", nearest.at.text(), why_aside(nearest));
+      v_.reason =
+          fmt::format("the model is wrong by {:.2f} times its noise and no effect explains it", v_.residual_ratio);
+      if (too_small) {
+        const Finding nearest = findings_of(c_, search_, too_small->at).front();
+        v_.reason += fmt::format("; nearest comes: {}, {}", nearest.at.text(), why_too_small(nearest));
       }
     } else if (over >= c_.rules.unconfirmed_ratio) {
       v_.kind = VerdictKind::unknown;
@@ -182,8 +190,8 @@ class Analysis {
     v_.residual_after = c_.refitter.unmoved_residual(model.chosen);
     v_.locked = locked_days(c_, v_.residual_before, v_.residual_after);
     const Predicted predicted = c_.refitter.predicted(model, search_.unpatched());
-    v_.locked.gain = predicted.gain;
-    v_.locked.predicted_gain = predicted.expected;
+    v_.locked.log_likelihood_ratio = predicted.log_likelihood_ratio;
+    v_.locked.predicted_log_likelihood_ratio = predicted.expected;
   }
 
   const FittedCase& c_;

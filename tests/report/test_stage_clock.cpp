@@ -24,7 +24,8 @@ struct Shown {
   double now_s = 0, left_s = 0, took_s = 0;
 };
 
-/// Plays a task whose stages ran so, as the plan said before; `known`: steps of later stages, known when a stage begins.
+/// Plays a task whose stages ran so, as the plan said before; `known`: steps of later stages, known when a stage
+/// begins.
 std::vector<Shown> played(const std::vector<Stage>& plan, const std::vector<Ran>& ran,
                           const std::vector<std::vector<double>>& known = {}) {
   double all = 0;
