@@ -162,11 +162,11 @@ TEST(Workflow, NeverSaysNoGapOfWhatIsTooSmallToBeNamed) {
   auto effects = sim::load_effects(sim::find_effects());
   effect_named(effects, "room_sensor_bias").least = 1.5;
   const Stage s(true, {"room_sensor_bias"}, effects);
-  const Verdict v = s.verdict({{"room_sensor_bias", 0, 0.8}});
+  const Verdict v = s.verdict({{"room_sensor_bias", 0, 0.5}});
   EXPECT_EQ(v.kind, VerdictKind::ambiguous) << v.reason;
   ASSERT_EQ(v.findings.size(), 1U) << v.reason;
   EXPECT_EQ(v.findings[0].at.id(), "room_sensor_bias@1");
-  EXPECT_NEAR(v.findings[0].magnitude, 0.8, 0.2);
+  EXPECT_NEAR(v.findings[0].magnitude, 0.5, 0.2);
   EXPECT_GT(v.findings[0].log_likelihood_ratio, 3 * v.findings[0].log_likelihood_limit);
   EXPECT_NE(v.reason.find("x its limit, but at"), std::string::npos) << v.reason;
   EXPECT_EQ(sentence_of(v).find("no gap"), std::string::npos) << sentence_of(v);
@@ -174,17 +174,18 @@ TEST(Workflow, NeverSaysNoGapOfWhatIsTooSmallToBeNamed) {
 
 TEST(Workflow, NamesASureFindingBesideAnUnsureOneAndListsThatApart) {
   auto effects = sim::load_effects(sim::find_effects());
-  sim::Effect twin = effect_named(effects, "fan_power");
-  twin.name = "fan_power_again";  // nothing can tell the two apart
+  sim::Effect twin = effect_named(effects, "room_sensor_bias");
+  twin.name = "room_sensor_bias_again";  // nothing can tell the two apart
+  twin.prior_sd = 0;
   effects.push_back(twin);
-  const Stage s(true, {"room_sensor_bias", "fan_power", "fan_power_again"}, effects);
-  const Verdict v = s.verdict({{"room_sensor_bias", 0, 0.8}, {"fan_power", 0, 1.5}});
+  const Stage s(true, {"vav_flow", "room_sensor_bias", "room_sensor_bias_again"}, effects);
+  const Verdict v = s.verdict({{"vav_flow", 2, 0.7}, {"room_sensor_bias", 0, 0.8}});
   EXPECT_EQ(v.kind, VerdictKind::named) << v.reason;
   ASSERT_EQ(v.findings.size(), 1U) << v.reason;
-  EXPECT_EQ(v.findings[0].at.id(), "room_sensor_bias@1");
-  EXPECT_NEAR(v.findings[0].magnitude, 0.8, 0.2);
+  EXPECT_EQ(v.findings[0].at.id(), "vav_flow@3");
+  EXPECT_NEAR(v.findings[0].magnitude, 0.7, 0.1);
   ASSERT_EQ(v.unsure.size(), 1U);
-  EXPECT_EQ(v.unsure[0].at.effect->name.substr(0, 9), "fan_power");
+  EXPECT_EQ(v.unsure[0].at.effect->name.substr(0, 16), "room_sensor_bias");
   EXPECT_FALSE(v.unsure[0].why_not.empty());
   EXPECT_NE(sentence_of(v).find("not sure beside it: "), std::string::npos) << sentence_of(v);
   const nlohmann::json j = json_of(v, "case", s.responses.test, s.engine.channels());

@@ -35,7 +35,9 @@ double StageClock::unsmoothed_left_s() const {
   const double step_s =
       done + prior > 0 ? (now_s_ - entered_s_ + prior * unit_s * now.weight) / (done + prior) : unit_s * now.weight;
   // A stage that outruns its plan goes on for a while.
-  double left = std::max(now.steps - done, done > 0 ? 0.1 * (done - now.steps) : 0.0) * step_s;
+  const double planned_s = now.steps * now.weight * unit_s, passed_s = now_s_ - entered_s_;
+  double left = now.even ? std::max(now.steps - done, done > 0 ? 0.1 * (done - now.steps) : 0.0) * step_s
+                         : std::max(planned_s - passed_s, 0.05 * passed_s);
   for (std::size_t i = at_ + 1; i < stages_.size(); ++i) left += stages_[i].steps * stages_[i].weight * unit_s;
   return left;
 }

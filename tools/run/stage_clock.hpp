@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace airside::tools {
@@ -12,20 +13,21 @@ struct Stage {
   std::string name;
   double steps = 0;
   double weight = 1;
+  bool even = true;  ///< steps take the same time; if not, the stage is judged by its plan alone
 };
 
 /// Seconds of one unit of weight are measured over all steps so far; the stage that runs is judged the more by its own
 /// steps the more of them are done. With w the weight, n the steps planned, k those done, t the seconds of the stage:
 ///   step = (t + p u w) / (k + p),  p = n / 10,  u = seconds so far / weight so far
-///   left = (n - k) step + sum over later stages of n w u
+///   left = (n - k) step, of an uneven stage n w u - t, and n w u of each later stage
 /// What is shown may change by a factor of 2 in a twentieth of the time so far, and no faster.
 /// Units: s, since the start.  Not thread-safe.
 class StageClock {
  public:
   explicit StageClock(std::vector<Stage> stages) : stages_(std::move(stages)), done_(stages_.size(), 0.0) {}
 
-  /// The steps of a stage are known better now.
-  void expect(std::size_t stage, double steps) { stages_.at(stage).steps = steps; }
+  /// A stage is known better now.
+  void expect(std::size_t number, Stage stage) { stages_.at(number) = std::move(stage); }
   /// The stages before are over, whatever they were planned to be.
   void enter(std::size_t stage, double now_s);
   /// Steps of the stage that runs.

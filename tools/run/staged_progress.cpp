@@ -30,9 +30,9 @@ void StagedProgress::enter(std::size_t stage) {
   show();
 }
 
-void StagedProgress::expect(std::size_t stage, double steps) {
+void StagedProgress::expect(std::size_t number, Stage stage) {
   const std::scoped_lock lock(mutex_);
-  if (clock_) clock_->expect(stage, steps);
+  if (clock_) clock_->expect(number, std::move(stage));
 }
 
 void StagedProgress::advance(double steps) {

@@ -22,8 +22,8 @@ class StagedProgress {
   /// Begins a task; one that ran is given up.
   void start(std::string task, std::vector<Stage> stages);
   void enter(std::size_t stage);
-  /// The steps of a stage are known better now.
-  void expect(std::size_t stage, double steps);
+  /// A stage is known better now.
+  void expect(std::size_t number, Stage stage);
   void advance(double steps = 1);
   /// All done; prints the time it took.
   void finish();

@@ -110,8 +110,8 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   };
   run.responses = {responses(data.reference), responses(data.test)};
   const auto expect = [&](double over_limit) {
-    progress.expect(GapStage::searching, stages.search_steps(over_limit));
-    progress.expect(GapStage::explaining, stages.explaining_steps(over_limit));
+    progress.expect(GapStage::searching, stages.search(over_limit));
+    progress.expect(GapStage::explaining, stages.explanation(over_limit));
   };
   expect(seems_to_miss_something(data, run.responses) ? 2 : 0);
   progress.enter(GapStage::fitting);
@@ -119,7 +119,7 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
     expect(over_limit);
     progress.enter(GapStage::searching);
   });
-  progress.expect(GapStage::explaining, stages.explaining_steps(run.verdict));
+  progress.expect(GapStage::explaining, stages.explanation(run.verdict.kind));
   progress.enter(GapStage::explaining);
   simulate_curves(run, engine);
   explain(run, engine);

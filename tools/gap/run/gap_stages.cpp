@@ -12,9 +12,10 @@ namespace {
 constexpr double serial_fit = 18;     // six of the reference, two tangents, iterations of the model without effects
 constexpr double serial_search = 50;  // of one effect: trials, its refit, its rivals
 constexpr double search_of_nothing = 8;
-constexpr double test_days = 5;    // simulated for each test on site
-constexpr double heat_part = 0.6;  // of the window, that a pulse of heat is lived through
-constexpr double fit_algebra = 1.0, search_algebra = 1.0, heat_algebra = 1.0;
+// Tests on site: runs of plans and of the finalists' parameters; days of each; algebra in replays of an RC room.
+constexpr double test_runs = 100, test_days = 5, test_algebra = 900;
+// Heat: the part of the window that a pulse is lived through; algebra in replays of an RC room.
+constexpr double heat_part = 0.6, heat_algebra = 300;
 
 /// Of steps one after another and others side by side.
 double weight_of(double serial, double parallel, int jobs) {
@@ -49,33 +50,44 @@ GapStages::GapStages(const Engine& engine, const Library& library, int days, int
       days_(std::max(1, days)),
       spares_(engine.spares_runs()) {}
 
-double GapStages::heat_steps() const {
-  const HeatRules rules;
-  return zones_ * static_cast<double>(rules.pulse_hours.size()) + rules.refinements + 1;
-}
-
 std::vector<Stage> GapStages::stages() const {
-  const auto algebra = [this](double rc) { return spares_ ? 1.0 : rc; };
-  return {
-      {"simulating every effect", responses_, 1.0 / jobs_},
-      {"fitting", serial_fit + 3 * parameters_, algebra(fit_algebra) * weight_of(serial_fit, 3 * parameters_, jobs_)},
-      {"searching", 0.6 * (serial_search + parameters_),
-       algebra(search_algebra) * weight_of(serial_search, parameters_, jobs_)},
-      {"explaining", 0.3 * experiment_steps(), algebra(heat_algebra) * (test_days / days_ + heat_part) / 2 / jobs_}};
+  const double fit_parallel = 3 * parameters_;
+  Stage explaining = explanation_of(0.25 * test_runs, 0.25 * test_runs * test_days / days_, 0.1 * test_algebra);
+  return {{"simulating every effect", responses_, 1.0 / jobs_},
+          {"fitting", serial_fit + fit_parallel, weight_of(serial_fit, fit_parallel, jobs_)},
+          search_of(0.5),
+          explaining};
 }
 
-double GapStages::search_steps(double over_limit) const {
-  return over_limit > 1 ? serial_search + parameters_ : search_of_nothing;
+Stage GapStages::search_of(double effects) const {
+  return {"searching", effects * (serial_search + parameters_), weight_of(serial_search, parameters_, jobs_)};
 }
 
-double GapStages::explaining_steps(const Verdict& verdict) const {
-  switch (verdict.kind) {
-    case VerdictKind::ambiguous: return 2 + experiment_steps();
-    case VerdictKind::unknown: return 2 + heat_steps();
+Stage GapStages::search(double over_limit) const {
+  return over_limit > 1 ? search_of(1) : Stage{"searching", search_of_nothing, 1.0};
+}
+
+Stage GapStages::explanation_of(double steps, double replays, double algebra) const {
+  const double cost = replays / jobs_ + (spares_ ? 0 : algebra);
+  return {"explaining", 2 + steps, (2 + cost) / (2 + steps), false};
+}
+
+Stage GapStages::explanation(double over_limit) const {
+  const double part = over_limit > 1 ? 0.25 : 0;
+  return explanation_of(part * test_runs, part * test_runs * test_days / days_, part * test_algebra);
+}
+
+Stage GapStages::explanation(VerdictKind verdict) const {
+  const HeatRules rules;
+  const double pulses = zones_ * static_cast<double>(rules.pulse_hours.size());
+  switch (verdict) {
+    case VerdictKind::ambiguous: return explanation_of(test_runs, test_runs * test_days / days_, test_algebra);
+    case VerdictKind::unknown:
+      return explanation_of(pulses + rules.refinements, heat_part * pulses + rules.refinements * jobs_, heat_algebra);
     case VerdictKind::named:
     case VerdictKind::none: break;
   }
-  return 2;
+  return explanation_of(0, 0, 0);
 }
 
 }  // namespace airside::tools::gap

@@ -28,15 +28,17 @@ class GapStages {
 
   /// Before anything is known: something will be found or not.
   std::vector<Stage> stages() const;
-  /// Steps of the search, once it is known how far the best effect is over its limit at first sight.
-  double search_steps(double over_limit) const;
-  /// Steps of what follows the verdict; before there is one, half of an ambiguous one's if something will be found.
-  double explaining_steps(double over_limit) const { return over_limit > 1 ? experiment_steps() / 2 : 2; }
-  double explaining_steps(const Verdict& verdict) const;
+  /// The search, once it is known, or guessed, how far the best effect is over its limit at first sight.
+  Stage search(double over_limit) const;
+  /// What follows the verdict; before there is one, a part of what an ambiguous one asks for if something will be
+  /// found.
+  Stage explanation(double over_limit) const;
+  Stage explanation(VerdictKind verdict) const;
 
  private:
-  double experiment_steps() const { return 100; }
-  double heat_steps() const;
+  Stage search_of(double effects) const;
+  /// `replays`: of the whole window in parallel, and linear algebra as long as `algebra` replays of an RC room.
+  Stage explanation_of(double steps, double replays, double algebra) const;
 
   double responses_ = 0, parameters_ = 0;
   int zones_ = 0, jobs_ = 1;

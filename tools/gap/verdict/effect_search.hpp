@@ -26,8 +26,7 @@ class EffectSearch {
   const Refit& unpatched() const;
   /// Without one of its effects.
   const Refit& without(const Refit& now, std::size_t left_out) const;
-  /// With as many effects as the rules allow and the data ask for. `too_small`: what was left too_small where none got
-  /// in.
+  /// With as many effects as the rules allow and the data ask for. `too_small`: what was left out where none got in.
   Refit forward(std::optional<TooSmall>& too_small) const;
   /// The model with one more effect, the best of the few most likely ones by real simulation. One that its own limit
   /// keeps out is no candidate here, but stays a rival of whatever gets in.

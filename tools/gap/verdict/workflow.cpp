@@ -110,28 +110,49 @@ class Analysis {
     }
   }
 
-  /// Whether something is sure, also by itself, and helps on the locked days by itself. What was found beside it is
-  /// then listed apart, and the model holds what is named alone.
+  /// Whether something is sure and helps on the locked days by itself. What was found beside it is then listed apart,
+  /// and the model holds what is named alone, as large as it is beside the other.
   bool name_the_sure_ones() {
     if (std::all_of(v_.findings.begin(), v_.findings.end(), is_sure)) return locked_days_agree(c_.rules, v_.locked);
-    if (std::none_of(v_.findings.begin(), v_.findings.end(), is_sure)) return false;
-    Verdict with_all = v_;
-    Refit alone = now_;
-    v_.unsure.clear();
-    for (std::size_t i = with_all.findings.size(); i-- > 0;) {
-      if (is_sure(with_all.findings[i])) continue;
-      v_.unsure.insert(v_.unsure.begin(), with_all.findings[i]);
-      alone = Refit(search_.without(alone, i));
+    Verdict apart = v_;
+    const auto first_unsure = std::stable_partition(apart.findings.begin(), apart.findings.end(), is_sure);
+    apart.unsure.assign(first_unsure, apart.findings.end());
+    apart.findings.erase(first_unsure, apart.findings.end());
+    if (apart.findings.empty()) return false;
+    std::vector<Chosen> named;
+    for (std::size_t i = 0; i < v_.findings.size(); ++i) {
+      if (is_sure(v_.findings[i])) named.push_back(now_.chosen[i]);
     }
-    v_.findings = findings_of(c_, search_, alone);
-    check_locked_days(alone);
-    const bool named =
-        std::all_of(v_.findings.begin(), v_.findings.end(), is_sure) && locked_days_agree(c_.rules, v_.locked);
-    if (named)
-      now_ = std::move(alone);
-    else
-      v_ = std::move(with_all);
-    return named;
+    Refit alone = c_.refitter.at(named, now_.moved, now_.tangent);
+    if (!holds_beside_others(alone, apart.unsure)) return false;
+    check_locked_days(alone, apart);
+    if (!locked_days_agree(c_.rules, apart.locked)) return false;
+    v_ = std::move(apart);
+    now_ = std::move(alone);
+    return true;
+  }
+
+  /// Whether each of the sure ones still gains more than its limit, whatever nearly as good explanation is true of what
+  /// is not sure: an effect that explains both makes the sure one superfluous.
+  bool holds_beside_others(const Refit& sure, const std::vector<Finding>& unsure) const {
+    const std::vector<Score> scores = beside(sure, sure.chosen.size()).scores(c_.refitter.effective(sure));
+    for (const Finding& f : unsure) {
+      for (const Rival& rival : f.rivals) {
+        if (c_.rules.class_ratio * rival.log_likelihood_ratio < f.log_likelihood_ratio) continue;
+        const auto score = std::find_if(scores.begin(), scores.end(), [&](const Score& s) {
+          return c_.responses.test.candidates[s.candidate].at.id() == rival.at.id();
+        });
+        if (score == scores.end()) continue;
+        const Refit both = c_.refitter.add(sure, *score, sure.tangent);
+        for (std::size_t i = 0; i < sure.chosen.size(); ++i) {
+          std::vector<Chosen> fewer = both.chosen;
+          fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
+          const Refit without = c_.refitter.refit(c_.refitter.at(fewer, both.moved, both.tangent), both.tangent);
+          if (without.cost - both.cost < c_.limit(sure.chosen[i].candidate)) return false;
+        }
+      }
+    }
+    return true;
   }
 
   /// Something gains more than noise can, but is smaller than such an effect is.
@@ -186,12 +207,13 @@ class Analysis {
   }
 
   /// This model against the one without effects.
-  void check_locked_days(const Refit& model) {
-    v_.residual_after = c_.refitter.unmoved_residual(model.chosen);
-    v_.locked = locked_days(c_, v_.residual_before, v_.residual_after);
+  void check_locked_days(const Refit& model) { check_locked_days(model, v_); }
+  void check_locked_days(const Refit& model, Verdict& v) const {
+    v.residual_after = c_.refitter.unmoved_residual(model.chosen);
+    v.locked = locked_days(c_, v.residual_before, v.residual_after);
     const Predicted predicted = c_.refitter.predicted(model, search_.unpatched());
-    v_.locked.log_likelihood_ratio = predicted.log_likelihood_ratio;
-    v_.locked.predicted_log_likelihood_ratio = predicted.expected;
+    v.locked.log_likelihood_ratio = predicted.log_likelihood_ratio;
+    v.locked.predicted_log_likelihood_ratio = predicted.expected;
   }
 
   const FittedCase& c_;
