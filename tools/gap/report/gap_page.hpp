@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/gap/run/gap_run.hpp"
-#include "tools/report/report_input.hpp"
+#include "tools/report/charts/report_input.hpp"
 
 namespace airside::tools {
 

@@ -7,7 +7,7 @@
 #include "hal/text/civil_text.hpp"
 #include "tools/gap/report/gap_page.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
-#include "tools/report/report_text.hpp"
+#include "tools/report/charts/report_text.hpp"
 
 namespace airside::tools {
 
