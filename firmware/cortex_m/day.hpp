@@ -11,6 +11,7 @@
 #include "airside/controller/cycle.hpp"
 #include "airside/controller/history.hpp"
 #include "airside/controller/instances.hpp"
+#include "airside/controller/weight_payload.hpp"
 #include "firmware/cortex_m/line_writer.hpp"
 #include "firmware/cortex_m/room_model.hpp"
 
@@ -70,7 +71,7 @@ class DayLog {
   LineWriter& out_;
 };
 
-/// Runs the day. `work` is memory for the blob's payload; the controller's own scratch will do, since it is begun anew
+/// Runs the day. `work` is memory for the blob's payload; the controller's own scratch will do, since it is made anew
 /// afterwards. Returns whether the blob was taken and the state at the end holds numbers only.
 template <class Plant_, class Clock_>
 bool run_day(Box& box, Payload& work, std::span<const std::byte> blob, Plant_& plant, Clock_& clock, RoomModel& room,
@@ -86,12 +87,9 @@ bool run_day(Box& box, Payload& work, std::span<const std::byte> blob, Plant_& p
       .number(static_cast<std::int64_t>(blob.size()))
       .text(" bytes")
       .end();
-  // As take_payload() does, but that packing the weights needs the scratch, in whose place the payload may stand.
-  std::copy(work.weights.begin(), work.weights.end(), box.learning().weights.flat().begin());
+  // The payload may lie in the controller's scratch, which start() needs: the weights are taken first.
   take_head<Topo>(box, work);
-  const Scaler<Topo> scaler = work.scaler;
-  std::construct_at(&box.scratch());
-  box.start(scaler);
+  box.begin_from(work.scaler, work.weights, strict_kernels<float>());
 
   HistoryReader<Topo> history(box, HistoryReader<Topo>::Head::leave);
   live_by_schedule(room, box.settings(), schedule_day,

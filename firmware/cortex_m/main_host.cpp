@@ -31,7 +31,7 @@ int make_blob(int days, const char* path) {
   box->configure(product_settings(), default_limits<Topo>(), strict_kernels<float>(), 5);
   RoomModel room(schedule_day, 77);
   SplitMix64 draw(42);
-  initialise_uniform(box->learning().weights, draw);
+  box->draw_weights(draw);
   ScalerFit<Topo> fit;
   live_by_schedule(room, box->settings(), schedule_day, [&](CivilTime, const auto& value, double) { fit.add(value); });
   box->start(fit.fit(box->settings()));

@@ -82,7 +82,7 @@ int run() {
   Box& box = box_place.construct();
   box.configure(product_settings(), default_limits<Topo>(), strict_kernels<float>(), 9);
   static_assert(sizeof(Payload) <= sizeof(NetworkScratch<Topo, float>) && alignof(Payload) <= 64);
-  Payload& work = *std::construct_at(reinterpret_cast<Payload*>(&box.scratch()));
+  Payload& work = *std::construct_at(reinterpret_cast<Payload*>(box.lend_scratch().data()));
   RoomModel room(schedule_day, 2021);
   CountedRoom counted(room);
   LineWriter out(print), remarks(remark);

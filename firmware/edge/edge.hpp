@@ -140,7 +140,7 @@ class Edge final : public Daemon {
   /// What is known when control begins.
   void report_start(CivilTime t) {
     began_ns_ = hal::monotonic_ns();
-    controller_->cycle().mode_arbiter.tick(t);  // before it is known whether the clock has been set since the last row
+    controller_->tick(t);  // before it is known whether the clock has been set since the last row
     report_clock(t);
     if (options_.crash_limit > 0 && recent_starts_ >= options_.crash_limit) {
       say("{} starts within ten minutes; the schedule runs for an hour", recent_starts_);

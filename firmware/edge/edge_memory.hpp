@@ -157,10 +157,9 @@ class EdgeMemory {
     record_.cycle = controller_.cycle();
     record_.decision = controller_.decision();
     record_.row_time = t;
-    return {.learning = bytes_of(static_cast<const void*>(&controller_.learning()), sizeof(Learning)),
+    return {.learning = controller_.saved_bytes().learning,
             .row = bytes_of(static_cast<const void*>(&record_), sizeof record_),
-            .replay = bytes_of(static_cast<const void*>(&controller_.replay().slot(0)),
-                               sizeof(typename Ring::Row) * static_cast<std::size_t>(Ring::capacity)),
+            .replay = controller_.saved_bytes().replay,
             .replay_count = controller_.replay().total_pushed(),
             .log = log_ ? log_->position() : hal::LogPosition{},
             .learning_changed = starts_cycle(t) || !has_committed_ || learning_exchanged_};
@@ -236,12 +235,9 @@ class EdgeMemory {
   /// heap.
   Found load_state(bool late = false) {
     if (!store_) return Found::nothing;
-    auto& learning = controller_.learning();
-    auto found =
-        store_->load({.learning = bytes_of(static_cast<void*>(&learning), sizeof(Learning)),
-                      .row = bytes_of(static_cast<void*>(&record_), sizeof record_),
-                      .replay = bytes_of(static_cast<void*>(&controller_.replay().slot(0)),
-                                         sizeof(typename Ring::Row) * static_cast<std::size_t>(Ring::capacity))});
+    auto found = store_->load({.learning = controller_.loaded_bytes().learning,
+                               .row = bytes_of(static_cast<void*>(&record_), sizeof record_),
+                               .replay = controller_.loaded_bytes().replay});
     if (!found) {
       say("state in {}: {} ({})", site_.state_dir, hal::text_of(found.error().fault), found.error().step);
       if (found.error().fault != hal::StoreFault::other_layout) return forget();
@@ -261,10 +257,7 @@ class EdgeMemory {
       return forget_weights();
     }
     trial_.tell_anew();
-    controller_.cycle() = record_.cycle;
-    controller_.replay().restore_count(found->replay_count);
-    controller_.restore_decision(record_.decision);
-    if (controller_.restored() != Fault::none) {
+    if (controller_.restore(record_.cycle, found->replay_count, record_.decision) != Fault::none) {
       say("state in {}: saved weights are not finite", site_.state_dir);
       lose_state();
       return forget_weights();
@@ -308,7 +301,7 @@ class EdgeMemory {
     const Found found = load_state(true);
     trial_.join_counters(record_.trial, record_was_whole_);
     if (found == Found::nothing) begin_from_blob();
-    controller_.cycle().mode_arbiter.join_releases(since_start, t);
+    controller_.join_releases(since_start, t);
     const bool waits_for_person = found == Found::nothing && since_start.active(Reason::state_lost, t);
     if (state_lost_ && (!known || waits_for_person)) controller_.hold(Reason::state_lost, t, 0);
   }
@@ -339,7 +332,7 @@ class EdgeMemory {
     mode_arbiter.keep_only_releases();
     const Found nothing = forget();
     record_.trial.counter = counters;
-    controller_.cycle().mode_arbiter = mode_arbiter;
+    controller_.take_reasons(mode_arbiter);
     return nothing;
   }
 

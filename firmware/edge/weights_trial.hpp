@@ -1,18 +1,17 @@
 #pragma once
-// Weights that arrive while the box is in control: checked in a fixed order, exchanged in one commit, on trial for a
-// day, then confirmed or taken back. And an operator's wishes, which come the same way.
+// Weights that arrive while the box is in control: their mail, keys, counters and the rollback image, around the policy
+// of weight_trial.hpp. And an operator's wishes, which come the same way.
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "airside/controller/history.hpp"
 #include "airside/controller/instances.hpp"
+#include "airside/controller/weight_trial.hpp"
 #include "firmware/edge/say.hpp"
 #include "hal/storage/digest64.hpp"
 #include "hal/storage/state_copy.hpp"
@@ -23,50 +22,24 @@
 
 namespace airside::edge {
 
-enum class TrialState : std::uint32_t { none = 0, on_trial = 1, confirmed = 2, rolled_back = 3 };
+using airside::text_of;
+using TrialState = airside::TrialState;
 
-constexpr const char* text_of(TrialState state) {
-  switch (state) {
-    case TrialState::none: return "none";
-    case TrialState::on_trial: return "on trial";
-    case TrialState::confirmed: return "confirmed";
-    case TrialState::rolled_back: return "rolled back";
-  }
-  return "unknown";
-}
+/// Of the blobs that were taken, by key.
+struct TakenCounters {
+  using Counter = hal::KeyCounter;
+  std::array<Counter, hal::KeyRing::max_keys> counter{};
+};
 
 /// What is known of pushed weights. Plain bytes; part of the row record, so that weights and counter change in one
 /// commit.
-struct TrialRecord {
-  using Counter = hal::KeyCounter;
-  std::array<Counter, hal::KeyRing::max_keys> counter{};
-  TrialState state = TrialState::none;
-  std::uint32_t blob_crc = 0;  ///< of the weights in question
-  std::int64_t begun_s = 0;    ///< when they came
-  std::int64_t until_s = 0;    ///< before then the trial does not end
-  std::uint32_t worse_cycles = 0;
-  std::uint32_t tried_cycles = 0;  ///< that these weights predicted while the box was in control
-  double error_sum_k2 = 0;         ///< of those forecasts
-  double before_error_k2 = 0;      ///< mean square error of the weights before
-  double head_error_sum_k2 = 0;    ///< as error_sum_k2, of their room head; 0 where the room kept its own
-  double before_head_error_k2 = 0;
-  std::uint32_t tries_back = 0;   ///< rows in which the copy to go back to could not be read
-  std::uint32_t took_head = 0;    ///< whether the room was too young to keep its own
-  std::uint32_t had_weights = 0;  ///< whether there were any
-  Fault refusal = Fault::none;    ///< why the last blob was refused
-  std::array<char, 43> refusal_field{};
-  std::uint64_t previous_digest = 0;  ///< of the copy to go back to; 0: none
-};
+struct TrialRecord : TakenCounters, WeightTrialRecord {};
+static_assert(sizeof(TrialRecord) == sizeof(TakenCounters) + sizeof(WeightTrialRecord), "no gap in what is saved");
 
 /// Cost: no heap after construction.  Source: RELIABILITY "Weight blob", rows 44-50; DESIGN.md "Weights that arrive".
 template <Topology T>
 class WeightsTrial {
  public:
-  static constexpr std::int64_t trial_s = 86400;
-  static constexpr double wildest_replay_k = 5.0;  ///< forecasts so far from what the room did are wild
-  static constexpr std::uint32_t enough_cycles = 40, few_cycles = 10;
-  static constexpr double bad_error_k = 1.0;  ///< forecasts of 18 min that err so, and more than those before, are bad
-
   WeightsTrial(const std::string& keys_dir, const std::string& inbox_dir, const std::string& state_dir,
                std::uint64_t meaning, hal::Sync sync, std::string scope, const std::string& log_dir = {})
       : keys_dir_(keys_dir),
@@ -169,90 +142,35 @@ class WeightsTrial {
       case hal::CounterLedger::Verdict::old: return old;
       case hal::CounterLedger::Verdict::unknown: return {Fault::counter_unknown, "security_counter"};
     }
-    if (const BlobError wrong = WeightBlob<T>::check_values(*payload_); wrong.fault != Fault::none) return wrong;
-    std::copy(payload_->weights.begin(), payload_->weights.end(), weights_->flat().begin());
-    const auto wild = controller.forecast_deviation(payload_->scaler, *weights_);
-    if (!(wild.canary_k <= 0)) return {Fault::blob_value, "canary states"};
-    if (!(wild.replay_k <= wildest_replay_k)) return {Fault::blob_value, "forecasts of what this room did"};
-    const bool head = wants_head<T>(controller, *payload_);
-    const typename RoomHead<T>::ConstCovariance covariance(payload_->head_covariance.data());
-    if (head && !(canary_excess_k<T>(payload_->head_theta, covariance) <= 0)) {
-      return {Fault::blob_value, "room head on canary states"};
-    }
+    const BlobError unfit = WeightTrial<T>::refusal_of(controller, *payload_, *weights_);
+    if (unfit.fault != Fault::none) return unfit;
     // Before anything is exchanged: a power cut may leave the counter ahead of the weights, never behind them.
     if (!counters_.raise(header->key_id, header->security_counter, digest, keys_)) {
       return {Fault::state_invalid, "counter of pushed weights"};
     }
-    // Weights that are on trial themselves are no way back: the copy that was made before them stays the one.
-    if (record.state != TrialState::on_trial) {
-      const hal::StoreResult<std::uint64_t> kept = copy_.save(learning_bytes(controller), record.previous_digest);
+    if (WeightTrial<T>::needs_image(record)) {
+      const hal::StoreResult<std::uint64_t> kept =
+          copy_.save(controller.saved_bytes().learning, record.previous_digest);
       if (!kept) return {Fault::state_invalid, "copy of the weights before"};
-      record.previous_digest = staged_copy_ = *kept;
-      record.had_weights = controller.cycle().has_weights != 0 ? 1 : 0;
-      record.before_error_k2 = controller.cycle().network_error_k2;
-      record.before_head_error_k2 = controller.cycle().head_error_k2;
-      record.took_head = 0;
+      staged_copy_ = *kept;
+      WeightTrial<T>::keep_image(controller, *kept, record);
     }
-    exchange_payload<T>(controller, *payload_);
+    WeightTrial<T>::begin(t, controller, *payload_, crc32c(bytes), record);
     counter->highest = header->security_counter;
     exchanged_key_ = header->key_id;
     exchange_waits_ = true;
-    record.state = TrialState::on_trial;
-    record.begun_s = t.seconds;
-    record.until_s = t.seconds + trial_s;
-    record.worse_cycles = record.tried_cycles = record.tries_back = 0;
-    record.error_sum_k2 = record.head_error_sum_k2 = 0;
-    if (head) record.took_head = 1;  // and a second push within the trial does not give the room its own back
-    record.blob_crc = crc32c(bytes);
-    controller.report(Reason::state_lost, false, t);
     say("weights {:08x} of {} taken; {}", record.blob_crc, (*key)->name.view(), text_of(record.state));
     return {Fault::none, ""};
   }
 
-  /// A trial ends when its day is over and enough of it was predicted by the new weights while the box was in control:
-  /// neither a day on the schedule nor a clock that was set forward shows anything of them. It ends at once when they
-  /// act wildly. What the weights before decided is not held against them.
+  /// Once a row. Returns whether the weights were taken back.
   bool supervise(CivilTime t, Controller<T>& controller, TrialRecord& record) {
-    if (record.state != TrialState::on_trial || record.tries_back > 0) return false;
-    record.begun_s = std::min(record.begun_s, t.seconds);
-    record.until_s = std::min(record.until_s, t.seconds + trial_s);  // no clock makes it longer
-    const Decision& d = controller.decision();
-    if (d.time.seconds <= record.begun_s) return false;
-    if (starts_cycle(t)) count(d, record);
-    if (d.fault == Fault::forecast_invalid) return roll_back(controller, record, "their forecasts are no numbers");
-    constexpr std::uint32_t patience = 3;
-    if (record.worse_cycles >= patience) return roll_back(controller, record, "the schedule would do better");
-    if (d.reason == Reason::gain_reversed &&
-        controller.cycle().mode_arbiter.since_s(Reason::gain_reversed) >= record.begun_s) {
-      return roll_back(controller, record, "rooms answer the wrong way round");
-    }
-    const double error_k2 = record.error_sum_k2 / std::max(record.tried_cycles, 1U);
-    const double head_error_k2 = record.head_error_sum_k2 / std::max(record.tried_cycles, 1U);
-    if (record.tried_cycles >= few_cycles &&
-        (is_bad(error_k2, record.before_error_k2) || is_bad(head_error_k2, record.before_head_error_k2))) {
-      return roll_back(controller, record, "they foretell the rooms worse than those before, by more than 1 K");
-    }
-    if (t.seconds >= record.until_s && record.tried_cycles >= enough_cycles) {
-      record.state = TrialState::confirmed;
+    const TrialVerdict verdict = WeightTrial<T>::row(t, controller, record);
+    if (verdict == TrialVerdict::confirmed) {
       say("weights {:08x} confirmed after a day: {} cycles foretold within {:.2f} K", record.blob_crc,
-          record.tried_cycles, std::sqrt(std::max(error_k2, head_error_k2)));
+          record.tried_cycles, WeightTrial<T>::error_k(record));
     }
-    return false;
-  }
-
-  static bool is_bad(double error_k2, double before_k2) {
-    return error_k2 > bad_error_k * bad_error_k && error_k2 > before_k2;
-  }
-
-  static void count(const Decision& d, TrialRecord& record) {
-    const bool worse = d.reason == Reason::worse_than_schedule || d.reason == Reason::worse_for_long;
-    record.worse_cycles = worse ? record.worse_cycles + 1 : 0;
-    if (d.mode > ControlMode::run || !std::isfinite(d.network_error_k)) return;
-    ++record.tried_cycles;
-    record.error_sum_k2 += d.network_error_k * d.network_error_k;
-    if (record.took_head != 0 && std::isfinite(d.head_error_k)) {
-      record.head_error_sum_k2 += d.head_error_k * d.head_error_k;
-    }
+    return ends_in_rollback(verdict) && roll_back(controller, record, why_of(verdict));
   }
 
   bool roll_back_as_asked(Controller<T>& controller, TrialRecord& record) {
@@ -285,42 +203,29 @@ class WeightsTrial {
     std::string_view(refusal.field).copy(record.refusal_field.data(), record.refusal_field.size() - 1);
   }
 
-  /// Weights on trial go in any case: where their way back is gone the schedule takes over.
+  /// Returns whether learning state or control mode changed.
   bool roll_back(Controller<T>& controller, TrialRecord& record, const char* why) {
-    const Scaler<T> present = controller.learning().scaler;
-    // Read to a place of its own first: a copy that is damaged must not harm what stands.
+    // Read to a place of its own first: a damaged copy must not harm what is in use.
     const hal::StoreResult<void> read =
         copy_.load(std::as_writable_bytes(std::span(before_.get(), 1)), record.previous_digest);
-    if (!read && record.had_weights != 0 && hal::may_pass(read.error()) && record.tries_back < hal::Mailbox::patience) {
-      if (record.tries_back++ == 0) {
+    const bool may_pass = !read && hal::may_pass(read.error());
+    const Rollback done =
+        WeightTrial<T>::roll_back(controller, read ? before_.get() : nullptr, may_pass, hal::Mailbox::patience, record);
+    if (done == Rollback::waits) {
+      if (record.tries_back == 1) {
         say("the weights before cannot be read: {} ({}); the next row tries again", hal::text_of(read.error().fault),
             read.error().step);
       }
-      if (record.state == TrialState::on_trial) controller.drop_weights();  // those that go are not asked any more
       return true;
     }
-    record.tries_back = 0;
-    const bool way_is_gone = !read && record.had_weights != 0;
-    if (way_is_gone) {
+    if (done == Rollback::impossible || done == Rollback::image_gone) {
       say("the weights before cannot be read: {} ({})", hal::text_of(read.error().fault), read.error().step);
       tell_refusal({Fault::no_way_back, "copy of the weights before"}, record);
-      if (record.state == TrialState::confirmed) return false;
     }
-    if (read) {
-      controller.learning() = *before_;
-      controller.cycle().has_weights = 1;
-      if (controller.roll_back(present) != Fault::none) say("the weights before are not finite");
-    }
-    if (record.had_weights == 0 || way_is_gone) controller.drop_weights();  // which asks for no copy
-    controller.cycle().network_error_k2 = record.before_error_k2;
-    controller.cycle().head_error_k2 = record.before_head_error_k2;
-    record.state = TrialState::rolled_back;
+    if (done == Rollback::impossible) return false;
+    if (done == Rollback::not_finite) say("the weights before are not finite");
     say("weights {:08x} rolled back: {}", record.blob_crc, why);
     return true;
-  }
-
-  static std::span<const std::byte> learning_bytes(const Controller<T>& controller) {
-    return std::as_bytes(std::span(&controller.learning(), 1));
   }
 
   /// Where the key's counter stands, or a place for it: an empty one, else that of a key which lies there no more.

@@ -21,6 +21,8 @@ struct CivilTime {
   static constexpr std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - (a % b < 0 ? 1 : 0); }
 };
 
+constexpr std::int64_t seconds_per_hour = 3600;
+constexpr std::int64_t seconds_per_day = 86400;
 constexpr int row_s = 360;                       ///< a logged row: 6 min (docs/method.md, open point 1)
 constexpr int rows_per_cycle = 3;                ///< one decision: 18 min
 constexpr int cycle_s = row_s * rows_per_cycle;  ///< s

@@ -15,7 +15,7 @@ template <Topology T>
 struct Reading {
   using Vector = Eigen::Matrix<double, Layout<T>::signals, 1>;
 
-  CivilTime time;
+  CivilTime time;  ///< when the plant was asked; a row counts by its own instant
   Vector value = Vector::Constant(std::numeric_limits<double>::quiet_NaN());
   Vector age_s = Vector::Zero();  ///< s since the device took the value
   /// What the AHU says its setpoint is, degC; NaN where it cannot be read back.

@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "airside/civil_time.hpp"
 #include "airside/memory_size.hpp"
 
 namespace airside {
@@ -226,6 +227,11 @@ constexpr bool settings_valid(const ControllerSettings& s) {
   const double candidates = (s.action_max_degc - s.action_min_degc) / s.action_step_k;
   return s.work_start_h < s.work_end_h && s.fan_start_h < s.fan_end_h && s.action_min_degc < s.action_max_degc &&
          candidates < max_candidates - 1 && s.limit_min_degc < s.limit_max_degc && s.head_gain_min < s.head_gain_max;
+}
+
+/// People's clock at standard time t.
+constexpr CivilTime local_time(const ControllerSettings& s, CivilTime t) {
+  return local_time(static_cast<DaylightSaving>(s.daylight_saving), s.utc_offset_h, t);
 }
 
 static_assert(settings_valid(product_settings()));

@@ -134,7 +134,7 @@ void FaultLoop::restart(const Saved& from) {
   const Saved kept = from;  // it may be one that a later row replaces
   *controller_ = *kept.controller;
   record_ = kept.record;
-  (void)controller_->restored();
+  (void)airside::restart(*controller_);
   pushed_ = controller_->replay().total_pushed();
   // A new process counts its own connections, and has no mail in hand.
   contact_ = 1;
@@ -152,10 +152,11 @@ void FaultLoop::kill(bool from_older) {
 
 void FaultLoop::lose_state() {
   restart({std::make_shared<Controller<T>>(*prepared_.controller), {}});
-  controller_->cycle() = CycleState<T>();
-  controller_->cycle().has_weights = 1;
-  controller_->cycle().validator = Validator<T>(controller_->limits(), controller_->settings());
-  (void)controller_->restored();
+  CycleState<T>& cycle = inside(*controller_).cycle;
+  cycle = CycleState<T>();
+  cycle.has_weights = 1;
+  cycle.validator = Validator<T>(controller_->limits(), controller_->settings());
+  (void)airside::restart(*controller_);
   controller_->hold(Reason::state_lost, box_time(), 0);
 }
 
@@ -390,7 +391,7 @@ double wild_push(FaultLoop& loop, SplitMix64& draw) {
   const double k = sign(draw) * std::pow(10.0, 2 * draw.uniform());
   const std::uint64_t seed = draw.next();
   // A young room takes the head too.
-  loop.controller().learning().head.set_updates(1);
+  inside(loop.controller()).learning.head.set_updates(1);
   loop.push({.payload = [k, seed](FaultLoop::Payload& payload) {
     SplitMix64 each(seed);
     for (double& theta : payload.head_theta) theta += k * each.symmetric();
@@ -556,14 +557,14 @@ constexpr std::array<MatrixRow, 60> rows = {{
      }},
     {51, "loss NaN, gradient explosion",
      [](FaultLoop& loop, SplitMix64& draw) {
-       auto& moments = loop.controller().learning().learner.first_moment();
+       auto& moments = inside(loop.controller()).learning.learner.first_moment();
        const float bad = draw.below(2) == 0 ? std::numeric_limits<float>::quiet_NaN() : 1e30F;
        moments.values[draw.below(static_cast<std::uint32_t>(moments.values.size()))] = bad;
        return 1.0;
      }},
     {52, "worse than the schedule",
      [](FaultLoop& loop, SplitMix64& draw) {
-       auto& theta = loop.controller().learning().head.theta();
+       auto& theta = inside(loop.controller()).learning.head.theta();
        for (int i = 0; i < theta.size(); ++i) theta(i) += 3 * draw.symmetric();
        return 24.0;
      }},

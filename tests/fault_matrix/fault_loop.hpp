@@ -17,6 +17,7 @@
 #include "sim/faults/faulty_model.hpp"
 #include "sim/rc/rc_plant.hpp"
 #include "sim/simulated_plant.hpp"
+#include "support/controller_access.hpp"
 #include "support/test_folder.hpp"
 #include "tools/study/control_methods.hpp"
 

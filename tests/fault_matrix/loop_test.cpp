@@ -281,7 +281,7 @@ TEST_F(Room, Row31WithoutItEveryCycleFollowsTheOneBefore) {
 
 TEST_F(Room, Row51MomentsThatAreNoNumbersNeverReachTheWeightsInUse) {
   const auto before = loop.controller().learning().weights.values;
-  loop.controller().learning().learner.first_moment().values.fill(std::numeric_limits<float>::quiet_NaN());
+  inside(loop.controller()).learning.learner.first_moment().values.fill(std::numeric_limits<float>::quiet_NaN());
   loop.cycles(3);
   EXPECT_TRUE(all_finite(loop.controller().learning().weights));
   EXPECT_TRUE(all_finite(loop.controller().learning().learner.first_moment()));
@@ -297,7 +297,7 @@ TEST_F(Room, Row51WithoutItUpdatesAreTaken) {
 }
 
 TEST_F(Room, Row52AHeadThatBelievesInAnotherGainGoesToTheScheduleAndLearnsItAnew) {
-  auto& head = loop.controller().learning().head;
+  auto& head = inside(loop.controller()).learning.head;
   head.theta()(HeadFeatures::setpoint_change) = -2;
   EXPECT_TRUE(shows(Reason::gain_reversed, 2));
   EXPECT_EQ(mode(), ControlMode::expert);

@@ -125,10 +125,10 @@ TEST(FaultPairs, TheWatchmanSeesWhatIsUnsafe) {
   loop.look_at_write(26.5);
   EXPECT_EQ(loop.watchman().beyond_a_step, 1u);
   EXPECT_EQ(loop.watchman().while_released, 1u) << "and it was left to the other hand";
-  loop.controller().replay().push(typename ReplayRing<T, float>::Row{1e9F});
+  inside(loop.controller()).replay.push(typename ReplayRing<T, float>::Row{1e9F});
   loop.cycles(1);
   EXPECT_EQ(loop.watchman().learned_bad, 1u);
-  loop.controller().learning().weights.values[7] = std::numeric_limits<float>::infinity();
+  inside(loop.controller()).learning.weights.values[7] = std::numeric_limits<float>::infinity();
   loop.cycles(1);
   EXPECT_EQ(loop.watchman().weights_broken, 1u);
 }

@@ -35,7 +35,7 @@ std::size_t deepest_cycle() {
   settings.batch = max_batch;  // the largest that a site may choose
   controller->configure(settings, default_limits<T>(), hal::box_kernels(), 1);
   SplitMix64 init(1);
-  initialise_uniform(controller->learning().weights, init);
+  controller->draw_weights(init);
   ScalerFit<T> fit;
   for (int k = 0; k < 9; ++k) fit.add(office_at<T>({}, k, 22.5).value);
   controller->start(fit.fit(settings));
@@ -46,9 +46,9 @@ std::size_t deepest_cycle() {
     const CivilTime t{day + k * std::int64_t{cycle_s}};
     const Expected<Reading<T>> sensed = office_at<T>(t, k, applied_degc);
     auto cycle = [&] {
-      const Decision& d = controller->decide(t, sensed);
+      const auto d = controller->decide(t, sensed);
       applied_degc = d.command.setpoint_degc();
-      controller->absorb(Applied{applied_degc});
+      controller->absorb(d, Applied{applied_degc});
     };
     deepest = std::max(deepest, footprint::stack_used(cycle));
   }

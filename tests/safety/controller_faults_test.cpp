@@ -118,7 +118,7 @@ TEST(ControllerFaults, WithoutWeightsTheScheduleRunsAndNothingIsWrong) {
 TEST(ControllerFaults, AForecastThatIsNoNumberYieldsTheSchedule) {
   Rig rig;
   rig.cycles(1);
-  rig.controller->learning().weights.values.fill(std::numeric_limits<float>::quiet_NaN());
+  inside(*rig.controller).learning.weights.values.fill(std::numeric_limits<float>::quiet_NaN());
   rig.controller->prepare();
   ControllerSettings s = product_settings();
   rig.now.seconds += 10 * cycle_s;  // the head has no recent past to go by
@@ -132,7 +132,7 @@ TEST(ControllerFaults, AnInfiniteWishOfTheHeadIsNotTakenForTheEndOfTheRange) {
   Rig rig;
   rig.cycles(4);
   ASSERT_TRUE(std::isfinite(rig.decision().head_degc));
-  auto& theta = rig.controller->learning().head.theta();
+  auto& theta = inside(*rig.controller).learning.head.theta();
   theta.setZero();
   theta(HeadFeatures::setpoint_change) = 0.2;
   theta.tail<RoomHead<FiveZone>::slots * 2>().setConstant(1.7e308);  // finite, but not once it is divided by the gain
@@ -145,8 +145,8 @@ TEST(ControllerFaults, AnInfiniteWishOfTheHeadIsNotTakenForTheEndOfTheRange) {
 TEST(ControllerFaults, RestoredWeightsThatAreNoNumbersAreRefused) {
   Rig rig;
   rig.cycles(2);
-  rig.controller->learning().weights.values[100] = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(rig.controller->restored(), Fault::state_invalid);
+  inside(*rig.controller).learning.weights.values[100] = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(restart(*rig.controller), Fault::state_invalid);
   rig.cycles(2);
   EXPECT_EQ(rig.decision().mode, ControlMode::expert);
 }

@@ -41,7 +41,7 @@ TEST(Gate, PoisonedMemoriesAreRefusedAndTheWeightsStay) {
   Rig rig(eager());
   remember_a_day(rig);
   rig.cycles(1);
-  auto& replay = rig.controller->replay();
+  auto& replay = inside(*rig.controller).replay;
   for (int slot = 0; slot < replay.size(); ++slot) {
     if (!trained_on(slot)) continue;
     for (int r = 0; r < L::rooms; ++r) replay.slot(slot)[static_cast<std::size_t>(L::inputs + r)] = -40.0f;
@@ -59,7 +59,7 @@ TEST(Gate, MemoriesThatAreNoNumbersAreRefusedAndTheWeightsStay) {
   Rig rig;
   remember_a_day(rig);
   rig.cycles(1);
-  auto& replay = rig.controller->replay();
+  auto& replay = inside(*rig.controller).replay;
   for (int slot = 0; slot < replay.size(); ++slot) {
     if (trained_on(slot)) replay.slot(slot).fill(std::numeric_limits<float>::quiet_NaN());
   }
@@ -90,15 +90,14 @@ TEST(Gate, StrangeWeightsMayStillLearnTheirWayOut) {
   Rig rig;
   // Forecasts 40 K too high: outside the canary's bounds from the start.
   const auto offset = 40.0f / static_cast<float>(rig.controller->learning().scaler.room_scale());
-  auto& weights = rig.controller->learning().weights;
+  auto& weights = inside(*rig.controller).learning.weights;
   weights.bias<Layer::dec>().array() += offset;
   rig.controller->start(Scaler<FiveZone>(rig.controller->learning().scaler));
   const auto& controller = *rig.controller;
   PackedWeights<FiveZone, float> packed;
-  pack(controller.learning().weights, rig.controller->scratch().kernels, packed);
-  ASSERT_GT(
-      canary_excess_k<FiveZone>(controller.settings(), controller.learning().scaler, packed, rig.controller->scratch()),
-      1.0);
+  auto& scratch = inside(*rig.controller).scratch;
+  pack(controller.learning().weights, scratch.kernels, packed);
+  ASSERT_GT(canary_excess_k<FiveZone>(controller.settings(), controller.learning().scaler, packed, scratch), 1.0);
   remember_a_day(rig);
   const auto before = rig.controller->learning().weights;
   rig.cycles(40);
@@ -112,7 +111,7 @@ TEST(Gate, WithoutItWeightsThatAreNoNumbersAreRefusedAllTheSame) {
   Rig rig(s);
   remember_a_day(rig);
   rig.cycles(1);
-  auto& replay = rig.controller->replay();
+  auto& replay = inside(*rig.controller).replay;
   for (int slot = 0; slot < replay.size(); ++slot) {
     replay.slot(slot).fill(std::numeric_limits<float>::quiet_NaN());
   }
@@ -128,7 +127,7 @@ TEST(Gate, WithoutItThePoisonWouldHaveControlled) {
   Rig rig(s);
   remember_a_day(rig);
   rig.cycles(1);
-  auto& replay = rig.controller->replay();
+  auto& replay = inside(*rig.controller).replay;
   for (int slot = 0; slot < replay.size(); ++slot) {
     for (int r = 0; r < L::rooms; ++r) replay.slot(slot)[static_cast<std::size_t>(L::inputs + r)] = -40.0f;
   }
@@ -140,7 +139,7 @@ TEST(Gate, WithoutItThePoisonWouldHaveControlled) {
 TEST(Canary, WhatIsNoNumberIsNoSaneForecast) {
   ControllerRig rig;
   auto& controller = *rig.controller;
-  controller.learning().weights.values.fill(std::nanf(""));
+  inside(controller).learning.weights.values.fill(std::nanf(""));
   controller.prepare();
   EXPECT_FALSE(std::isfinite(
       controller.forecast_deviation(controller.learning().scaler, controller.learning().weights).canary_k));

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstring>
 
 namespace airside {
@@ -11,6 +12,40 @@ namespace {
 
 constexpr CivilTime noon{1'627'905'600};
 constexpr CivilTime later(std::int64_t seconds) { return {noon.seconds + seconds}; }
+
+constexpr std::array<ModeRequest, reason_count> spoilt(std::size_t row, ModeRequest to) {
+  auto table = mode_table;
+  table[row] = to;
+  return table;
+}
+constexpr ModeRequest sound_row = request_of(Reason::storage_failed);
+constexpr auto row_of_it = static_cast<std::size_t>(Reason::storage_failed);
+constexpr ModeRequest with(Reason reason, const char* why, bool beats, bool for_person) {
+  return {.reason = reason,
+          .name = sound_row.name,
+          .mode = sound_row.mode,
+          .beats = beats,
+          .for_person = for_person,
+          .why = why,
+          .way_out = sound_row.way_out};
+}
+
+// What the compiler refuses of the table: it is asserted of the real one where that is defined.
+static_assert(is_complete(spoilt(row_of_it, sound_row)));
+static_assert(!is_complete(spoilt(row_of_it, with(Reason::signal_held, sound_row.why, true, false))), "out of place");
+static_assert(!is_complete(spoilt(row_of_it, with(sound_row.reason, "", true, false))), "without words");
+static_assert(!is_complete(spoilt(row_of_it, with(sound_row.reason, nullptr, true, false))), "left out");
+static_assert(!is_complete(spoilt(row_of_it, with(sound_row.reason, sound_row.why, false, false))),
+              "silent while it writes");
+static_assert(!is_complete(spoilt(row_of_it, with(sound_row.reason, sound_row.why, true, true))),
+              "an alarm waits for nobody");
+
+TEST(ModeTable, AnUnknownNumberReleasesUntilAPersonComes) {
+  const ModeRequest unknown = request_of(static_cast<Reason>(reason_count));
+  EXPECT_EQ(unknown.mode, ControlMode::release);
+  EXPECT_TRUE(unknown.for_person);
+  EXPECT_FALSE(unknown.beats);
+}
 
 TEST(ModeArbiter, StandsOnLearnWhereNothingIsWrong) {
   ModeArbiter mode_arbiter;

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "airside/controller/instances.hpp"
+#include "support/controller_access.hpp"
 
 namespace airside {
 
@@ -33,7 +34,7 @@ class ControllerRig {
     for (auto& l : limits) l.stale_s = 1200;
     controller->configure(settings, limits, strict_kernels<float>(), 3);
     SplitMix64 init(5);
-    initialise_uniform(controller->learning().weights, init);
+    controller->draw_weights(init);
     Scaler<T> scaler;
     scaler.mean.setConstant(25);
     for (int i = L::vav_on; i < L::power; ++i) scaler.mean(i) = 0;
@@ -66,20 +67,20 @@ class ControllerRig {
     const Expected<Reading<T>> sensed = spoil ? spoil(reading()) : Expected<Reading<T>>(reading());
     if (starts_cycle(now)) {
       const double before = setpoint;
-      const Decision& d = controller->decide(now, sensed);
+      const auto d = controller->decide(now, sensed);
       const double a = d.command.setpoint_degc();
       EXPECT_TRUE(std::isfinite(a));
       EXPECT_TRUE(a >= controller->settings().limit_min_degc || before < a) << a;
       EXPECT_TRUE(a <= controller->settings().limit_max_degc || before > a) << a;
       EXPECT_LE(std::abs(a - before), controller->settings().limit_change_k + 1e-9);
       if (d.mode == ControlMode::release) {
-        controller->absorb(tl::unexpected(Fault::released));
+        controller->absorb(d, tl::unexpected(Fault::released));
       } else if (refuses) {
-        controller->absorb(tl::unexpected(refusal));
+        controller->absorb(d, tl::unexpected(refusal));
       } else {
         writes += std::abs(a - before) > 1e-9;
         setpoint = std::max(a, lowest_degc);
-        controller->absorb(Applied{setpoint});
+        controller->absorb(d, Applied{setpoint});
       }
     } else {
       controller->observe(now, sensed);

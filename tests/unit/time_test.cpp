@@ -78,7 +78,7 @@ struct CorrectedClock {
 struct Schedule {
   Decision last{.time = {}, .command = SafetyEnvelope(paper_settings()).limit(25, 25, 25)};
   const Decision& decide(CivilTime, const Expected<Reading<FiveZone>>&) { return last; }
-  void absorb(const Expected<Applied>&) {}
+  void absorb(const Decision&, const Expected<Applied>&) {}
   void observe(CivilTime, const Expected<Reading<FiveZone>>&) {}
 };
 struct Times {

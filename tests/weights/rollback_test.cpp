@@ -34,10 +34,10 @@ TEST_F(WayBack, AnotherPushDuringATrialKeepsTheWayBackThatWasProven) {
 }
 
 TEST_F(WayBack, AfterAWayBackTheBarIsThatOfTheWeightsInUse) {
-  rig.controller->cycle().network_error_k2 = 0.04;
+  inside(*rig.controller).cycle.network_error_k2 = 0.04;
   push(other(1));
   ASSERT_TRUE(row());
-  rig.controller->cycle().network_error_k2 = 3.6;  // what bad weights leave
+  inside(*rig.controller).cycle.network_error_k2 = 3.6;  // what bad weights leave
   wish("rollback");
   ASSERT_TRUE(row());
   EXPECT_EQ(rig.controller->cycle().network_error_k2, record.before_error_k2);
@@ -45,7 +45,7 @@ TEST_F(WayBack, AfterAWayBackTheBarIsThatOfTheWeightsInUse) {
 }
 
 TEST_F(WayBack, TheScheduleIsAWayBackThatNeedsNoCopy) {
-  rig.controller->cycle().has_weights = 0;
+  inside(*rig.controller).cycle.has_weights = 0;
   push(other(1));
   ASSERT_TRUE(row());
   std::filesystem::remove(folder.file("state") / "previous");
@@ -195,7 +195,7 @@ TEST_F(WayBack, AskedTwiceItGoesBackOnce) {
 
 TEST_F(WayBack, AWayBackThatHoldsNoNumbersIsTheSchedule) {
   while (starts_cycle(rig.now)) rig.row();
-  rig.controller->learning().weights.values[5] = std::nanf("");
+  inside(*rig.controller).learning.weights.values[5] = std::nanf("");
   push(signed_by(blob_of<T>(*rig.controller, [](auto& p) { p.weights[5] = 0; }), key, 1));
   ASSERT_TRUE(row()) << text_of(record.refusal) << ' ' << record.refusal_field.data();
   wish("rollback");

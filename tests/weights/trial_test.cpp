@@ -51,7 +51,7 @@ TEST_F(Trial, Row49AHeadThatForetellsTheRoomsBadlyIsTakenBack) {
 }
 
 TEST_F(Trial, Row49WithoutAYoungRoomItsOwnHeadStaysWhateverTheBlobHolds) {
-  rig.controller->learning().head.set_updates(cycles_per_day);
+  inside(*rig.controller).learning.head.set_updates(cycles_per_day);
   while (starts_cycle(rig.now)) rig.row();
   const typename RoomHead<T>::State before = rig.controller->learning().head.theta();
   push(signed_by(blob_of<T>(*rig.controller, [](auto& p) { p.head_theta(RoomHead<T>::regressors + 5) = 50; }), key, 1));
@@ -71,7 +71,7 @@ TEST_F(Trial, Row49WeightsThatDoWorseThanTheScheduleAreTakenBack) {
   int rows_on_trial = 0;
   while (record.state == TrialState::on_trial && rows_on_trial < 60) {
     // From the second cycle on: what the first row judges is still of the weights before.
-    for (int k = 0; k < 40; ++k) rig.controller->cycle().shadow.cycle(s, s.target_degc + 1, 22, 20.5, 0.6);
+    for (int k = 0; k < 40; ++k) inside(*rig.controller).cycle.shadow.cycle(s, s.target_degc + 1, 22, 20.5, 0.6);
     row();
     ++rows_on_trial;
   }
@@ -84,7 +84,7 @@ TEST_F(Trial, NewWeightsDoNotAnswerForWhatThoseBeforeThemDid) {
   rig.now = {1'627'862'400 + 8 * 3600};
   rig.cycles(6);
   const ControllerSettings& s = rig.controller->settings();
-  auto& cycle = rig.controller->cycle();
+  auto& cycle = inside(*rig.controller).cycle;
   for (int k = 0; k < 40; ++k) cycle.shadow.cycle(s, s.target_degc + 1, 22, 20.5, 0.6);
   rig.cycles(1);
   ASSERT_EQ(rig.decision().reason, Reason::worse_than_schedule);
@@ -106,7 +106,7 @@ TEST_F(Trial, WeightsThatForetellTheRoomsBadlyAreTakenBackThoughTheHeadControlsW
   ASSERT_TRUE(row());
   int rows_on_trial = 0;
   for (; record.state == TrialState::on_trial && rows_on_trial < rows_per_day; ++rows_on_trial) {
-    rig.controller->cycle().network_expected_degc += 1.5;
+    inside(*rig.controller).cycle.network_expected_degc += 1.5;
     row();
   }
   EXPECT_EQ(record.state, TrialState::rolled_back);
@@ -126,7 +126,7 @@ TEST_F(Trial, ADayOnTheScheduleConfirmsNothing) {
 }
 
 TEST_F(Trial, FirstWeightsAreOnTrialTooAndTheWayBackIsTheSchedule) {
-  rig.controller->cycle().has_weights = 0;
+  inside(*rig.controller).cycle.has_weights = 0;
   rig.cycles(2);
   ASSERT_EQ(rig.decision().reason, Reason::no_weights);
   push(other(1));
@@ -168,7 +168,7 @@ TEST_F(Trial, Row49WeightsThatForetellNothingAreTakenBackAtOnce) {
   const NetworkWeights<T, float> before = rig.controller->learning().weights;
   push(other(1));
   ASSERT_TRUE(row());
-  auto& learning = rig.controller->learning();
+  auto& learning = inside(*rig.controller).learning;
   learning.weights.values.fill(std::nanf(""));
   learning.head.theta().setConstant(std::nan(""));
   rig.controller->prepare();
@@ -179,7 +179,7 @@ TEST_F(Trial, Row49WeightsThatForetellNothingAreTakenBackAtOnce) {
 
 TEST_F(Trial, Row49WeightsUnderWhichTheGainTurnsRoundAreTakenBackAtOnce) {
   const auto turn_round = [this] {
-    RoomHead<T>& head = rig.controller->learning().head;
+    RoomHead<T>& head = inside(*rig.controller).learning.head;
     constexpr int gain = HeadFeatures::setpoint_change;
     head.theta()(gain) = -3;
     head.covariance().row(gain).setZero();
@@ -196,7 +196,7 @@ TEST_F(Trial, Row49WeightsUnderWhichTheGainTurnsRoundAreTakenBackAtOnce) {
   turn_round();
   rig.cycles(2);
   ASSERT_EQ(rig.decision().reason, Reason::gain_reversed);
-  rig.controller->learning().head.set_updates(cycles_per_day);
+  inside(*rig.controller).learning.head.set_updates(cycles_per_day);
   push(other(2));
   ASSERT_TRUE(row()) << record.refusal_field.data();
   turn_round();
@@ -206,11 +206,11 @@ TEST_F(Trial, Row49WeightsUnderWhichTheGainTurnsRoundAreTakenBackAtOnce) {
 }
 
 TEST_F(Trial, NoWorseThanThoseBeforeIsGoodEnough) {
-  rig.controller->cycle().network_error_k2 = 9;
+  inside(*rig.controller).cycle.network_error_k2 = 9;
   push(other(1));
   ASSERT_TRUE(row());
   for (int i = 0; i < 15 * rows_per_cycle; ++i) {
-    rig.controller->cycle().network_expected_degc += 0.6;  // three times a cycle
+    inside(*rig.controller).cycle.network_expected_degc += 0.6;  // three times a cycle
     row();
   }
   EXPECT_GT(record.error_sum_k2 / record.tried_cycles, 1.0);
@@ -229,7 +229,7 @@ TEST_F(Trial, AHeadIsOnTrialOnlyWhereItCameAndForetold) {
   push(other(1));
   ASSERT_TRUE(row());
   for (int i = 0; i < 6 * rows_per_cycle; ++i) {
-    rig.controller->cycle().head_expected_degc = std::nan("");
+    inside(*rig.controller).cycle.head_expected_degc = std::nan("");
     row();
   }
   EXPECT_EQ(record.took_head, 1u);
@@ -237,11 +237,11 @@ TEST_F(Trial, AHeadIsOnTrialOnlyWhereItCameAndForetold) {
   EXPECT_EQ(record.head_error_sum_k2, 0.0) << "no forecast is no error";
   wish("rollback");
   ASSERT_TRUE(row());
-  rig.controller->learning().head.set_updates(cycles_per_day);
+  inside(*rig.controller).learning.head.set_updates(cycles_per_day);
   push(other(2));
   ASSERT_TRUE(row());
   for (int i = 0; i < 15 * rows_per_cycle; ++i) {
-    rig.controller->cycle().head_expected_degc += 1.5;
+    inside(*rig.controller).cycle.head_expected_degc += 1.5;
     row();
   }
   EXPECT_EQ(record.took_head, 0u);

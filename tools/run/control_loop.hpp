@@ -39,7 +39,7 @@ class Chooser {
         decision_{.time = {}, .command = envelope_.limit(settings.expert_off_degc, settings.expert_off_degc, 0)} {}
 
   void observe(CivilTime t, const Expected<Reading<T>>& sensed) {
-    if (t.second_of_day() % period_s_ == 0) absorb(plant_.actuate(decide(t, sensed).command));
+    if (t.second_of_day() % period_s_ == 0) absorb(decide(t, sensed), plant_.actuate(decision_.command));
   }
   const Decision& decide(CivilTime t, const Expected<Reading<T>>& sensed) {
     const double expert = expert_setpoint_degc(settings_, t);
@@ -48,7 +48,7 @@ class Chooser {
     decision_.expert_degc = expert;
     return decision_;
   }
-  void absorb(const Expected<Applied>& applied) { last_degc_ = applied->setpoint_degc; }
+  void absorb(const Decision&, const Expected<Applied>& applied) { last_degc_ = applied->setpoint_degc; }
   const Decision& decision() const { return decision_; }
   double last_degc() const { return last_degc_; }
 

@@ -35,11 +35,11 @@ requires Plant<Plant_, Topology_> && Clock<Clock_> CivilTime run_cycles(Plant_& 
     }
     const Expected<Reading<Topology_>> sensed = plant.sense();
     if (starts_cycle(t)) {
-      const auto& decision = controller.decide(t, sensed);
+      const auto decision = controller.decide(t, sensed);
       const Expected<Applied> applied = decision.mode == ControlMode::release
                                             ? Expected<Applied>(tl::unexpected(Fault::released))
                                             : plant.actuate(decision.command);
-      controller.absorb(applied);
+      controller.absorb(decision, applied);
     } else {
       controller.observe(t, sensed);
     }

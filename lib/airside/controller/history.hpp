@@ -1,12 +1,12 @@
 #pragma once
-// How a controller begins: what a blob carries goes in, and the schedule days of the room's own log become its first
-// memories. Daemon, simulation and training share this.
+// The schedule days of the room's own log become a controller's first memories. Daemon, simulation and training share
+// this.
 
 #include <cmath>
 #include <limits>
 
-#include "airside/controller/blob.hpp"
 #include "airside/controller/controller.hpp"
+#include "airside/controller/weight_payload.hpp"  // IWYU pragma: export
 #include "airside/learning/row_window.hpp"
 
 namespace airside {
@@ -44,12 +44,12 @@ class HistoryReader {
     const auto& earlier = window_.at(2 * rows_per_cycle);
     const Scaler<T>& scaler = controller_.learning().scaler;
     HeadFeatures f =
-        RoomHead<T>::features({.before = earlier.value,
-                               .recent = window_.at(rows_per_cycle + 1).value,
-                               .now = before.value,
-                               .setpoint_before_degc = earlier.setpoint_degc,
-                               .last_move_k = earlier.setpoint_degc - window_.at(3 * rows_per_cycle).setpoint_degc},
-                              scaler.scale(Layout<T>::power + T::powers - 1));
+        head_features<T>({.before = earlier.value,
+                          .recent = window_.at(rows_per_cycle + 1).value,
+                          .now = before.value,
+                          .setpoint_before_degc = earlier.setpoint_degc,
+                          .last_move_k = earlier.setpoint_degc - window_.at(3 * rows_per_cycle).setpoint_degc},
+                         scaler.scale(Layout<T>::power + T::powers - 1));
     f.x(HeadFeatures::setpoint_change) = before.setpoint_degc - earlier.setpoint_degc;
     const double moved = value.template head<T::vavs>().mean() - before.value.template head<T::vavs>().mean();
     // Where three rows share each cycle, each is worth a third of a sample.
@@ -68,57 +68,5 @@ class HistoryReader {
   int transitions_ = 0;
   int refused_ = 0;
 };
-
-/// Puts a blob's head into the controller.
-template <Topology T>
-void take_head(Controller<T, float>& controller, const BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
-  if (payload.head_states == 0) return;
-  RoomHead<T>& head = controller.learning().head;
-  head.theta() = payload.head_theta;
-  std::copy(payload.head_covariance.begin(), payload.head_covariance.end(), head.covariance().data());
-  head.set_updates(payload.head_updates);
-  head.complete_day_types(controller.settings());
-}
-
-/// Whether exchange_payload() would take the blob's head. The room's own stays once it has learned for a day: it knows
-/// this room, the blob's another one or a twin.
-template <Topology T>
-bool wants_head(const Controller<T, float>& controller,
-                const BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
-  return payload.head_states > 0 && controller.learning().head.updates() < cycles_per_day;
-}
-
-/// A blob's weights and scaler in place of those in use, and its head where wants_head().
-template <Topology T>
-void exchange_payload(Controller<T, float>& controller,
-                      const BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
-  const bool head = wants_head<T>(controller, payload);
-  controller.exchange(payload.scaler, payload.weights);
-  if (head) take_head<T>(controller, payload);
-}
-
-/// Puts a blob's scaler, weights and head into the controller.
-template <Topology T>
-void take_payload(Controller<T, float>& controller, const BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
-  auto& learning = controller.learning();
-  std::copy(payload.weights.begin(), payload.weights.end(), learning.weights.flat().begin());
-  take_head<T>(controller, payload);
-  controller.start(payload.scaler);
-}
-
-/// Fills a blob's payload with what the controller has learned.
-template <Topology T>
-void give_payload(const Controller<T, float>& controller, BlobPayload<T, NetworkWeights<T, float>::count>& payload) {
-  const auto& learning = controller.learning();
-  payload.scaler = learning.scaler;
-  std::copy(learning.weights.flat().begin(), learning.weights.flat().end(), payload.weights.begin());
-  using Head = RoomHead<T>;
-  const bool two_types = day_types_of(controller.settings()) == 2;
-  const int states = two_types ? Head::states : Head::regressors + Head::slots;
-  payload.head_states = controller.settings().head != 0 ? static_cast<std::uint32_t>(states) : 0u;
-  payload.head_updates = learning.head.updates();
-  payload.head_theta = learning.head.theta();
-  std::copy_n(learning.head.covariance().data(), payload.head_covariance.size(), payload.head_covariance.begin());
-}
 
 }  // namespace airside

@@ -6,6 +6,7 @@ namespace airside {
 
 #define AIRSIDE_INSTANTIATE(Tag)                                                      \
   static_assert(within_budget<Tag>(), "a part of the controller is over its budget"); \
+  template class ControllerMemory<Tag, float>;                                        \
   template class Controller<Tag, float>;                                              \
   template class BlobCodec<Tag, NetworkWeights<Tag, float>::count>;
 AIRSIDE_FOR_EACH_TOPOLOGY(AIRSIDE_INSTANTIATE)

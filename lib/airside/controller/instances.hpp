@@ -12,8 +12,9 @@ namespace airside {
 template <Topology T>
 using WeightBlob = BlobCodec<T, NetworkWeights<T, float>::count>;
 
-#define AIRSIDE_EXTERN(Tag)                     \
-  extern template class Controller<Tag, float>; \
+#define AIRSIDE_EXTERN(Tag)                           \
+  extern template class ControllerMemory<Tag, float>; \
+  extern template class Controller<Tag, float>;       \
   extern template class BlobCodec<Tag, NetworkWeights<Tag, float>::count>;
 AIRSIDE_FOR_EACH_TOPOLOGY(AIRSIDE_EXTERN)
 #undef AIRSIDE_EXTERN

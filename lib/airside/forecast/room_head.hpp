@@ -10,11 +10,9 @@
 #include <cstdint>
 
 #include "airside/exponential.hpp"
+#include "airside/forecast/head_features.hpp"
 #include "airside/memory_size.hpp"
-#include "airside/reading.hpp"
 #include "airside/settings.hpp"
-#include "airside/supervision/schedule.hpp"
-#include "airside/supervision/validation.hpp"
 
 namespace airside {
 
@@ -24,29 +22,8 @@ constexpr int day_types_of(const ControllerSettings& s) {
   return std::min(wanted, max_day_types);
 }
 
-/// The regressors x of one instant that do not depend on the next setpoint.
-struct HeadFeatures {
-  static constexpr int count = 14;
-  static constexpr int setpoint_change = 1;  ///< filled in when the next setpoint is known
-  static constexpr int power_change = 3;     ///< in units of the scaler
-  alignas(state_alignment) Eigen::Matrix<double, count, 1> x = Eigen::Matrix<double, count, 1>::Zero();
-};
-
-/// The readings that the regressors compare: one cycle ago, one row ago, now.
-template <Topology T>
-struct HeadInstants {
-  using Vector = typename Reading<T>::Vector;
-  const Vector& before;
-  const Vector& recent;
-  const Vector& now;
-  double setpoint_before_degc;  ///< applied from `before` until `now`
-  double last_move_k;           ///< how much that setpoint differed from the one before it
-};
-
 /// ds = x' theta_x + profile(slot) + ma e.
-/// x = [last change of the room mean; change of the setpoint; changes of mean FCU temperature, last power, MAU outlet,
-/// number of FCUs on, number of VAVs on; 2 mean((1 - on) dS); mean(d on (S - A_prev)) / 2; the setpoint change before;
-/// and over the last 6 min alone: room mean, mean(d on (S - A_prev)) / 2, number of FCUs on, mean FCU temperature].
+/// x: HeadFeatures.
 /// Shape: 14 regressors and 80 slots a day type. Units: K; power in units of the scaler.
 /// Cost: one Kalman update a cycle, O((14 + 80 d)^2).  Source: DESIGN.md "Room head".
 template <Topology T>
@@ -73,37 +50,6 @@ class RoomHead {
     add_profile_covariance(s, 1.0);
     last_innovation_k_ = 0;
     updates_ = 0;
-  }
-
-  /// The regressors of an instant; the setpoint's coming change is left 0.
-  static HeadFeatures features(const HeadInstants<T>& at, double power_scale_kw) {
-    using L = Layout<T>;
-    HeadFeatures f;
-    const auto rooms = at.now.template head<L::rooms>();
-    const auto moved = rooms - at.before.template head<L::rooms>();
-    const auto on = at.now.template segment<L::rooms>(L::vav_on);
-    const auto on_change = on - at.before.template segment<L::rooms>(L::vav_on);
-    const auto on_change_recent = on - at.recent.template segment<L::rooms>(L::vav_on);
-    const auto to_supply = rooms.array() - at.setpoint_before_degc;
-    f.x(0) = moved.mean();
-    f.x(4) = at.now(L::mau_temp) - at.before(L::mau_temp);
-    f.x(6) = on_change.sum();
-    f.x(7) = 2.0 * ((1.0 - on.array()) * moved.array()).mean();
-    f.x(8) = 0.5 * (on_change.array() * to_supply).mean();
-    f.x(9) = at.last_move_k;
-    f.x(10) = (rooms - at.recent.template head<L::rooms>()).mean();
-    f.x(11) = 0.5 * (on_change_recent.array() * to_supply).mean();
-    constexpr int last_power = L::power + T::powers - 1;
-    f.x(HeadFeatures::power_change) = (at.now(last_power) - at.before(last_power)) / power_scale_kw;
-    if constexpr (T::fcus > 0) {
-      const auto fcu = at.now.template segment<T::fcus>(L::fcu_temp);
-      const auto fcu_on = at.now.template segment<T::fcus>(L::fcu_on);
-      f.x(2) = (fcu - at.before.template segment<T::fcus>(L::fcu_temp)).mean();
-      f.x(5) = (fcu_on - at.before.template segment<T::fcus>(L::fcu_on)).sum();
-      f.x(12) = (fcu_on - at.recent.template segment<T::fcus>(L::fcu_on)).sum();
-      f.x(13) = (fcu - at.recent.template segment<T::fcus>(L::fcu_temp)).mean();
-    }
-    return f;
   }
 
   /// Expected change of the room mean over the next cycle if the setpoint stays, K.

@@ -38,10 +38,9 @@ class OverrideMonitor {
  public:
   /// Takes one time more; returns whether it is the third within 24 h.
   constexpr bool third_in_a_day(CivilTime t) {
-    constexpr std::int64_t day_s = 86400;
     const bool set_back = times_ > 0 && t.seconds < last_s_;
     if (set_back) times_ = 0;
-    const bool third = times_ >= 2 && t.seconds - before_last_s_ < day_s;
+    const bool third = times_ >= 2 && t.seconds - before_last_s_ < seconds_per_day;
     before_last_s_ = last_s_;
     last_s_ = t.seconds;
     times_ = times_ < 2 ? times_ + 1 : 2;

@@ -8,11 +8,6 @@
 
 namespace airside {
 
-/// People's clock at standard time t.
-constexpr CivilTime local_time(const ControllerSettings& s, CivilTime t) {
-  return local_time(static_cast<DaylightSaving>(s.daylight_saving), s.utc_offset_h, t);
-}
-
 /// Whether standard time t lies in working hours.  work_start <= local time of day < work_end, on working days.
 constexpr bool in_working_hours(const ControllerSettings& s, CivilTime standard_time) {
   const CivilTime t = local_time(s, standard_time);

@@ -81,27 +81,29 @@ class Validator {
   /// value for at most hold_s, and a single room far from all others by the median of the rooms.
   /// Errors: the first fault whose value can no longer be held; frozen, if no signal has changed for frozen_s;
   /// disagrees, if more than one room does. Cost: O(signals).  Source: docs/box-and-safety.md, rows 1-6.
-  Expected<ValidReading<T>> check(const Reading<T>& reading) {
+  Expected<ValidReading<T>> check(const Reading<T>& reading) { return check(reading, reading.time); }
+  /// The same for a row whose instant counts, not the one at which the plant was asked.
+  Expected<ValidReading<T>> check(const Reading<T>& reading, CivilTime t) {
     ValidReading<T> out;
-    out.time_ = reading.time;
+    out.time_ = t;
     out.setpoint_degc_ = reading.setpoint_degc;
     Fault lost = Fault::none;
-    const bool moved = peers_moved(reading);
+    const bool moved = peers_moved(reading, t);
     for (int i = 0; i < n; ++i) {
       const std::size_t k = static_cast<std::size_t>(i);
-      faults_[k] = examine(i, reading, moved);
+      faults_[k] = examine(i, reading, t, moved);
       if (faults_[k] == Fault::none) {
         out.value_(i) = last_good_[k];
         continue;
       }
-      const std::int64_t lost_s = reading.time.seconds - good_at_[k];  // negative after the clock was set back
+      const std::int64_t lost_s = t.seconds - good_at_[k];  // negative after the clock was set back
       const bool held = seen_[k] && lost_s >= 0 && lost_s <= static_cast<std::int64_t>(hold_s_);
       if (!held && lost == Fault::none) lost = faults_[k], lost_signal_ = i;
       out.value_(i) = last_good_[k];
       ++out.held_;
     }
     if (lost == Fault::none) lost = disagreement(out);
-    if (frozen(reading)) lost = Fault::frozen, lost_signal_ = -1;
+    if (frozen(reading, t)) lost = Fault::frozen, lost_signal_ = -1;
     if (lost != Fault::none) return tl::unexpected(lost);
     return out;
   }
@@ -119,7 +121,7 @@ class Validator {
   int lost_signal() const { return lost_signal_; }
 
  private:
-  Fault examine(int i, const Reading<T>& reading, bool peers_moved) {
+  Fault examine(int i, const Reading<T>& reading, CivilTime t, bool peers_moved) {
     const std::size_t k = static_cast<std::size_t>(i);
     const SignalLimits& l = limits_[k];
     const double v = reading.value(i);
@@ -133,23 +135,23 @@ class Validator {
     }
     const bool status = is_status(signal_id<T>(i).kind);
     if (seen_[k] && !status) {
-      const double minutes = std::max(1.0, static_cast<double>(reading.time.seconds - good_at_[k]) / 60.0);
+      const double minutes = std::max(1.0, static_cast<double>(t.seconds - good_at_[k]) / 60.0);
       if (std::abs(v - last_good_[k]) > l.max_rate_per_min * minutes && !confirmed(k, v, l.max_rate_per_min)) {
         return Fault::rate_exceeded;
       }
     }
     suspects_[k] = 0;
-    const bool set_back = changed_at_[k] > reading.time.seconds;
-    if (!seen_[k] || set_back || v != last_good_[k]) changed_at_[k] = reading.time.seconds;
+    const bool set_back = changed_at_[k] > t.seconds;
+    if (!seen_[k] || set_back || v != last_good_[k]) changed_at_[k] = t.seconds;
     last_good_[k] = v;
     seen_[k] = true;
     const bool can_stick = signal_id<T>(i).kind == SignalKind::room_temp;
-    const bool stood = reading.time.seconds - changed_at_[k] > static_cast<std::int64_t>(l.stuck_s);
+    const bool stood = t.seconds - changed_at_[k] > static_cast<std::int64_t>(l.stuck_s);
     // Once found stuck it stays so until it moves, also while the peers rest.
     if (can_stick && stood && (peers_moved || faults_[k] == Fault::stuck)) {
       return Fault::stuck;
     }
-    good_at_[k] = reading.time.seconds;
+    good_at_[k] = t.seconds;
     return Fault::none;
   }
 
@@ -163,9 +165,9 @@ class Validator {
 
   /// Excitation: some room has moved by 0.5 K within the present window of at most stuck_s. A room that has stood
   /// still for longer than stuck_s has not moved in it, so it was another one.
-  bool peers_moved(const Reading<T>& reading) {
+  bool peers_moved(const Reading<T>& reading, CivilTime t) {
     double widest = 0;
-    const std::int64_t window_s = reading.time.seconds - window_at_;  // negative after the clock was set back
+    const std::int64_t window_s = t.seconds - window_at_;  // negative after the clock was set back
     const auto over = [window_s](double stuck_s) {
       return window_s < 0 || window_s > static_cast<std::int64_t>(stuck_s);
     };
@@ -178,7 +180,7 @@ class Validator {
       high_[k] = std::max(high_[k], v);
       widest = std::max(widest, high_[k] - low_[k]);
     }
-    if (over(limits_[0].stuck_s)) window_at_ = reading.time.seconds;
+    if (over(limits_[0].stuck_s)) window_at_ = t.seconds;
     return widest >= 0.5;
   }
 
@@ -209,15 +211,15 @@ class Validator {
   }
 
   /// A gateway that lost its device may repeat the last answer for ever; no building repeats every digit for an hour.
-  bool frozen(const Reading<T>& reading) {
+  bool frozen(const Reading<T>& reading, CivilTime t) {
     bool same = true;
     for (int i = 0; i < n; ++i) {
       const double v = reading.value(i), before = previous_[static_cast<std::size_t>(i)];
       same = same && (v == before || (std::isnan(v) && std::isnan(before)));
       previous_[static_cast<std::size_t>(i)] = v;
     }
-    if (!same || moved_at_ > reading.time.seconds) moved_at_ = reading.time.seconds;
-    return static_cast<double>(reading.time.seconds - moved_at_) > frozen_s_;
+    if (!same || moved_at_ > t.seconds) moved_at_ = t.seconds;
+    return static_cast<double>(t.seconds - moved_at_) > frozen_s_;
   }
 
   LimitsTable<T> limits_;

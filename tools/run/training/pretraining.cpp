@@ -59,7 +59,7 @@ Pretraining pretrain_as(const Site& site, sim::PlantModel& model, CivilTime unti
   if (options.updates_per_cycle > 0) settings.updates_per_cycle = options.updates_per_cycle;
   auto controller = make_controller<T>(site, settings, options.seed);
   SplitMix64 init(options.seed);
-  initialise_uniform(controller->learning().weights, init);
+  controller->draw_weights(init);
   const CivilTime day_two = std::min(CivilTime{(model.time().day() + 1) * 86400}, until);
   Pretraining out;
   const bool dynamic = options.pretrainer == Pretrainer::agent;

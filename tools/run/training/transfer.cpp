@@ -17,7 +17,7 @@ BlobBytes fine_tune(const Site& site, const BlobBytes& source, const std::vector
     double gain = site.settings.head_gain_prior, gain_sd = site.settings.head_gain_prior_sd;
     if (source.empty()) {
       SplitMix64 init(options.seed);
-      initialise_uniform(controller->learning().weights, init);
+      controller->draw_weights(init);
       controller->start(scaler_of<T>(site, rows));
     } else {
       auto payload = std::make_unique<SitePayload<T>>();
@@ -28,7 +28,7 @@ BlobBytes fine_tune(const Site& site, const BlobBytes& source, const std::vector
         gain_sd = std::max(0.1, 2 * controller->learning().head.gain_sd());
       }
     }
-    controller->learning().head.reset(site.settings, gain, gain_sd);
+    controller->reset_head(gain, gain_sd);
     read_history<T>(*controller, rows, HistoryReader<T>::Head::learn);
     if (controller->replay().size() == 0) {
       throw hal::InputError("log", fmt::format("{} rows without one 18-min stretch of constant setpoint", rows.size()),

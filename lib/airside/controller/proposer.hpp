@@ -1,0 +1,91 @@
+#pragma once
+// Proposing: which setpoint network and room head would choose together, and what they expect of the one applied.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "airside/controller/pending_cycle.hpp"
+#include "airside/forecast/candidate_search.hpp"
+#include "airside/learning/learning_state.hpp"
+#include "airside/supervision/confidence.hpp"
+
+namespace airside {
+
+/// predict -> score -> blend.  Keeps the candidates' memory; the state that it reads is given to each call.
+/// Shape: T. Cost: that of CandidateSearch and one row of the head.
+template <Topology T, class Scalar>
+class Proposer {
+ public:
+  using L = Layout<T>;
+  using Vector = typename Reading<T>::Vector;
+  using Pending = PendingCycle<T, Scalar>;
+
+  void configure(const ControllerSettings& settings) { search_.configure(settings); }
+  CandidateSearch<T, Scalar>& search() { return search_; }
+
+  /// The regressors of now. A row that was missed 6 min ago is thought to lie on the line from the last decision.
+  static void take_features(const CycleState<T>& cycle, const Scaler<T>& scaler, Pending& at) {
+    Vector recent = cycle.row_value;
+    if (at.time.seconds - cycle.row_time.seconds != row_s) {
+      recent = at.now - (at.now - cycle.last_value) / rows_per_cycle;
+    }
+    const double move = cycle.last_setpoint_degc - cycle.before_setpoint_degc;
+    at.features = head_features<T>({.before = cycle.last_value,
+                                    .recent = recent,
+                                    .now = at.now,
+                                    .setpoint_before_degc = cycle.last_setpoint_degc,
+                                    .last_move_k = std::isfinite(move) ? move : 0.0},
+                                   scaler.scale(L::power + T::powers - 1));
+    at.has_features = true;
+  }
+
+  /// Fills in both choices and returns the setpoint made of them and the schedule's, degC.
+  /// Errors: NaN if neither network nor head gives a number.
+  double propose(const ControllerSettings& s, const LearningState<T, Scalar>& learning, const CycleState<T>& cycle,
+                 NetworkScratch<T, Scalar>& scratch, Pending& at) {
+    const ForecastModel<T, Scalar> model{learning.scaler, scratch.packed, scratch};
+    at.network_degc = search_.best_degc(s, model, at.now, cycle.last_setpoint_degc);
+    at.head_degc = head_choice(s, learning.head, cycle.last_setpoint_degc, at);
+    double chosen = at.network_degc;
+    if (std::isfinite(at.head_degc)) {
+      // Inverse-variance weights: the forecast that has erred less counts more; head_weight 1 leaves the head alone.
+      const double w = s.head_weight;
+      const double head = w * cycle.network_error_k2;
+      const double network = (1.0 - w) * cycle.head_error_k2;
+      at.head_share = std::isfinite(chosen) && head + network > 0 ? head / (head + network) : 1.0;
+      chosen = std::isfinite(chosen) ? at.head_share * at.head_degc + (1.0 - at.head_share) * chosen : at.head_degc;
+    }
+    if (!std::isfinite(chosen)) return unknown;
+    return fuse(effective_confidence(s, cycle.confidence), chosen, at.expert_degc);
+  }
+
+  /// What network and head expect of the cycle that begins now, at the setpoint that was really applied. Returns the
+  /// expectation that counts, degC, or NaN.
+  double expect(const ControllerSettings& s, const LearningState<T, Scalar>& learning, CycleState<T>& cycle,
+                NetworkScratch<T, Scalar>& scratch, const Pending& at, double setpoint_degc) {
+    if (cycle.has_weights == 0) return unknown;
+    const ForecastModel<T, Scalar> model{learning.scaler, scratch.packed, scratch};
+    cycle.network_expected_degc = search_.expected_mean_degc(model, at.now, setpoint_degc);
+    if (!at.has_features) return cycle.network_expected_degc;
+    cycle.head_expected_degc = room_mean(at.now) + learning.head.drift_k(s, at.time, at.features) +
+                               learning.head.gain(s) * (setpoint_degc - cycle.last_setpoint_degc);
+    return std::isfinite(cycle.head_expected_degc) ? cycle.head_expected_degc : cycle.network_expected_degc;
+  }
+
+ private:
+  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+  static double head_choice(const ControllerSettings& s, const RoomHead<T>& head, double last_degc, const Pending& at) {
+    if (!at.has_features || head.updates() == 0) return unknown;
+    const double wish = head.setpoint_degc(s, at.time, at.features, room_mean(at.now), last_degc);
+    if (!std::isfinite(wish)) return unknown;  // before the clamp, which would make a bound of an infinite one
+    return std::clamp(wish, s.action_min_degc, s.action_max_degc);
+  }
+
+  static double room_mean(const Vector& v) { return v.template head<L::rooms>().mean(); }
+
+  CandidateSearch<T, Scalar> search_;
+};
+
+}  // namespace airside

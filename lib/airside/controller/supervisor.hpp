@@ -1,0 +1,162 @@
+#pragma once
+// Supervision: what is stored in the setpoint register and who wrote it, what the AHU makes of commands, whether the
+// schedule would do better, and which control mode follows from all that.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "airside/controller/decision.hpp"
+#include "airside/controller/pending_cycle.hpp"
+#include "airside/learning/learning_state.hpp"
+#include "airside/supervision/schedule.hpp"
+
+namespace airside {
+
+/// Works on the saved cycle state of one controller, which must outlive it. Shape: T.
+/// Cost: O(signals) a row.  Source: DESIGN.md "Thresholds of the mode arbiter".
+template <Topology T>
+class Supervisor {
+ public:
+  using L = Layout<T>;
+  Supervisor(const ControllerSettings& settings, CycleState<T>& cycle) : settings_(settings), cycle_(cycle) {}
+
+  /// The schedule's setpoint, degC. Where nobody knows the hour, the working hours' setpoint: it costs energy, the
+  /// night's would cost comfort.
+  double expert_degc(CivilTime t) const {
+    return cycle_.mode_arbiter.active(Reason::clock_not_set, t) ? settings_.expert_work_degc
+                                                                : expert_setpoint_degc(settings_, t);
+  }
+
+  /// What is stored in the register. A decision that is made again after a crash (`resumed`) may find its own write
+  /// there, a step from the value before at most: then both count, so that it is made as it was.
+  void see_setpoint(double stored_degc, bool resumed) {
+    if (!std::isfinite(stored_degc)) return;
+    StandingSetpoint either = cycle_.standing;
+    either.may_be(stored_degc);
+    if (!resumed || either.high_degc - either.low_degc > settings_.limit_change_k) either.is(stored_degc);
+    cycle_.standing = either;
+  }
+
+  /// The AHU's own word counts: after a start, a refused write or an external override, its setpoint is what it shows.
+  /// Nothing is learned from the cycle that this breaks. An override is left alone for a while; a device that was out
+  /// of touch may have fallen back to a default, and one that was slow shows the value written last.
+  void adopt_setpoint(CivilTime t, const Reading<T>& sensed, bool resumed, ControlMode last_mode) {
+    const double stored = sensed.setpoint_degc, known = cycle_.last_setpoint_degc;
+    if (!std::isfinite(stored) || (std::isfinite(known) && std::abs(stored - known) <= foreign_k)) return;
+    const bool late = std::abs(stored - cycle_.commanded_degc) <= foreign_k;
+    if (std::isfinite(known) && !late && !resumed && sensed.contact == cycle_.contact) {
+      // Who sets again what was left to him fights nobody.
+      const bool fights = last_mode != ControlMode::release && cycle_.override_monitor.third_in_a_day(t);
+      const auto patience_s = static_cast<std::int64_t>(settings_.override_h * 3600);
+      cycle_.mode_arbiter.hold(fights ? Reason::two_masters : Reason::overridden, t, patience_s);
+    }
+    cycle_.last_setpoint_degc = stored;
+    cycle_.usable_cycles = 0;
+  }
+
+  /// Whether supply air follows its setpoint. Returns whether air flows: where it does not, it cannot follow, and its
+  /// time starts anew with the fan.
+  bool watch_supply(CivilTime t, const Reading<T>& sensed) {
+    const bool flows = air_flows(settings_, t, sensed.flows);
+    const double away_k = std::abs(sensed.supply_temp_degc - cycle_.last_setpoint_degc);  // NaN: nothing to compare
+    const bool ignores = cycle_.supply_ignores.lasts(flows && away_k > settings_.supply_ignored_k, t,
+                                                     static_cast<std::int64_t>(settings_.supply_ignored_s));
+    cycle_.mode_arbiter.set(Reason::supply_ignores_setpoint, ignores, t);
+    return flows;
+  }
+
+  /// Whether a room sensor drifts.
+  void watch_rooms(CivilTime t, const ValidReading<T>& valid) {
+    if (!valid.learnable()) return;
+    const bool drifts = cycle_.drift.row(valid.value().template head<L::rooms>(), settings_.drift_k);
+    cycle_.mode_arbiter.set(Reason::sensor_drifts, drifts, t);
+  }
+
+  /// What nothing may be learned from though each reading is good: a room that drifts, air that does not follow its
+  /// setpoint or does not flow (a gain learned then would be that of a closed valve), hours that nobody knows.
+  bool doubted(CivilTime t, bool flows) const {
+    const ModeArbiter& on = cycle_.mode_arbiter;
+    return !flows || on.active(Reason::sensor_drifts, t) || on.active(Reason::supply_ignores_setpoint, t) ||
+           on.active(Reason::clock_not_set, t);
+  }
+
+  /// The proposal, or the stored setpoint where the move to it is not worth a write.
+  double worth_a_write(double proposal_degc) const {
+    const double stored = cycle_.last_setpoint_degc;
+    if (settings_.writes_per_day <= 0 || !std::isfinite(stored)) return proposal_degc;
+    return cycle_.budget.allows(proposal_degc - stored, settings_.writes_per_day) ? proposal_degc : stored;
+  }
+
+  /// The gravest of what a decision found and what the mode arbiter remembers.
+  ActiveMode settle(ControlMode mode, Reason reason, CivilTime t) const {
+    const Reason remembered = cycle_.mode_arbiter.gravest(t);
+    const ControlMode asked = request_of(remembered).mode;
+    const bool graver = asked > mode || (asked == mode && reason == Reason::none);
+    return graver ? ActiveMode{asked, remembered} : ActiveMode{mode, reason};
+  }
+
+  /// What the AHU made of a command.
+  void account(const Decision& decision, const Expected<Applied>& applied) {
+    const CivilTime t = decision.time;
+    if (decision.mode == ControlMode::release) return;
+    if (!applied && applied.error() == Fault::write_refused) {
+      cycle_.mode_arbiter.set(Reason::write_refused, true, t);
+      if (++cycle_.refused_writes >= 2) cycle_.mode_arbiter.hold(Reason::writes_refused, t, seconds_per_hour);
+    }
+    if (!applied) return;
+    cycle_.refused_writes = 0;
+    cycle_.mode_arbiter.set(Reason::write_refused, false, t);
+    const double altered_k = std::abs(applied->setpoint_degc - decision.command.setpoint_degc());
+    const bool altered = altered_k > std::max(foreign_k, 0.5 * settings_.readback_step_k + 1e-9);
+    // What the AHU made another value of was written too, and is again each time.
+    const bool written = applied->setpoint_degc != cycle_.last_setpoint_degc || altered;
+    if (settings_.writes_per_day > 0 && written) cycle_.budget.spend(settings_.writes_per_day);
+    cycle_.mode_arbiter.set(Reason::setpoint_altered, altered, t);
+    const bool rests = cycle_.excitation.cycle(applied->setpoint_degc, settings_.excitation_k);
+    cycle_.mode_arbiter.set(Reason::no_excitation, rests && cycle_.has_weights != 0, t);
+  }
+
+  /// Whether the schedule would do better, in working hours.
+  void compare_with_schedule(CivilTime t, double room_mean_degc, double gain) {
+    if (cycle_.ours == 0 || !in_working_hours(settings_, cycle_.last_time)) return;
+    cycle_.shadow.cycle(settings_, room_mean_degc, cycle_.last_setpoint_degc,
+                        expert_setpoint_degc(settings_, cycle_.last_time), gain);
+    const bool worse = cycle_.shadow.worse(settings_.worse_k);
+    cycle_.mode_arbiter.set(Reason::worse_than_schedule, worse, t);
+    cycle_.worse_cycles = worse ? cycle_.worse_cycles + 1 : 0;
+    if (cycle_.worse_cycles * cycle_s < settings_.worse_h * 3600) return;
+    cycle_.mode_arbiter.hold(Reason::worse_for_long, t, seconds_per_day);
+    cycle_.mode_arbiter.set(Reason::worse_than_schedule, false, t);
+    cycle_.shadow.reset();
+    cycle_.worse_cycles = 0;
+  }
+
+  /// A gain that has turned round is believed again when it is sane beyond doubt. A head that was led astray would
+  /// take weeks to find back, so after a day it begins anew, and learns from the schedule's steps.
+  void watch_gain(CivilTime t, RoomHead<T>& head) {
+    const bool suspect = cycle_.mode_arbiter.active(Reason::gain_reversed, t) && !head.gain_is_sane();
+    const bool reversed = head.gain_is_reversed() || suspect;
+    if (cycle_.gain_reversed.lasts(reversed, t, seconds_per_day)) {
+      head.reset(settings_, settings_.head_gain_prior, settings_.head_gain_prior_sd);
+      cycle_.gain_reversed = PersistentCondition();
+    }
+    cycle_.mode_arbiter.set(Reason::gain_reversed, reversed, t);
+  }
+
+  /// Counts updates of the weights that were refused in a row; too many freeze them for a day.
+  void count_update(CivilTime t, Fault fault) {
+    cycle_.refused_updates = fault == Fault::none ? 0 : cycle_.refused_updates + 1;
+    if (cycle_.refused_updates < settings_.refused_updates) return;
+    cycle_.mode_arbiter.hold(Reason::learning_refused, t, seconds_per_day);
+    cycle_.refused_updates = 0;
+  }
+
+ private:
+  static constexpr double foreign_k = 0.05;  ///< a setpoint differs by more than a register's rounding
+
+  const ControllerSettings& settings_;
+  CycleState<T>& cycle_;
+};
+
+}  // namespace airside

@@ -1,0 +1,59 @@
+#pragma once
+// A blob's content goes into a controller, and comes out of it.
+
+#include <algorithm>
+
+#include "airside/controller/blob.hpp"
+#include "airside/controller/controller.hpp"
+
+namespace airside {
+
+/// What a blob carries for the controller of a topology.
+template <Topology T>
+using WeightPayload = BlobPayload<T, NetworkWeights<T, float>::count>;
+
+/// Puts a blob's head into the controller.
+template <Topology T>
+void take_head(Controller<T, float>& controller, const WeightPayload<T>& payload) {
+  if (payload.head_states == 0) return;
+  controller.take_head(payload.head_theta, payload.head_covariance, payload.head_updates);
+}
+
+/// Whether exchange_payload() would take the blob's head. The room's own stays once it has learned for a day: it knows
+/// this room, the blob's another one or a twin.
+template <Topology T>
+bool wants_head(const Controller<T, float>& controller, const WeightPayload<T>& payload) {
+  return payload.head_states > 0 && controller.learning().head.updates() < cycles_per_day;
+}
+
+/// A blob's weights and scaler in place of those in use, and its head where wants_head().
+template <Topology T>
+void exchange_payload(Controller<T, float>& controller, const WeightPayload<T>& payload) {
+  const bool head = wants_head<T>(controller, payload);
+  controller.exchange(payload.scaler, payload.weights);
+  if (head) take_head<T>(controller, payload);
+}
+
+/// Puts a blob's scaler, weights and head into the controller.
+template <Topology T>
+void take_payload(Controller<T, float>& controller, const WeightPayload<T>& payload) {
+  take_head<T>(controller, payload);
+  controller.start(payload.scaler, payload.weights);
+}
+
+/// Fills a blob's payload with what the controller has learned.
+template <Topology T>
+void give_payload(const Controller<T, float>& controller, WeightPayload<T>& payload) {
+  const auto& learning = controller.learning();
+  payload.scaler = learning.scaler;
+  std::copy(learning.weights.flat().begin(), learning.weights.flat().end(), payload.weights.begin());
+  using Head = RoomHead<T>;
+  const bool two_types = day_types_of(controller.settings()) == 2;
+  const int states = two_types ? Head::states : Head::regressors + Head::slots;
+  payload.head_states = controller.settings().head != 0 ? static_cast<std::uint32_t>(states) : 0u;
+  payload.head_updates = learning.head.updates();
+  payload.head_theta = learning.head.theta();
+  std::copy_n(learning.head.covariance().data(), payload.head_covariance.size(), payload.head_covariance.begin());
+}
+
+}  // namespace airside
