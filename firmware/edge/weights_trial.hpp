@@ -36,7 +36,7 @@ struct TakenCounters {
 struct TrialRecord : TakenCounters, WeightTrialRecord {};
 static_assert(sizeof(TrialRecord) == sizeof(TakenCounters) + sizeof(WeightTrialRecord), "no gap in what is saved");
 
-/// Cost: no heap after construction.  Source: RELIABILITY "Weight blob", rows 44-50; DESIGN.md "Weights that arrive".
+/// Cost: no heap after construction.  Source: docs/box-and-safety.md, rows 44-50.
 template <Topology T>
 class WeightsTrial {
  public:

@@ -81,9 +81,9 @@ tls_cert = ""            # PEM files
 tls_key = ""
 
 [ahu]                    # when its fan runs: at other times supply air cannot follow its setpoint, which is no alarm
-fan_start = "00:00"      # local time; a point ahu_on (1 runs, 0 stands still) in the point map goes before
+fan_start = "00:00"      # local time; a point ahu_on (1 runs, 0 rests) in the point map goes before
 fan_end = "24:00"
-weekday_only = false     # true: it stands still on Saturday and Sunday
+weekday_only = false     # true: it rests on Saturday and Sunday
 
 # A model of the building, for training before anything is installed:
 # [twin]

@@ -34,9 +34,9 @@ struct StoreError {
 template <class V>
 using StoreResult = tl::expected<V, StoreError>;
 
-/// Whether the same call may succeed the next time: the system failed it, and not since there is nothing to find.
+/// Whether the same call may succeed the next time: the system failed it, or what lies in the way may be taken away.
 constexpr bool may_pass(const StoreError& error) {
-  return error.error_number != 0 && error.fault != StoreFault::not_found;
+  return error.fault == StoreFault::wrong_kind || (error.error_number != 0 && error.fault != StoreFault::not_found);
 }
 
 /// "disk full", "another process uses it" ...

@@ -22,7 +22,7 @@ struct Reading {
   double setpoint_degc = std::numeric_limits<double>::quiet_NaN();
   /// Measured supply-air temperature, degC; NaN where there is no sensor. Not a network input.
   double supply_temp_degc = std::numeric_limits<double>::quiet_NaN();
-  /// 1: the AHU's fan runs; 0: it stands still; NaN where no point shows it.
+  /// 1: the AHU's fan runs; 0: it rests; NaN where no point shows it.
   double flows = std::numeric_limits<double>::quiet_NaN();
   /// Counts up, from 1 in each process, whenever the device was out of touch in between; it may have restarted, and
   /// stand at a default.

@@ -23,10 +23,10 @@ struct ControllerSettings {
   double expert_work_degc = 20.5;  ///< schedule in working hours (spec 6.3)
   double expert_off_degc = 25.0;   ///< schedule outside
 
-  // When the AHU's fan runs, where no point shows it. While it stands still, supply air cannot follow its setpoint.
+  // When the AHU's fan runs, where no point shows it. While it rests, supply air cannot follow its setpoint.
   double fan_start_h = 0.0;  ///< hours; 0 to 24: always on
   double fan_end_h = 24.0;   ///< hours
-  int fan_weekday_only = 0;  ///< 1: it stands still on Saturday and Sunday
+  int fan_weekday_only = 0;  ///< 1: it rests on Saturday and Sunday
 
   // Action set (OPEN-15)
   double action_min_degc = 20.0;

@@ -72,7 +72,7 @@ TEST_F(TrialPolicy, AnImageThatCannotBeReadIsWaitedForAndThenTheScheduleTakesOve
   for (int i = 0; i < 3; ++i) EXPECT_EQ(roll_back(false, true), Rollback::waits);
   EXPECT_EQ(rig.controller->cycle().has_weights, 0) << "those that go are out of use meanwhile";
   EXPECT_EQ(roll_back(false, true), Rollback::image_gone);
-  rig.cycles(1);
+  rig.cycles(2);
   EXPECT_EQ(rig.decision().reason, Reason::no_weights);
 }
 

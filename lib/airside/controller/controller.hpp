@@ -17,7 +17,7 @@ namespace airside {
 
 /// Controls one AHU: the cycle over the parts that supervise, judge, propose and learn. Shape: T. Scalar: float on the
 /// box, double in tests.
-/// Cost: see `airside footprint`; nothing is allocated, ever.  Source: DESIGN.md decisions 1-4, 10.
+/// Cost: see `airside footprint`; nothing is allocated, ever.  Source: docs/method.md 6.5; DESIGN.md.
 template <Topology T, class Scalar = float>
 class Controller : public ControllerMemory<T, Scalar> {
  public:
@@ -91,7 +91,7 @@ class Controller : public ControllerMemory<T, Scalar> {
   using Base::cycle_, Base::decision_, Base::guideline36_, Base::learner_settings_, Base::learning_, Base::proposer_,
       Base::replay_, Base::resumed_, Base::scratch_, Base::settings_, Base::training_;
 
-  /// A decision as it stands before the reading is looked into.
+  /// A decision before the reading is looked into.
   Pending open(CivilTime t, const Expected<Reading<T>>& sensed, Supervisor<T>& supervisor) {
     cycle_.mode_arbiter.tick(t);
     cycle_.budget.earn(settings_.writes_per_day);

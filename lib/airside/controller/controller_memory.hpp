@@ -52,7 +52,7 @@ class ControllerMemory {
     guideline36_ = guideline36_on_site(settings);
   }
 
-  /// Draws the weights to start from. Source: method, section 5.
+  /// Draws the weights to start from. Source: docs/method.md 5.
   void draw_weights(SplitMix64& draw) { initialise_uniform(learning_.weights, draw); }
   /// Takes a scaler, and the weights drawn before, as the start: target net a copy, moments zero.
   void start(const Scaler<T>& scaler) {

@@ -1,6 +1,7 @@
 #include "airside/controller/instances.hpp"
 
 #include "airside/controller/footprint.hpp"
+#include "airside/controller/weight_trial.hpp"
 
 namespace airside {
 
@@ -8,6 +9,7 @@ namespace airside {
   static_assert(within_budget<Tag>(), "a part of the controller is over its budget"); \
   template class ControllerMemory<Tag, float>;                                        \
   template class Controller<Tag, float>;                                              \
+  template class WeightTrial<Tag>;                                                    \
   template class BlobCodec<Tag, NetworkWeights<Tag, float>::count>;
 AIRSIDE_FOR_EACH_TOPOLOGY(AIRSIDE_INSTANTIATE)
 #undef AIRSIDE_INSTANTIATE

@@ -14,7 +14,7 @@
 namespace airside {
 
 /// Works on the saved cycle state of one controller, which must outlive it. Shape: T.
-/// Cost: O(signals) a row.  Source: DESIGN.md "Thresholds of the mode arbiter".
+/// Cost: O(signals) a row.  Source: docs/box-and-safety.md, "Thresholds".
 template <Topology T>
 class Supervisor {
  public:

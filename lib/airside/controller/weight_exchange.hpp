@@ -1,5 +1,5 @@
 #pragma once
-// Other weights while in control: how far they are from what a room can do, the exchange itself, and the way back.
+// Other weights while in control: how far they are from what a room can do, the exchange itself, and the rollback.
 
 #include <algorithm>
 #include <cmath>

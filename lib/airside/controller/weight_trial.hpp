@@ -77,7 +77,7 @@ enum class Rollback : std::uint8_t {
   image_gone,   ///< the image is gone, and weights on trial go in any case: the schedule
 };
 
-/// Cost: no heap. Shape: T.  Source: docs/box-and-safety.md rows 44-50; DESIGN.md "Weights that arrive".
+/// Cost: no heap. Shape: T.  Source: docs/box-and-safety.md, rows 44-50 and "Weights that arrive".
 template <Topology T>
 class WeightTrial {
  public:
@@ -166,8 +166,8 @@ class WeightTrial {
     return std::sqrt(std::max(mean(record.error_sum_k2, record), mean(record.head_error_sum_k2, record)));
   }
 
-  /// Takes weights back. `image`: those before, nullptr where they cannot be read, which `may_pass` within so many
-  /// rows of patience. Errors: as the result says; what is damaged changes nothing.
+  /// Takes weights back. `image`: those before, nullptr where they cannot be read, which `may_pass` within
+  /// `patience` rows. Errors: as the result says; what is damaged changes nothing.
   static Rollback roll_back(Controller<T>& controller, const Learning* image, bool may_pass, std::uint32_t patience,
                             WeightTrialRecord& record) {
     const bool is_missing = image == nullptr && record.had_weights != 0;
