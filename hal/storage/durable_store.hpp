@@ -5,7 +5,7 @@
 //   replay journal: a ring file of numbered transitions, with spare slots so that what the last commit refers to is
 //   never overwritten before the next commit stands.
 // A commit writes and syncs journal, then learning, then row; whatever happens in between, load() finds the old
-// generation or the new one whole. Bytes: FORMATS.md.
+// generation or the new one whole. Bytes: docs/formats.md.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,7 @@
 #pragma once
 // How much memory a controller takes, chosen for the whole build (AIRSIDE_SMALL_MEMORY). `full` is the box with an
-// operating system; `small` fits the static RAM of one microcontroller (DESIGN.md "Without an operating system").
+// operating system; `small` fits the static RAM of one microcontroller (docs/porting.md, "Cortex-M7 without an
+// operating system").
 
 #include <cstddef>
 
