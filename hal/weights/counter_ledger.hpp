@@ -21,7 +21,7 @@ struct KeyCounter {
 /// The file `push_counters` in two folders, such as state and log; the larger counter rules. It is written before the
 /// commit that exchanges the weights: a power cut between the two leaves it ahead of the state, never behind. The blob
 /// whose commit is still to come is named by its digest, so that this one alone may come again. A file exists from the
-/// first commit of a box on: where one lies, the box is not new. Bytes in FORMATS.md.
+/// first commit of a box on: where one lies, the box is not new. Bytes in docs/formats.md.
 /// Cost: no heap after construction; a write is about ten system calls a folder.
 class CounterLedger {
  public:

@@ -1,7 +1,7 @@
 #pragma once
 // Every number that a person may choose about control and learning, with meaning, default and range. Two presets:
-// `paper_settings()` follows the printed method with the decisions of spec section 15; `product_settings()` is
-// what the rooms showed to be best (DESIGN.md, "Why the default differs from the paper").
+// `paper_settings()` follows the printed method with the decisions of docs/method.md 15; `product_settings()` is
+// what the rooms showed to be best (docs/results.md, "Why the default differs from the paper").
 
 #include <array>
 
@@ -14,13 +14,13 @@ constexpr int max_candidates = 192;  ///< setpoints scored in one decision
 
 struct ControllerSettings {
   // Goal and schedule
-  double target_degc = 25.25;      ///< room temperature to hold, mean of the VAVs (spec 1)
-  double work_start_h = 7.0;       ///< hours; scoring and the expert's day start here (spec 2)
+  double target_degc = 25.25;      ///< room temperature to hold, mean of the VAVs (docs/method.md 1)
+  double work_start_h = 7.0;       ///< hours; scoring and the expert's day start here (docs/method.md 2)
   double work_end_h = 19.0;        ///< hours
   int weekday_only = 0;            ///< 1: Saturday and Sunday are days off, for schedule, scoring and room head
   int daylight_saving = 0;         ///< 0 none, 1 European Union, 2 United States (civil_time.hpp)
   double utc_offset_h = 0;         ///< of local standard time, hours east; the European rule needs it
-  double expert_work_degc = 20.5;  ///< schedule in working hours (spec 6.3)
+  double expert_work_degc = 20.5;  ///< schedule in working hours (docs/method.md 6.3)
   double expert_off_degc = 25.0;   ///< schedule outside
 
   // When the AHU's fan runs, where no point shows it. While it rests, supply air cannot follow its setpoint.
@@ -28,7 +28,7 @@ struct ControllerSettings {
   double fan_end_h = 24.0;   ///< hours
   int fan_weekday_only = 0;  ///< 1: it rests on Saturday and Sunday
 
-  // Action set (OPEN-15)
+  // Action set (docs/method.md, open point 15)
   double action_min_degc = 20.0;
   double action_max_degc = 26.0;
   double action_step_k = 0.1;
@@ -37,7 +37,7 @@ struct ControllerSettings {
   // Score (6.1)
   double score_alpha = 1.0;   ///< a_s, weight of |S_long - target|
   double score_beta = 0.9;    ///< b_s, weight of |S_long - S|
-  double tie_degc = 1e-6;     ///< scores closer than this tie (OPEN-16)
+  double tie_degc = 1e-6;     ///< scores closer than this tie (docs/method.md, open point 16)
   double move_penalty = 0.0;  ///< per K^2, calms the network's choice
   double gamma = 0.5;         ///< g, discount of the long-term prediction
 
@@ -51,7 +51,7 @@ struct ControllerSettings {
 
   // Losses (4)
   double weight_strb = 1, weight_tdb = 1, weight_gc = 1, weight_rc = 1, weight_rec = 1;
-  double label_vav = 1.0;  ///< relation label of "VAV on" (OPEN-4)
+  double label_vav = 1.0;  ///< relation label of "VAV on" (docs/method.md, open point 4)
 
   // Learning (5)
   double learning_rate = 1e-3;
@@ -63,7 +63,7 @@ struct ControllerSettings {
   int gate = 0;                   ///< 1: new weights must pass the acceptance gate
   double gate_loss_ratio = 1.25;  ///< held-back loss may grow by this factor at most
 
-  // Room head (CLOSED_LOOP; DESIGN.md "Room head")
+  // Room head (docs/method.md 16.2)
   int head = 0;                                     ///< 1: the room head corrects the network's forecast
   double head_correction = 0.95;                    ///< share of the present error removed in one cycle
   double head_noise_k = 0.04;                       ///< sd of one innovation
@@ -83,13 +83,13 @@ struct ControllerSettings {
   double limit_max_degc = 27.0;
   double limit_change_k = 6.0;  ///< largest change from one cycle to the next
   int outside_jump = 0;         ///< 1: a setpoint found outside the limits is brought inside at once, not in steps
-  double round_k = 0.01;        ///< resolution of what is written (OPEN-18)
+  double round_k = 0.01;        ///< resolution of what is written (docs/method.md, open point 18)
   /// The AHU's register holds offset + n * step, and is read back in steps of its own; 0: any value. Of the point map.
   double register_step_k = 0, register_offset_degc = 0, readback_step_k = 0;
   double hold_s = 1080;       ///< a lost signal keeps its last good value so long
   double writes_per_day = 0;  ///< 0: no limit; else setpoints written on average, for registers in EEPROM
 
-  // Mode arbiter (DESIGN.md "Thresholds of the mode arbiter")
+  // Mode arbiter (docs/box-and-safety.md, "Thresholds")
   double frozen_s = 3600;          ///< all signals unchanged for so long: the device repeats itself
   double disagree_k = 8.0;         ///< a room so far from the median of all is not believed
   double drift_k = 1.0;            ///< a room so far from where it was against the others drifts
@@ -103,10 +103,10 @@ struct ControllerSettings {
   int refused_updates = 80;        ///< so many in a row freeze the weights for a day
 };
 
-/// The printed method. Source: spec/method section 15.
+/// The printed method. Source: docs/method.md 15.
 constexpr ControllerSettings paper_settings() { return {}; }
 
-/// The product's default: network and room head. Source: DESIGN.md "Why the default differs from the paper".
+/// The product's default: network and room head. Source: docs/results.md, "Why the default differs from the paper".
 constexpr ControllerSettings product_settings() {
   ControllerSettings s;
   s.refine_step_k = 0.01;

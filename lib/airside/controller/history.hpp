@@ -17,7 +17,7 @@ template <Topology T, class Scalar = float>
 class HistoryReader {
  public:
   enum class Head { leave, learn };
-  /// From which rows a transition may start: any (spec OPEN-1), or those at which control decides.
+  /// From which rows a transition may start: any (docs/method.md, open point 1), or those at which control decides.
   enum class Starts { every_row, every_cycle };
 
   HistoryReader(Controller<T, Scalar>& controller, Head head, Starts starts = Starts::every_row)

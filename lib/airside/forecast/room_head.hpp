@@ -25,7 +25,7 @@ constexpr int day_types_of(const ControllerSettings& s) {
 /// ds = x' theta_x + profile(slot) + ma e.
 /// x: HeadFeatures.
 /// Shape: 14 regressors and 80 slots a day type. Units: K; power in units of the scaler.
-/// Cost: one Kalman update a cycle, O((14 + 80 d)^2).  Source: DESIGN.md "Room head".
+/// Cost: one Kalman update a cycle, O((14 + 80 d)^2).  Source: docs/method.md 16.2.
 template <Topology T>
 class RoomHead {
  public:

@@ -25,7 +25,7 @@ inline bool air_flows(const ControllerSettings& s, CivilTime standard_time, doub
   return h >= s.fan_start_h && h < s.fan_end_h;
 }
 
-/// The schedule's setpoint, degC.  Source: spec 6.3, OPEN-19.
+/// The schedule's setpoint, degC.  Source: docs/method.md 6.3, open point 19.
 constexpr double expert_setpoint_degc(const ControllerSettings& s, CivilTime t) {
   return in_working_hours(s, t) ? s.expert_work_degc : s.expert_off_degc;
 }
