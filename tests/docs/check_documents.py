@@ -109,7 +109,16 @@ def references(root):
                         yield f"{where}: names {document}, decision {decision}: no such decision"
 
 
-CHECKS = {"sizes": sizes, "width": width, "links": resolve, "paths": paths, "words": words, "references": references}
+def wings(root):
+    """Every wing of tests/arrows/arrows.txt has its line in docs/architecture.md."""
+    told = text_of(os.path.join(root, "docs/architecture.md"))
+    for wing in re.findall(r"^([\w/]+):", text_of(os.path.join(root, "tests/arrows/arrows.txt")), re.MULTILINE):
+        if f"`{wing}`" not in told:
+            yield f"docs/architecture.md: no `{wing}`; say which question this wing answers"
+
+
+CHECKS = {"sizes": sizes, "width": width, "links": resolve, "paths": paths, "words": words, "references": references,
+          "wings": wings}
 
 
 def itself(_):
@@ -122,12 +131,14 @@ def itself(_):
         "paths": {"README.md": "`lib/gone.hpp`\n"},
         "words": {"README.md": "A defect that was\nmended.\n"},
         "references": {"lib/there.hpp": "// Source: docs/none.md.\n", "lib/other.hpp": "// docs/b.md, \"One\n// three\"\n"},
+        "wings": {"tests/arrows/arrows.txt": "# list\nlib:\nlib/gone: lib\n    lib/more\n"},
     }
     for check, files in wrong.items():
         for broken in (False, True):
             with tempfile.TemporaryDirectory() as root:
                 made = {"README.md": right, "DESIGN.md": "# D\n", "docs/b.md": "# B\n\n## One two\n",
-                        "lib/there.hpp": "// docs/b.md, \"One\n// two\"\n"}
+                        "lib/there.hpp": "// docs/b.md, \"One\n// two\"\n",
+                        "docs/architecture.md": "| `lib` | what? |\n", "tests/arrows/arrows.txt": "lib:\n"}
                 made.update(files if broken else {})
                 for name, text in made.items():
                     os.makedirs(os.path.dirname(os.path.join(root, name)), exist_ok=True)
