@@ -85,7 +85,8 @@ def references(root):
         known.setdefault(os.path.basename(document), document)
     for top in CODE:
         for folder, folders, files in os.walk(os.path.join(root, top)):
-            folders[:] = [name for name in folders if name not in ("vendor", "found", "data", "docs", "house", "__pycache__")]
+            skipped = ("vendor", "found", "data", "docs", "house", "__pycache__")
+            folders[:] = [name for name in folders if name not in skipped]
             for name in files:
                 file = os.path.join(folder, name)
                 if os.path.splitext(name)[1] not in CODE_ENDINGS:
@@ -130,7 +131,8 @@ def itself(_):
         "links": {"README.md": "[a](docs/none.md)\n", "DESIGN.md": "[a](docs/b.md#three)\n"},
         "paths": {"README.md": "`lib/gone.hpp`\n"},
         "words": {"README.md": "A defect that was\nmended.\n"},
-        "references": {"lib/there.hpp": "// Source: docs/none.md.\n", "lib/other.hpp": "// docs/b.md, \"One\n// three\"\n"},
+        "references": {"lib/there.hpp": "// Source: docs/none.md.\n",
+                       "lib/other.hpp": "// docs/b.md, \"One\n// three\"\n"},
         "wings": {"tests/arrows/arrows.txt": "# list\nlib:\nlib/gone: lib\n    lib/more\n"},
     }
     for check, files in wrong.items():

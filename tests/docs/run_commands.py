@@ -2,7 +2,7 @@
 
 Blocks that begin with ```sh are run, one document in one shell and one empty folder, with the programs of BIN in the
 PATH. ```sh elsewhere: REASON is not run here: its shell grammar, programs, subcommands and options are checked instead,
-as are all commands in backticks (--names). Port 1502 is exchanged for a free one, so that tests can run side by side."""
+as are all commands in backticks (--names). Port 1502 is exchanged for a free one: tests can run side by side."""
 
 import argparse
 import os
@@ -124,7 +124,7 @@ def complaints(root, document, said):
         if block.language != "sh":
             continue
         if block.info and not re.match(r"elsewhere: \S", block.info):
-            yield f"{document}:{block.line}: found ```sh {block.info}; expected ```sh, or ```sh elsewhere: and the reason"
+            yield f"{document}:{block.line}: found ```sh {block.info}; expected ```sh, or ```sh elsewhere: REASON"
         checked = subprocess.run(["bash", "-n"], input=block.text, capture_output=True, text=True, check=False)
         if checked.returncode:
             yield f"{document}:{block.line}: {checked.stderr.strip()}"
