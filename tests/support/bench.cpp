@@ -11,6 +11,7 @@
 #include "hal/log/log_csv.hpp"
 #include "hal/points/point_map.hpp"
 #include "hal/text/civil_text.hpp"
+#include "hal/weights/blob_file.hpp"
 #include "tools/run/training/pretraining.hpp"
 
 namespace airside::closed_loop {
