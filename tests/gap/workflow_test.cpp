@@ -174,18 +174,18 @@ TEST(Workflow, NeverSaysNoGapOfWhatIsTooSmallToBeNamed) {
 
 TEST(Workflow, NamesASureFindingBesideAnUnsureOneAndListsThatApart) {
   auto effects = sim::load_effects(sim::find_effects());
-  sim::Effect twin = effect_named(effects, "room_sensor_bias");
-  twin.name = "room_sensor_bias_again";  // nothing can tell the two apart
+  sim::Effect twin = effect_named(effects, "supply_sensor_offset");
+  twin.name = "supply_sensor_offset_again";  // nothing can tell the two apart
   twin.prior_sd = 0;
   effects.push_back(twin);
-  const Stage s(true, {"vav_flow", "room_sensor_bias", "room_sensor_bias_again"}, effects);
-  const Verdict v = s.verdict({{"vav_flow", 2, 0.7}, {"room_sensor_bias", 0, 0.8}});
-  EXPECT_EQ(v.kind, VerdictKind::named) << v.reason;
+  const Stage s(true, {"mixing_perimeter", "supply_sensor_offset", "supply_sensor_offset_again"}, effects);
+  const Verdict v = s.verdict({{"mixing_perimeter", 0, 4.5}, {"supply_sensor_offset", 0, 0.6}});
+  EXPECT_EQ(v.kind, VerdictKind::named) << v.reason << "; " << sentence_of(v);
   ASSERT_EQ(v.findings.size(), 1U) << v.reason;
-  EXPECT_EQ(v.findings[0].at.id(), "vav_flow@3");
-  EXPECT_NEAR(v.findings[0].magnitude, 0.7, 0.1);
+  EXPECT_EQ(v.findings[0].at.id(), "mixing_perimeter");
+  EXPECT_NEAR(v.findings[0].magnitude, 4.5, 1.5);
   ASSERT_EQ(v.unsure.size(), 1U);
-  EXPECT_EQ(v.unsure[0].at.effect->name.substr(0, 16), "room_sensor_bias");
+  EXPECT_EQ(v.unsure[0].at.effect->name.substr(0, 20), "supply_sensor_offset");
   EXPECT_FALSE(v.unsure[0].why_not.empty());
   EXPECT_NE(sentence_of(v).find("not sure beside it: "), std::string::npos) << sentence_of(v);
   const nlohmann::json j = json_of(v, "case", s.responses.test, s.engine.channels());

@@ -24,10 +24,15 @@ struct Shown {
   double now_s = 0, left_s = 0, took_s = 0;
 };
 
-/// Plays a task whose stages ran so, as the plan said before; `known`: steps of later stages, known when a stage
-/// begins.
+/// A stage known better when another begins.
+struct Known {
+  std::size_t when = 0, stage = 0;
+  Stage as;
+};
+
+/// Plays a task whose stages ran so, as the plan said before.
 std::vector<Shown> played(const std::vector<Stage>& plan, const std::vector<Ran>& ran,
-                          const std::vector<std::vector<double>>& known = {}) {
+                          const std::vector<Known>& known = {}) {
   double all = 0;
   for (const Ran& r : ran) all += r.seconds;
   StageClock clock(plan);
