@@ -1,5 +1,5 @@
 // Hostile exchanges by the thousand: how long the longest takes, how long recovery takes, and that no answer is
-// believed that is not the server's. CI runs a slice; the figures of README come from longer runs:
+// believed that is not the server's. CI runs a slice; the figures of docs/verification.md come from longer runs:
 //   AIRSIDE_CHAOS_EXCHANGES=n   exchanges of the link (300)
 //   AIRSIDE_CHAOS_RECOVERIES=n  faults of up to a minute whose recovery is timed (0: a short one)
 //   AIRSIDE_CHAOS_SEED=n        of all draws (1)

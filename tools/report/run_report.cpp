@@ -75,7 +75,7 @@ std::string headline(const RunRecord& r, const MethodResult& ours, const MethodR
   const double used = mean_of(ours, &Metrics::hvac_kwh_per_day);
   const double before = mean_of(*schedule, &Metrics::hvac_kwh_per_day);
   if (!(used > 0 && before > 0)) return text + ".";
-  // No "less" or "more": rooms differ by more than any two methods do in one room (README, no energy claim).
+  // No "less" or "more": rooms differ by more than any two methods do in one room (README.md, "Limits").
   return text + fmt::format(" and used {} kWh of electricity a day, this control {} kWh.", number_text(before, 1),
                             number_text(used, 1));
 }

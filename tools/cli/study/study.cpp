@@ -1,4 +1,4 @@
-// airside study rooms: every method on several rooms and seeds, the table that README shows.
+// airside study rooms: every method on several rooms and seeds, the tables of docs/results.md.
 
 #include <fmt/format.h>
 
@@ -247,7 +247,7 @@ void add_study(CLI::App& app) {
       ->check(CLI::Range(1, 60))
       ->capture_default_str();
   c->add_option("--days", self->days, "controlled days")->check(CLI::Range(1, 300))->capture_default_str();
-  c->add_option("--methods", self->methods, "peers and floors, comma-separated (default: all of README's tables)")
+  c->add_option("--methods", self->methods, "peers and floors, comma-separated (default: all of docs/results.md)")
       ->delimiter(',');
   c->add_option("--jobs", self->jobs, "child processes at a time")->check(CLI::Range(1, 256))->capture_default_str();
   c->add_option("-o,--out", self->out, "JSON file with every run");
