@@ -152,8 +152,7 @@ void FaultLoop::kill(bool from_older) {
 
 void FaultLoop::lose_state() {
   restart({std::make_shared<Controller<T>>(*prepared_.controller), {}});
-  CycleState<T>& cycle = inside(*controller_).cycle;
-  cycle = CycleState<T>();
+  CycleState<T>& cycle = inside(*controller_).cycle = CycleState<T>();
   cycle.has_weights = 1;
   cycle.validator = Validator<T>(controller_->limits(), controller_->settings());
   (void)airside::restart(*controller_);

@@ -39,7 +39,9 @@ class Chooser {
         decision_{.time = {}, .command = envelope_.limit(settings.expert_off_degc, settings.expert_off_degc, 0)} {}
 
   void observe(CivilTime t, const Expected<Reading<T>>& sensed) {
-    if (t.second_of_day() % period_s_ == 0) absorb(decide(t, sensed), plant_.actuate(decision_.command));
+    if (t.second_of_day() % period_s_ != 0) return;
+    const Decision& chosen = decide(t, sensed);  // before it is written: arguments have no order
+    absorb(chosen, plant_.actuate(chosen.command));
   }
   const Decision& decide(CivilTime t, const Expected<Reading<T>>& sensed) {
     const double expert = expert_setpoint_degc(settings_, t);

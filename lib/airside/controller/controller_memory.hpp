@@ -1,10 +1,11 @@
 #pragma once
 // What a controller owns: settings, the saved state, working memory; and the few ways to change them from outside.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <new>
 #include <span>
 
 #include "airside/controller/decision.hpp"
@@ -72,7 +73,7 @@ class ControllerMemory {
   void begin_from(const Scaler<T>& scaler, std::span<const Scalar> weights, const Kernels<Scalar>& kernels) {
     std::copy(weights.begin(), weights.end(), learning_.weights.flat().begin());
     learning_.scaler = scaler;
-    std::construct_at(&scratch_);
+    ::new (static_cast<void*>(&scratch_)) NetworkScratch<T, Scalar>();
     scratch_.kernels = kernels;
     start(Scaler<T>(learning_.scaler));
   }
