@@ -7,7 +7,6 @@
 
 #include "airside/controller/history.hpp"
 #include "hal/points/signal_limits.hpp"
-#include "hal/site/site_settings.hpp"
 #include "hal/weights/blob_file.hpp"
 #include "support/blob_maker.hpp"
 #include "tools/run/training/transfer.hpp"

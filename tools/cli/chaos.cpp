@@ -147,7 +147,7 @@ void add_chaos(CLI::App& app) {
       "  airside serve --room 301-real --port 1502\n"
       "  airside chaos --listen 1503 --to 127.0.0.1:1502 --fault late:p=0.05,s=3 --fault reset:p=0.05\n"
       "then point airsided, or any other client, at port 1503. The same seed, rules and requests give the same\n"
-      "faults. Each fault is a line on standard error. It runs until it is told to stop (Ctrl-C).");
+      "faults. Each fault is a line on standard error. It runs until a signal stops it (Ctrl-C).");
   c->add_option("--listen", self->listen_port, "port to listen at, 0 for any")->check(CLI::Range(0, 65535));
   c->add_option("--address", self->address, "address to listen at")->capture_default_str();
   c->add_option("--to", self->to, "HOST:PORT of the true server")->required();

@@ -86,7 +86,7 @@ struct PretrainCommand {
                text_of(facts));
   }
 
-  /// As it stands in the command.
+  /// As the command had it.
   std::string static_text() const {
     for (const auto& [name, which] : static_schedules) {
       if (which == pretrainer) return " --static " + name;

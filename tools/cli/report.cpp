@@ -12,6 +12,7 @@
 
 #include "airside/supervision/schedule.hpp"
 #include "hal/text/civil_text.hpp"
+#include "hal/text/unfinished.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/report/logged_method.hpp"
 #include "tools/report/report.hpp"
@@ -67,6 +68,7 @@ std::string picture_of(const fs::path& page, const fs::path& png) {
     const int failed = posix_spawnp(&child, browser, &quiet, nullptr, arguments.data(), environ);
     posix_spawn_file_actions_destroy(&quiet);
     if (failed != 0) continue;
+    const hal::UnfinishedChild unfinished(child);
     int status = -1;
     for (int tenths = 0; waitpid(child, &status, WNOHANG) == 0; ++tenths) {
       if (tenths == 600) kill(child, SIGKILL);

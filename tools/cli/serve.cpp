@@ -105,7 +105,7 @@ void add_serve(CLI::App& app) {
   c->add_option(
       "--faults", self->faults,
       "CSV of faults of sensors and AHU, hours from the opening (docs/formats.md, \"Faults of a simulated room\")");
-  c->add_option("--speed", self->speed, "run freely, so many times real time")->check(CLI::Range(0.0, 1e6));
+  c->add_option("--speed", self->speed, "run freely, N times real time")->check(CLI::Range(0.0, 1e6));
   c->add_option("--ready", self->ready_file, "write the address to this file once the server answers");
   c->add_flag("--json", self->json, "print one JSON object, once the server answers, and nothing else");
   c->callback([self] { self->run(); });

@@ -15,7 +15,7 @@ namespace airside::tools {
 class Progress {
  public:
   Progress(std::string task, std::uint64_t total, std::FILE* out = stderr);
-  /// Ends the bar where it stands when finish() was not reached, so that an error message starts on its own line.
+  /// Ends the bar where it is when finish() was not reached, so that an error message starts on its own line.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;

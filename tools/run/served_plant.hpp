@@ -7,7 +7,7 @@
 
 namespace airside::tools {
 
-/// In lockstep (`speed` 0) the plant moves only when a client asks by clock_advance_s; with a speed it runs so many
+/// In lockstep (`speed` 0) the plant moves only when a client asks by clock_advance_s; with a speed it runs N
 /// times faster than the wall clock, until `end`.
 class ServedPlant {
  public:

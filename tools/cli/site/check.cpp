@@ -10,7 +10,6 @@
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/weights/key_ring.hpp"
-#include "sim/energyplus/install.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "tools/cli/blob/blob_facts.hpp"
 #include "tools/cli/command.hpp"
