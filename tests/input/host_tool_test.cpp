@@ -310,7 +310,12 @@ TEST(Gap, FindsTheMadeUpWeatherBesideALogOfTheRcPlant) {
       "gap --site site.toml --measured log.csv --reference ref.csv --plant rc --room 301 --out gap-report/ --json";
   const Outcome o = run_program("airside", Desk::split(gap), desk.folder(), desk.folder(), 240);
   EXPECT_EQ(o.code, 0) << o.err;
-  EXPECT_NE(object_of(o).value("verdict", ""), "") << o.out;
+  const json found = object_of(o);
+  EXPECT_NE(found.value("verdict", ""), "") << o.out;
+  expect_facts(found, "rc");
+  const std::string page = text_of_file(desk.path("gap-report/index.html"));
+  const std::string head = page.substr(0, page.find("<h1>"));
+  EXPECT_TRUE(has(head, "weather log.epw") && has(head, "commit " + found.value("commit", "none"))) << head;
   desk.write("log.epw", "other");
   const Outcome other = desk.run("airside", Desk::split(gap));
   EXPECT_EQ(other.code, 1);

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "tools/run/progress.hpp"
+#include "tools/run/progress/progress.hpp"
 
 namespace airside::tools {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/run/stage_clock.hpp"
-#include "tools/run/staged_progress.hpp"
+#include "tools/run/progress/stage_clock.hpp"
+#include "tools/run/progress/staged_progress.hpp"
 
 namespace airside::tools {
 namespace {

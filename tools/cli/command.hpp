@@ -8,7 +8,7 @@
 
 #include "tools/run/control_run.hpp"
 #include "tools/run/metrics.hpp"
-#include "tools/run/progress.hpp"
+#include "tools/run/progress/progress.hpp"
 #include "tools/run/site.hpp"
 
 namespace airside::tools {

@@ -14,6 +14,7 @@
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/report/report.hpp"
 #include "tools/run/log_weather.hpp"
+#include "tools/run/run_facts.hpp"
 
 namespace airside::tools {
 
@@ -224,6 +225,8 @@ struct SiteCommand : GapOptions {
   }
 
   void finish(gap::GapRun run) const {
+    const RunFacts facts =
+        run_facts(run.request.source.engine == "energyplus", weather_file_text(run.request.source.weather));
     const fs::path folder = out;
     nlohmann::json j;
     j["report"] = (folder / "index.html").string();
@@ -251,6 +254,7 @@ struct SiteCommand : GapOptions {
     j["files"] = files;
     const auto write_findings = [&] {
       j.update(gap::json_of(run));
+      add_to(j, facts);
       gap::write_whole_file(folder / "gap.json", gap::readable_text(j));
       write_report(folder / "index.html", make_gap_report(run));
     };
@@ -265,7 +269,7 @@ struct SiteCommand : GapOptions {
     if (json)
       fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     else
-      say(run, j);
+      say(run, j, facts);
     if (!apply.empty() && !run.patched) {
       throw hal::InputError("--apply " + apply, fmt::format("the verdict {}", gap::text_of(run.verdict.kind)),
                             "a named effect to patch the twin with",
@@ -282,7 +286,7 @@ struct SiteCommand : GapOptions {
     }
   }
 
-  static void say(const gap::GapRun& run, const nlohmann::json& j) {
+  static void say(const gap::GapRun& run, const nlohmann::json& j, const RunFacts& facts) {
     if (!run.request.source.reference_log.empty()) say_log(stdout, run.loaded.logs.reference);
     say_log(stdout, run.loaded.logs.measured);
     fmt::print("{}\n", gap::sentence_of(run));
@@ -303,6 +307,7 @@ struct SiteCommand : GapOptions {
         figure("before", "power_rmse_kw"), figure("after", "power_rmse_kw"), figure("given", "temp_rmse_k"),
         figure("given", "power_rmse_kw"));
     if (run.retraining) fmt::print("{}{}\n", gap::text_of(*run.retraining), gap::sentence_of(*run.retraining));
+    fmt::print("by {}\n", text_of(facts));
     for (const auto& file : j["files"]) fmt::print("{}\n", file.get<std::string>());
   }
 };

@@ -211,14 +211,6 @@ auto with_room_option(Make&& make) {
   }
 }
 
-/// By name and checksum: files of one name need not be one file.
-std::string weather_file_text(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in && text.empty()) return "";
-  return fmt::format("{} (CRC-32C {:08x})", file.filename().string(), crc32c(std::as_bytes(std::span(text))));
-}
-
 }  // namespace
 
 void check_room(const PlantChoice& choice, const Site& site) {
@@ -231,6 +223,13 @@ void check_room(const PlantChoice& choice, const Site& site) {
       (void)rc_room(choice, site);
     }
   });
+}
+
+std::string weather_file_text(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (!in && text.empty()) return "";
+  return fmt::format("{} (CRC-32C {:08x})", file.filename().string(), crc32c(std::as_bytes(std::span(text))));
 }
 
 std::string weather_text(const PlantChoice& choice, const Site& site) {

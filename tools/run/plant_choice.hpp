@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -51,6 +52,8 @@ bool is_energyplus(const PlantChoice& choice, const Site& site);
 /// Errors: hal::InputError.
 void check_room(const PlantChoice& choice, const Site& site);
 
+/// A weather file by name and checksum, since files of one name need not be one file; "" where it is missing.
+std::string weather_file_text(const std::filesystem::path& file);
 /// The weather by file and checksum, or the made-up year; "" where the engine or the file is missing.
 std::string weather_text(const PlantChoice& choice, const Site& site);
 

@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
-#include "hal/system/version.hpp"
 #include "hal/text/civil_text.hpp"
 #include "tools/gap/report/gap_page.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
+#include "tools/run/run_facts.hpp"
 
 namespace airside::tools {
 
@@ -23,6 +24,10 @@ bool ever_measured(const Eigen::MatrixXd& residual, int channel) {
                      [](double x) { return std::isfinite(x); });
 }
 
+std::string versions_of(const gap::GapRun& run) {
+  return run_facts(run.request.source.engine == "energyplus", "").engine + ", " + program_text();
+}
+
 void add_facts(const GapPage& page, ReportInput& input) {
   const auto period = [](const gap::Window& window, const gap::CleanLog& log) {
     return fmt::format("{}: {} to {}, {} days", log.place, date_text(window.recording.from),
@@ -35,7 +40,7 @@ void add_facts(const GapPage& page, ReportInput& input) {
                  {"reference", period(page.run.loaded.data.reference, page.run.loaded.logs.reference)},
                  {"measured", period(page.run.loaded.data.test, page.run.loaded.logs.measured)},
                  {"effects tried", std::to_string(page.run.responses.test.candidates.size() / 2)},
-                 {"versions", hal::version_line("airside")}};
+                 {"versions", versions_of(page.run)}};
   if (page.run.patched) {
     input.facts.push_back({"model before", gap::model_digest(page.run.patched->before)});
     input.facts.push_back({"model after", gap::model_digest(page.run.patched->after)});
@@ -72,9 +77,10 @@ ReportInput make_gap_report(const gap::GapRun& run) {
   const GapPage page(run);
   ReportInput input;
   input.title = gap_titles[static_cast<std::size_t>(run.verdict.kind)];
-  input.subtitle = fmt::format("{}: {} against its log of {} to {}", run.request.site, run.loaded.engine->description(),
-                               date_text(run.loaded.data.test.recording.from),
-                               date_text({run.loaded.data.test.recording.to().seconds - 1}));
+  input.subtitle = fmt::format("{}: {} against its log of {} to {}, weather {}, {}", run.request.site,
+                               run.loaded.engine->description(), date_text(run.loaded.data.test.recording.from),
+                               date_text({run.loaded.data.test.recording.to().seconds - 1}),
+                               std::filesystem::path(run.request.source.weather).filename().string(), versions_of(run));
   input.headline = as_sentence(gap::sentence_of(run));
   for (const auto add : {add_figures, add_findings, add_experiments, add_heat, add_clean_up, add_maps, add_curves,
                          add_ranking, add_locked_days, add_guideline, add_ledger, add_retraining, add_facts}) {

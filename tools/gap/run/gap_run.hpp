@@ -14,7 +14,7 @@
 #include "tools/gap/model/patched_model.hpp"
 #include "tools/gap/retrain/retrain.hpp"
 #include "tools/gap/verdict/verdict.hpp"
-#include "tools/run/staged_progress.hpp"
+#include "tools/run/progress/staged_progress.hpp"
 
 namespace airside::tools::gap {
 

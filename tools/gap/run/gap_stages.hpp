@@ -5,7 +5,7 @@
 
 #include "tools/gap/model/responses.hpp"
 #include "tools/gap/verdict/verdict.hpp"
-#include "tools/run/stage_clock.hpp"
+#include "tools/run/progress/stage_clock.hpp"
 
 namespace airside::tools::gap {
 

@@ -1,4 +1,4 @@
-#include "tools/run/progress.hpp"
+#include "tools/run/progress/progress.hpp"
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/run/progress.hpp"
-#include "tools/run/stage_clock.hpp"
+#include "tools/run/progress/progress.hpp"
+#include "tools/run/progress/stage_clock.hpp"
 
 namespace airside::tools {
 

@@ -1,4 +1,4 @@
-#include "tools/run/staged_progress.hpp"
+#include "tools/run/progress/staged_progress.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "tools/run/stage_clock.hpp"
+#include "tools/run/progress/stage_clock.hpp"
 
 #include <algorithm>
 #include <cmath>
