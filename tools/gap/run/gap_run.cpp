@@ -109,14 +109,10 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
     return simulate_responses(engine, library, window.recording, true, request.jobs);
   };
   run.responses = {responses(data.reference), responses(data.test)};
-  const auto expect = [&](double over_limit) {
-    progress.expect(GapStage::searching, stages.search(over_limit));
-    progress.expect(GapStage::explaining, stages.explanation(over_limit));
-  };
-  expect(seems_to_miss_something(data, run.responses) ? 2 : 0);
   progress.enter(GapStage::fitting);
   run.verdict = analyse(engine, data, run.responses, run.rules, request.jobs, [&](double over_limit) {
-    expect(over_limit);
+    progress.expect(GapStage::searching, stages.search(over_limit));
+    progress.expect(GapStage::explaining, stages.explanation(over_limit));
     progress.enter(GapStage::searching);
   });
   progress.expect(GapStage::explaining, stages.explanation(run.verdict.kind));

@@ -1,7 +1,6 @@
 #include "tools/gap/run/gap_stages.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "tools/gap/explain/flux.hpp"
 
@@ -12,10 +11,11 @@ namespace {
 constexpr double serial_fit = 18;     // six of the reference, two tangents, iterations of the model without effects
 constexpr double serial_search = 50;  // of one effect: trials, its refit, its rivals
 constexpr double search_of_nothing = 8;
-// Tests on site: runs of plans and of the finalists' parameters; days of each; algebra in replays of an RC room.
-constexpr double test_runs = 100, test_days = 5, test_algebra = 900;
-// Heat: the part of the window that a pulse is lived through; algebra in replays of an RC room.
-constexpr double heat_part = 0.6, heat_algebra = 300;
+// Tests on site: runs of plans and of the finalists' parameters, and the days of each.
+constexpr double test_runs = 100, test_days = 5;
+constexpr double heat_part = 0.6;  // of the window, that a pulse of heat is lived through
+// Linear algebra, which runs alone, in replays of an RC room.
+constexpr double fit_algebra = 60, test_algebra = 80, heat_algebra = 150;
 
 /// Of steps one after another and others side by side.
 double weight_of(double serial, double parallel, int jobs) {
@@ -23,24 +23,6 @@ double weight_of(double serial, double parallel, int jobs) {
 }
 
 }  // namespace
-
-bool seems_to_miss_something(const CaseData& data, const WindowResponses& responses) {
-  const auto rmse = [](const Eigen::MatrixXd& residual, Eigen::Index channel) {
-    double square = 0, count = 0;
-    for (const double x : residual.col(channel)) {
-      if (!std::isfinite(x)) continue;
-      square += x * x;
-      count += 1;
-    }
-    return std::sqrt(square / std::max(1.0, count));
-  };
-  const Eigen::MatrixXd before = data.reference.measured - responses.reference.base;
-  const Eigen::MatrixXd now = data.test.measured - responses.test.base;
-  for (Eigen::Index c = 0; c < now.cols(); ++c) {
-    if (rmse(now, c) > 4.0 / 3.0 * rmse(before, c)) return true;
-  }
-  return false;
-}
 
 GapStages::GapStages(const Engine& engine, const Library& library, int days, int jobs)
     : responses_(2.0 * static_cast<double>(simulated_runs(engine, library))),
@@ -51,12 +33,12 @@ GapStages::GapStages(const Engine& engine, const Library& library, int days, int
       spares_(engine.spares_runs()) {}
 
 std::vector<Stage> GapStages::stages() const {
-  const double fit_parallel = 3 * parameters_;
-  Stage explaining = explanation_of(0.25 * test_runs, 0.25 * test_runs * test_days / days_, 0.1 * test_algebra);
+  const double fit_parallel = 3 * parameters_, fit_steps = serial_fit + fit_parallel;
+  const double fit_cost = serial_fit + fit_parallel / jobs_ + (spares_ ? 0 : fit_algebra);
   return {{"simulating every effect", responses_, 1.0 / jobs_},
-          {"fitting", serial_fit + fit_parallel, weight_of(serial_fit, fit_parallel, jobs_)},
-          search_of(0.5),
-          explaining};
+          {"fitting", fit_steps, fit_cost / fit_steps},
+          search_of(0.8),
+          explanation_of(0.4 * test_runs, 0.4 * test_runs * test_days / days_, 0.4 * test_algebra)};
 }
 
 Stage GapStages::search_of(double effects) const {
@@ -64,7 +46,7 @@ Stage GapStages::search_of(double effects) const {
 }
 
 Stage GapStages::search(double over_limit) const {
-  return over_limit > 1 ? search_of(1) : Stage{"searching", search_of_nothing, 1.0};
+  return over_limit > 1 ? search_of(1.3) : Stage{"searching", search_of_nothing, 1.0};
 }
 
 Stage GapStages::explanation_of(double steps, double replays, double algebra) const {
@@ -73,7 +55,7 @@ Stage GapStages::explanation_of(double steps, double replays, double algebra) co
 }
 
 Stage GapStages::explanation(double over_limit) const {
-  const double part = over_limit > 1 ? 0.25 : 0;
+  const double part = over_limit > 1 ? 0.5 : 0;
   return explanation_of(part * test_runs, part * test_runs * test_days / days_, part * test_algebra);
 }
 

@@ -14,10 +14,6 @@ struct GapStage {
   static constexpr std::size_t responding = 0, fitting = 1, searching = 2, explaining = 3;
 };
 
-/// Whether the model as it is misses the measured window clearly more than the reference: by a third in some channel's
-/// root mean square error. A guess for the time left, and for nothing else.
-bool seems_to_miss_something(const CaseData& data, const WindowResponses& responses);
-
 /// Steps are simulations; weights are by what runs in parallel, how long the simulated periods are, and for an RC room,
 /// whose simulations are short, by the linear algebra between them. Counts: see simulate_responses(), fit_reference(),
 /// Refitter, propose_experiments(), reconstruct_heat(), each with typical numbers of iterations.
@@ -28,7 +24,7 @@ class GapStages {
 
   /// Before anything is known: something will be found or not.
   std::vector<Stage> stages() const;
-  /// The search, once it is known, or guessed, how far the best effect is over its limit at first sight.
+  /// The search, once it is known how far the best effect is over its limit at first sight.
   Stage search(double over_limit) const;
   /// What follows the verdict; before there is one, a part of what an ambiguous one asks for if something will be
   /// found.

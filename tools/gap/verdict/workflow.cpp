@@ -124,7 +124,7 @@ class Analysis {
       if (is_sure(v_.findings[i])) named.push_back(now_.chosen[i]);
     }
     Refit alone = c_.refitter.at(named, now_.moved, now_.tangent);
-    if (!holds_beside_others(alone, apart.unsure)) return false;
+    if (!holds_beside_others(alone, apart.unsure) || one_explains_all(alone)) return false;
     check_locked_days(alone, apart);
     if (!locked_days_agree(c_.rules, apart.locked)) return false;
     v_ = std::move(apart);
@@ -153,6 +153,25 @@ class Analysis {
       }
     }
     return true;
+  }
+
+  /// Whether another effect alone explains nearly as much as all findings, and leaves a sure one nothing.
+  bool one_explains_all(const Refit& sure) const {
+    const Refit& none = search_.unpatched();
+    int tried = 0;
+    for (const Score& score : v_.ranking) {
+      if (c_.already(now_, score.candidate)) continue;
+      if (++tried > c_.rules.first_looks) break;
+      const Refit other = c_.refitter.add(none, score, none.tangent);
+      if (c_.rules.class_ratio * search_.explained(other) < search_.explained(now_)) continue;
+      for (const Chosen& chosen : sure.chosen) {
+        Score again;
+        again.candidate = chosen.candidate;
+        const Refit both = c_.refitter.add(other, again, other.tangent);
+        if (other.cost - both.cost < c_.limit(chosen.candidate)) return true;
+      }
+    }
+    return false;
   }
 
   /// Something gains more than noise can, but is smaller than such an effect is.
