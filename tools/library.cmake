@@ -22,22 +22,9 @@ add_custom_command(
   DEPENDS ${page_depends} ${page_dir}/embed.cmake
   VERBATIM)
 
-# The commit, looked up at each build: one small source, compiled again where they changed.
-set(AIRSIDE_COMMIT "" CACHE STRING "commit to name in outputs where the sources are no git checkout")
-set(commit_source ${CMAKE_CURRENT_BINARY_DIR}/commit.cpp)
-add_custom_target(
-  airside_commit
-  COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -DOUTPUT=${commit_source}
-          -DCOMMIT=${AIRSIDE_COMMIT} -P ${CMAKE_CURRENT_SOURCE_DIR}/commit.cmake
-  BYPRODUCTS ${commit_source}
-  VERBATIM)
-set_source_files_properties(${commit_source} PROPERTIES GENERATED ON SKIP_UNITY_BUILD_INCLUSION ON
-                                                        SKIP_PRECOMPILE_HEADERS ON)
-
-add_library(airside_tools STATIC ${AIRSIDE_TOOLS_SOURCES} ${page_parts} ${commit_source})
-add_dependencies(airside_tools airside_commit)
+add_library(airside_tools STATIC ${AIRSIDE_TOOLS_SOURCES} ${page_parts})
 target_include_directories(airside_tools PUBLIC ${PROJECT_SOURCE_DIR})
-target_link_libraries(airside_tools PUBLIC airside_sim nlohmann_json::nlohmann_json fmt::fmt PRIVATE Ceres::ceres CURL::libcurl)
+target_link_libraries(airside_tools PUBLIC airside_sim airside_commit nlohmann_json::nlohmann_json fmt::fmt PRIVATE Ceres::ceres CURL::libcurl)
 target_precompile_headers(airside_tools REUSE_FROM airside_precompiled_host)
 # Ceres brings glog's macros; they must not reach other files of a unity build.
 set_source_files_properties(${CMAKE_CURRENT_SOURCE_DIR}/gap/inference/parameter_fit.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)

@@ -1,5 +1,5 @@
 #pragma once
-// The version that every program names: the one in the project's CMakeLists.txt.
+// What every program is: the version of the project's CMakeLists.txt, and the commit that it was built from.
 
 #include <string>
 
@@ -8,7 +8,14 @@ namespace airside::hal {
 /// "0.1.0", for records and reports.
 const char* version();
 
-/// "airsided 0.1.0", the answer to --version.
-std::string version_line(const char* program);
+/// The commit, "-dirty" behind it where files differed; "unknown" outside a checkout. Programs that ask link
+/// airside_commit.
+const char* commit();
+
+/// "airsided 0.1.0, commit 5e7cc18", the answer to --version; without a commit where it is unknown.
+inline std::string version_line(const char* program) {
+  const std::string known = commit() == std::string("unknown") ? std::string() : std::string(", commit ") + commit();
+  return std::string(program) + " " + version() + known;
+}
 
 }  // namespace airside::hal

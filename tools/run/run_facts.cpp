@@ -9,7 +9,7 @@
 
 namespace airside::tools {
 
-std::string program_text() { return fmt::format("{}, commit {}", hal::version_line("airside"), airside_commit()); }
+std::string program_text() { return hal::version_line("airside"); }
 
 RunFacts run_facts(bool energyplus, std::string weather) {
   RunFacts facts;
@@ -44,7 +44,7 @@ void add_to(nlohmann::json& j, const RunFacts& facts) {
 
 void add_program_to(nlohmann::json& j) {
   j["version"] = hal::version();
-  j["commit"] = airside_commit();
+  j["commit"] = hal::commit();
 }
 
 void say_fallback(const RunFacts& facts) {

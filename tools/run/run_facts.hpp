@@ -9,8 +9,6 @@
 
 namespace airside::tools {
 
-/// The commit that it was built from, "-dirty" behind it where files differed; "unknown" outside a checkout.
-const char* airside_commit();
 /// "airside 0.1.0, commit 5e7cc18".
 std::string program_text();
 

@@ -17,10 +17,10 @@ if(NOT COMMIT)
     endif()
   endif()
 endif()
-set(text "namespace airside::tools {
-const char* airside_commit();
-const char* airside_commit() { return \"${COMMIT}\"; }
-}  // namespace airside::tools
+set(text "namespace airside::hal {
+const char* commit();
+const char* commit() { return \"${COMMIT}\"; }
+}  // namespace airside::hal
 ")
 set(before "")
 if(EXISTS ${OUTPUT})
