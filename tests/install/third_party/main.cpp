@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "airside/controller/history.hpp"
 #include "airside/controller/instances.hpp"
+#include "airside/controller/weight_payload.hpp"
 
 using namespace airside;
 
