@@ -1,53 +1,97 @@
 #pragma once
-// The daemon, whatever the topology of its room. Its parts are wired in edge.hpp.
+// The daemon's wiring for one topology: plant, clock, controller, state, reports. Everything is made in the constructor
+// and start(); run() allocates nothing.
 
-#include <cstdint>
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "airside/civil_time.hpp"
+#include "airside/controller/cycle.hpp"
+#include "airside/controller/instances.hpp"
+#include "firmware/edge/any_daemon.hpp"
+#include "firmware/edge/clock_report.hpp"
+#include "firmware/edge/crash_loop.hpp"
+#include "firmware/edge/daemon_state.hpp"
+#include "firmware/edge/plant_clock_report.hpp"
+#include "firmware/edge/row_report.hpp"
+#include "firmware/edge/status_snapshot.hpp"
+#include "hal/modbus/plant.hpp"
 #include "hal/modbus/plant_clock.hpp"
-#include "hal/points/point_map.hpp"
-#include "hal/site/site_file.hpp"
-#include "hal/storage/store_error.hpp"
+#include "hal/points/signal_limits.hpp"
+#include "hal/system/service_manager.hpp"
 
 namespace airside::edge {
 
-/// What the command line adds to the site file.
-struct DaemonOptions {
-  hal::Sync sync = hal::Sync::full;
-  std::optional<CivilTime> until;  ///< stop there; for tests and demos
-  double backoff_first_s = 1.0;
-  double stall_s = 120.0;    ///< a simulated plant's clock may stand still for so long
-  double clock_speed = 1.0;  ///< of the system clock, for measurements beside `airside serve --speed`
-  int crash_limit = 3;       ///< so many starts within ten minutes are a crash loop; 0: never
-};
-
-class Daemon {
+template <Topology T>
+class Daemon final : public AnyDaemon {
  public:
-  virtual ~Daemon() = default;
+  Daemon(const hal::SiteFile& site, const hal::PointMap& points, const DaemonOptions& options, hal::StopFlag stop);
 
-  /// Opens state and log and finds out where to go on: the newest good state, else the blob, else the schedule.
-  /// Errors: hal::InputError for a bad blob or history, or a state folder that another daemon uses.
-  virtual void start() = 0;
+  void start() override;
+  std::string check() override { return state_.check(); }
+  int run() override;
 
-  /// Reads what start() would read and leaves everything as it is, beside a running daemon too. Returns the trusted
-  /// keys, for people.
-  /// Errors: hal::InputError as of start(), but for the state folder.
-  virtual std::string check() = 0;
+  /// After each row: remember it, show it.
+  bool row(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller);
 
-  /// Runs until told to stop, or until options.until; called again, it goes on. Returns the process's exit code.
-  /// Cost: no heap.
-  virtual int run() = 0;
+  const Controller<T>& controller() const { return *controller_; }
+  [[nodiscard]] std::uint64_t transitions() const override { return controller_->replay().total_pushed(); }
 
-  /// Transitions remembered since the state began, also those that the ring has dropped.
-  [[nodiscard]] virtual std::uint64_t transitions() const = 0;
+ private:
+  /// The AHU, unless a person wants it back: the row that finds his wish comes after its own write.
+  struct AskedPlant {
+    Daemon* daemon;
+    Expected<Reading<T>> sense() const { return daemon->plant_.sense(); }
+    Expected<Applied> actuate(const Command& command) const {
+      if (daemon->state_.release_waits()) return tl::unexpected(Fault::released);
+      return daemon->plant_.actuate(command);
+    }
+  };
+
+  /// The machine's clock, whose waiting goes on with the heartbeat.
+  struct BeatingClock {
+    Daemon* daemon;
+    CivilTime now() const { return daemon->system_clock_.now(); }
+    bool sleep_until(CivilTime t) const {
+      return daemon->system_clock_.sleep_until(t, daemon->site_.modbus->heartbeat_s,
+                                               [this] { daemon->beat_between_rows(); });
+    }
+    CivilTime woke() const { return daemon->system_clock_.woke(); }
+  };
+
+  CivilTime now() { return plant_clock_ ? plant_clock_->now() : system_clock_.now(); }
+  CivilTime run_until_disturbed(CivilTime t, CivilTime end);
+  int ended();
+  void begin_control(CivilTime t);
+  bool report_clock(CivilTime t);
+  void report_bus(CivilTime t);
+  void beat_between_rows();
+  bool wait_for_plant();
+  void write_status(CivilTime stopped_at = {});
+
+  hal::SiteFile site_;
+  LimitsTable<T> limits_;
+  DaemonOptions options_;
+  hal::StopFlag stop_;
+  hal::ModbusLink link_;
+  hal::ModbusPlant<T> plant_;
+  hal::SystemClock system_clock_;
+  BeatingClock beating_clock_{this};
+  AskedPlant asked_plant_{this};
+  bool beats_ = false;  ///< as of the last row: the heartbeat goes on
+  std::optional<hal::ModbusPlantClock> plant_clock_;
+  std::unique_ptr<Controller<T>> controller_;
+  DaemonState<T> state_;
+  StatusFile status_;
+  std::array<std::string, static_cast<std::size_t>(Layout<T>::signals)> names_;
+  CivilTime next_, last_row_;
+  Expected<Reading<T>> last_sensed_ = tl::unexpected(Fault::no_reading);
+  hal::ServiceManager service_;
+  CrashLoop crash_loop_;
+  ClockReport clock_report_;
+  PlantClockReport plant_clock_report_;
+  RowReport report_;
 };
-
-/// The daemon for the site's topology; none if this build has no such. The site has [modbus]. Errors: hal::InputError.
-/// Source: DESIGN.md, decision 1.
-std::unique_ptr<Daemon> make_daemon(const hal::SiteFile& site, const hal::PointMap& points,
-                                    const DaemonOptions& options, hal::StopFlag stop);
 
 }  // namespace airside::edge

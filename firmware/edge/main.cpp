@@ -4,7 +4,7 @@
 #include <csignal>
 #include <cstdio>
 
-#include "firmware/edge/daemon.hpp"
+#include "firmware/edge/any_daemon.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/system/version.hpp"
 #include "hal/text/civil_text.hpp"

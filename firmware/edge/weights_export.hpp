@@ -53,6 +53,12 @@ class WeightsExport {
     if (day_of(t) != day_ || confirmed) give(t, controller, trial);
   }
 
+  /// Why weights cannot be given out where something that is no file is in their place; tried again each row.
+  hal::StoreResult<void> blocked() const {
+    if (failure_ != hal::StoreFault::wrong_kind) return {};
+    return tl::make_unexpected(hal::StoreError{failure_, 0, "open weights to give out"});
+  }
+
   /// At an orderly end after row t.
   void end(CivilTime t, const Controller<T>& controller, const TrialRecord& trial) {
     if (controller.learning().cycles != given_cycles_) give(t, controller, trial);
@@ -77,6 +83,7 @@ class WeightsExport {
       say("weights cannot be given out: {} ({})", hal::text_of(written.error().fault), written.error().step);
     }
     failure_ = written ? hal::StoreFault::none : written.error().fault;
+    if (failure_ == hal::StoreFault::wrong_kind) day_ = -1;
   }
 
   void note_provenance(CivilTime t, const TrialRecord& trial) {

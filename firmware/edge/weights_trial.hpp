@@ -108,14 +108,15 @@ class WeightsTrial {
     finish_mail_ = finish_mail_ || mail.has_blob || mail.rollback || mail.release || mail.hand_back;
     return supervise(t, controller, record) || exchanged;
   }
-  /// After the commit: what it holds may go from the inbox, and the copy that it names stands alone.
-  void committed() {
+  /// After the commit: what it holds may go from the inbox, and the copy that it names becomes the only one. Errors: of
+  /// the counters that lie apart.
+  hal::StoreResult<void> committed() {
     if (finish_mail_) finish_mail_ = !mailbox_.finish(accepted_);
     if (staged_copy_ != 0) (void)copy_.settle(staged_copy_);  // where it fails, load() finds it as it is
     staged_copy_ = 0;
     if (exchange_waits_) counters_.settle(exchanged_key_);
     exchange_waits_ = false;
-    counters_.keep();
+    return counters_.keep();
   }
 
  private:

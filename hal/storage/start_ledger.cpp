@@ -65,7 +65,12 @@ int StartLedger::record(std::int64_t window_s) {
     recent += near(now.wall_s, start.wall_s) || near(now.since_boot_s, start.since_boot_s) ? 1 : 0;
   }
   kept_ = write(file);
+  last_ = file;
   return recent;
+}
+
+void StartLedger::keep() {
+  if (!kept_) kept_ = write(last_);
 }
 
 void StartLedger::clear() {

@@ -19,6 +19,8 @@ class StartLedger {
   int record(std::int64_t window_s);
   /// The program has run well, or ends in order: nothing is left of the past.
   void clear();
+  /// Writes what record() could not.
+  void keep();
   /// Whether the last record() reached the file; where it did not, a crash loop is not seen.
   bool is_kept() const { return kept_; }
 
@@ -37,6 +39,7 @@ class StartLedger {
 
   std::string dir_;
   Sync sync_;
+  File last_;  ///< what record() wrote, or could not
   bool kept_ = true;
 };
 

@@ -36,15 +36,11 @@ CounterLedger::CounterLedger(std::string first_dir, std::string second_dir, Sync
 
 CounterLedger::Look CounterLedger::read_file(const Place& place, File& file) {
   if (place.dir.empty()) return Look::missing;
-  const StorageFile folder(::open(place.dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  struct stat status {};
-  if (!folder.is_open()) return Look::missing;
-  if (::fstatat(folder.descriptor(), ledger_name, &status, AT_SYMLINK_NOFOLLOW) != 0) {
-    return errno == ENOENT ? Look::missing : Look::damaged;
-  }
-  const StorageFile opened(::openat(folder.descriptor(), ledger_name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
-  if (!opened.is_open() || !S_ISREG(status.st_mode)) return Look::damaged;
-  const auto got = opened.read_at(std::as_writable_bytes(std::span(&file, 1)), 0, "read push counters");
+  const auto folder = StorageFile::open_existing_dir(place.dir.c_str());
+  if (!folder) return Look::missing;
+  const auto opened = StorageFile::open_to_read(folder->descriptor(), ledger_name, "open push counters");
+  if (!opened) return opened.error().fault == StoreFault::not_found ? Look::missing : Look::damaged;
+  const auto got = opened->read_at(std::as_writable_bytes(std::span(&file, 1)), 0, "read push counters");
   const bool whole =
       got && *got == sizeof file && file.magic == counters_magic && file.digest == digest_of_counters(file);
   return whole ? Look::whole : Look::damaged;
@@ -68,20 +64,19 @@ StoreResult<void> CounterLedger::write_file(const Place& place, const File& file
   return done;
 }
 
-StoreResult<void> CounterLedger::write() {
+int CounterLedger::write(StoreResult<void>& failed) {
   File file{counters_magic, is_known_ ? 1U : 0U, entries_, 0};
   file.digest = digest_of_counters(file);
-  StoreResult<void> failed;
-  bool written = false;
+  int written = 0;
   for (Place& place : places_) {
     if (place.dir.empty()) continue;
     const auto done = write_file(place, file);
     place.is_behind = !done;
-    written = written || done;
+    written += done ? 1 : 0;
     if (!done) failed = done;
   }
-  exists_ = exists_ || written;
-  return written ? StoreResult<void>{} : failed;
+  exists_ = exists_ || written > 0;
+  return written;
 }
 
 void CounterLedger::read() {
@@ -163,26 +158,29 @@ StoreResult<void> CounterLedger::raise(const KeyId& key, std::uint64_t counter, 
   if (entry == nullptr)
     return tl::make_unexpected(StoreError{StoreFault::wrong_size, 0, "find place for push counter"});
   *entry = {key, counter, blob_digest};
-  const auto done = write();
-  if (!done) entries_ = before;
-  return done;
+  StoreResult<void> failed;
+  if (write(failed) > 0) return {};
+  entries_ = before;
+  return failed ? tl::make_unexpected(StoreError{StoreFault::not_found, 0, "find folder of push counters"}) : failed;
 }
 
 void CounterLedger::settle(const KeyId& key) {
   const auto at = std::ranges::find(entries_, key, &Entry::key);
   if (at == entries_.end() || at->pending_digest == 0) return;
   at->pending_digest = 0;
-  (void)write();  // where it fails, keep() tries again
+  for (Place& place : places_) place.is_behind = true;  // keep() writes them
 }
 
-void CounterLedger::keep() {
+StoreResult<void> CounterLedger::keep() {
   const auto lacks = [](const Place& place) {
     if (place.dir.empty()) return false;
     if (place.is_behind) return true;
-    const StorageFile folder(::open(place.dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    return folder.is_open() && ::faccessat(folder.descriptor(), ledger_name, F_OK, 0) != 0 && errno == ENOENT;
+    const auto folder = StorageFile::open_existing_dir(place.dir.c_str());
+    return folder && ::faccessat(folder->descriptor(), ledger_name, F_OK, AT_SYMLINK_NOFOLLOW) != 0 && errno == ENOENT;
   };
-  if (std::ranges::any_of(places_, lacks)) (void)write();
+  StoreResult<void> failed;
+  if (std::ranges::any_of(places_, lacks)) (void)write(failed);
+  return failed;
 }
 
 }  // namespace airside::hal

@@ -51,8 +51,8 @@ class CounterLedger {
   StoreResult<void> raise(const KeyId& key, std::uint64_t counter, std::uint64_t blob_digest, const KeyRing& keys);
   /// The commit that exchanged the blob of this key is done: the next equal blob is an old one.
   void settle(const KeyId& key);
-  /// After a commit: writes where a file is missing or behind.
-  void keep();
+  /// After a commit: writes where a file is missing or behind. Errors: of a folder in which that failed.
+  StoreResult<void> keep();
 
  private:
   struct Entry {
@@ -74,7 +74,8 @@ class CounterLedger {
 
   static Look read_file(const Place& place, File& file);
   StoreResult<void> write_file(const Place& place, const File& file) const;
-  StoreResult<void> write();
+  /// Writes both. Returns how many were written, and the last error.
+  int write(StoreResult<void>& failed);
   const Entry* find(const KeyId& key) const;
   Entry* place_for(const KeyId& key, const KeyRing* keys);
   void join(const Entry& other);

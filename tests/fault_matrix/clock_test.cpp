@@ -12,7 +12,7 @@
 #include <sstream>
 
 #include "fault_matrix/notify_socket.hpp"
-#include "firmware/edge/edge.hpp"
+#include "firmware/edge/daemon.hpp"
 #include "support/bench.hpp"
 #include "support/sanitized.hpp"
 
@@ -38,7 +38,7 @@ class ClockDesk : public ::testing::Test {
   }
   /// One row at t; whether its clock was believed.
   bool believed(CivilTime t) {
-    auto& wired = dynamic_cast<edge::Edge<FiveZone>&>(*daemon);
+    auto& wired = dynamic_cast<edge::Daemon<FiveZone>&>(*daemon);
     const Expected<Reading<FiveZone>> nothing = tl::unexpected(Fault::no_reading);
     EXPECT_TRUE(wired.row(t, nothing, wired.controller()));
     return !wired.controller().cycle().mode_arbiter.active(Reason::clock_not_set, t);
@@ -47,7 +47,7 @@ class ClockDesk : public ::testing::Test {
   static constexpr CivilTime now{1'795'000'320 / 86400 * 86400};  // a midnight of November 2026
   static constexpr std::int64_t day_s = 86400;
   Bench bench{{.name = "clock", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1}};
-  std::unique_ptr<edge::Daemon> daemon;
+  std::unique_ptr<edge::AnyDaemon> daemon;
 };
 
 TEST_F(ClockDesk, Row30AClockOf1970IsNotBelievedAndItsRowsAreNotLogged) {

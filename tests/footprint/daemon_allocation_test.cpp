@@ -73,7 +73,7 @@ TEST(DaemonHeap, IsNotTouchedWhileThePlantIsAway) {
   here.daemon().start();
   here.settle(4);
   bench.stop_server();
-  auto& wired = dynamic_cast<edge::Edge<FiveZone>&>(here.daemon());
+  auto& wired = dynamic_cast<edge::Daemon<FiveZone>&>(here.daemon());
   AllocationGuard guard("a row without a plant");
   const Expected<Reading<FiveZone>> nothing = tl::unexpected(Fault::no_reading);
   for (int i = 0; i < 4; ++i) {
@@ -104,7 +104,7 @@ TEST(DaemonHeap, IsNotTouchedByPushedWeightsGoodOrBadNorByAWayBack) {
   here.daemon().start();
   here.settle(4);
   bench.stop_server();
-  auto& wired = dynamic_cast<edge::Edge<FiveZone>&>(here.daemon());
+  auto& wired = dynamic_cast<edge::Daemon<FiveZone>&>(here.daemon());
   const std::string moves[3][2] = {{bench.file("unsigned").string(), bench.file("inbox/a.blob").string()},
                                    {bench.file("signed").string(), bench.file("inbox/b.blob").string()},
                                    {bench.file("wish").string(), bench.file("inbox/rollback").string()}};
@@ -138,7 +138,7 @@ TEST(DaemonHeap, IsNotTouchedByStateThatComesLate) {
   const std::string state = bench.file("state").string(), kept = bench.file("kept").string(),
                     away = bench.file("away").string();
   std::filesystem::copy(state, kept, std::filesystem::copy_options::recursive);
-  auto& wired = dynamic_cast<edge::Edge<FiveZone>&>(here.daemon());
+  auto& wired = dynamic_cast<edge::Daemon<FiveZone>&>(here.daemon());
   const Expected<Reading<FiveZone>> nothing = tl::unexpected(Fault::no_reading);
   ::testing::internal::CaptureStderr();
   AllocationGuard guard("rows around a state that comes");

@@ -7,7 +7,7 @@
 #include <memory>
 #include <thread>
 
-#include "firmware/edge/edge.hpp"
+#include "firmware/edge/daemon.hpp"
 #include "support/bench.hpp"
 
 namespace airside::footprint {
@@ -27,7 +27,7 @@ class DaemonHere {
     daemon_ = edge::make_daemon(site, points, options, hal::StopFlag(&stop_));
   }
 
-  edge::Daemon& daemon() { return *daemon_; }
+  edge::AnyDaemon& daemon() { return *daemon_; }
 
   /// Runs until some rows are logged: connection, files and the first decisions are made.
   void settle(std::size_t rows) {
@@ -43,7 +43,7 @@ class DaemonHere {
  private:
   closed_loop::Bench& bench_;
   std::atomic<bool> stop_{false};
-  std::unique_ptr<edge::Daemon> daemon_;
+  std::unique_ptr<edge::AnyDaemon> daemon_;
 };
 
 }  // namespace airside::footprint

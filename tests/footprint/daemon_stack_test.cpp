@@ -52,7 +52,7 @@ TEST(DaemonStack, HoldsARowWithPushedWeights) {
   here.settle(4);
   bench.stop_server();
   hal::write_blob_file(bench.file("inbox/a.blob").string(), blob);
-  auto& wired = dynamic_cast<edge::Edge<FiveZone>&>(here.daemon());
+  auto& wired = dynamic_cast<edge::Daemon<FiveZone>&>(here.daemon());
   const Expected<Reading<FiveZone>> nothing = tl::unexpected(Fault::no_reading);
   bool went_on = true;
   expect_within(push_budget_bytes, "a push", [&] {

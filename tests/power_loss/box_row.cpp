@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "firmware/edge/edge_memory.hpp"
+#include "firmware/edge/daemon_state.hpp"
 
 namespace airside::power_loss {
 
-hal::StoreLayout box_layout() { return edge::EdgeMemory<FiveZone>::layout(); }
+hal::StoreLayout box_layout() { return edge::DaemonState<FiveZone>::layout(); }
 
 RowFacts facts_of_box_row(std::span<const std::byte> row) {
   using Row = edge::RowRecord<FiveZone>;

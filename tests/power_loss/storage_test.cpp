@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "firmware/edge/edge.hpp"
+#include "firmware/edge/daemon.hpp"
 #include "power_loss/daemon_desk.hpp"
 
 namespace airside::power_loss {
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using closed_loop::from_environment;
-using Box = edge::Edge<FiveZone>;
+using Box = edge::Daemon<FiveZone>;
 
 /// A small disk of its own at the box's folder, for this thread and its children; gone at the end.
 class SmallDisk {
@@ -167,7 +167,7 @@ class RottenBox : public ::testing::Test {
   }
 
   DaemonDesk desk{{.name = "rot", .days = 1}};
-  const hal::StoreLayout layout = edge::EdgeMemory<FiveZone>::layout();
+  const hal::StoreLayout layout = edge::DaemonState<FiveZone>::layout();
   std::vector<std::byte> learning = std::vector<std::byte>(layout.learning_bytes);
   std::vector<std::byte> row = std::vector<std::byte>(layout.row_bytes);
   std::vector<std::byte> replay = std::vector<std::byte>(layout.transition_bytes * layout.ring_capacity);

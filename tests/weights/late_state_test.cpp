@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/edge/edge_memory.hpp"
+#include "firmware/edge/daemon_state.hpp"
 #include "support/blob_maker.hpp"
 #include "support/controller_rig.hpp"
 #include "support/test_folder.hpp"
@@ -12,7 +12,7 @@ namespace airside::weights {
 namespace {
 
 namespace fs = std::filesystem;
-using Memory = edge::EdgeMemory<FiveZone>;
+using Memory = edge::DaemonState<FiveZone>;
 
 /// One process's memory and its room.
 class Box {

@@ -1,0 +1,27 @@
+#include "firmware/edge/clock_report.hpp"
+
+#include <algorithm>
+
+namespace airside::edge {
+namespace {
+
+constexpr CivilTime built_after{1'704'067'200};  // 2024-01-01: no clock of a working box is before
+
+}  // namespace
+
+void ClockReport::begin(CivilTime newest_row, bool is_simulated) {
+  newest_row_ = newest_row;
+  is_simulated_ = is_simulated;
+}
+
+bool ClockReport::is_set(CivilTime t) {
+  constexpr std::int64_t day_s = 86400;
+  const bool possible = is_simulated_ || t >= built_after;
+  const bool behind = !is_simulated_ && t.seconds <= newest_row_.seconds - day_s;
+  if (is_behind_.lasts(possible && behind, t, day_s)) newest_row_ = t;
+  const bool is_set = possible && (!behind || newest_row_ == t);
+  if (is_set) newest_row_ = std::max(newest_row_, t);
+  return is_set;
+}
+
+}  // namespace airside::edge

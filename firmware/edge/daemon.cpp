@@ -1,0 +1,210 @@
+#include "firmware/edge/daemon.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "airside/topologies.hpp"
+#include "firmware/edge/row_status.hpp"
+#include "firmware/edge/say.hpp"
+#include "hal/modbus/wire.hpp"
+#include "hal/site/site_settings.hpp"
+
+namespace airside::edge {
+
+// Every build must read what every other has saved: strict or not, 32 or 64 bits. Where one of these changes on
+// purpose, state_version does too.
+static_assert(sizeof(LearningState<FiveZone, float>) == 706112 && sizeof(RowRecord<FiveZone>) == 4672);
+
+template <Topology T>
+Daemon<T>::Daemon(const hal::SiteFile& site, const hal::PointMap& points, const DaemonOptions& options,
+                  hal::StopFlag stop)
+    : site_(site),
+      limits_(hal::signal_limits<T>(points)),
+      options_(options),
+      stop_(stop),
+      link_(hal::link_settings(*site.modbus, options.backoff_first_s)),
+      plant_(points, link_, {.utc_offset_s = std::nullopt, .clock_speed = options.clock_speed}),
+      system_clock_(stop, std::nullopt, options.clock_speed),
+      controller_(std::make_unique<Controller<T>>()),
+      state_(site_, options.sync, *controller_),
+      status_(site_.state_dir),
+      crash_loop_(site.state_dir, options.crash_limit, options.sync) {
+  hal::refuse_contradiction(site, points);
+  if (const std::string warning = hal::warning_of(points); !warning.empty()) say("{}: {}", points.file(), warning);
+  controller_->configure(hal::controller_settings(site, points), limits_, hal::box_kernels(), site.seed);
+  if (site.clock == hal::ClockSource::plant) plant_clock_.emplace(points, link_, stop, options.stall_s);
+  for (int i = 0; i < Layout<T>::signals; ++i) names_[static_cast<std::size_t>(i)] = hal::point_name(signal_id<T>(i));
+}
+
+template <Topology T>
+void Daemon<T>::start() {
+  state_.open();
+  say_watchdog(service_.watchdog_s());
+  crash_loop_.start();
+  const CivilTime last = state_.resume();
+  next_ = {last.seconds == 0 ? 0 : last.seconds + row_s};
+}
+
+template <Topology T>
+int Daemon<T>::run() {
+  service_.tell("READY=1");  // now: a plant that is away for a day must not look like a start that fails
+  if (!wait_for_plant()) return ended();
+  const CivilTime end = options_.until.value_or(CivilTime{std::numeric_limits<std::int64_t>::max()});
+  const CivilTime present = next_row(now());
+  CivilTime t = std::max(next_, present);
+  if (t.seconds - present.seconds > row_s) {
+    // The state comes from the future: its clock was wrong, or this one is. Waiting would leave the room alone.
+    say("the state is {} s ahead of the clock; going on from the clock", t.seconds - present.seconds);
+    t = present;
+  }
+  clock_report_.begin(next_, plant_clock_.has_value());
+  begin_control(t);
+  while (!stop_.raised() && t < end) t = run_until_disturbed(t, end);
+  next_ = t;
+  state_.end();
+  return ended();
+}
+
+/// Rows from t on, until the end, a stop, or a plant's clock that stands still or was set back. Returns the next row.
+template <Topology T>
+CivilTime Daemon<T>::run_until_disturbed(CivilTime t, CivilTime end) {
+  if (!plant_clock_) return run_cycles<T>(asked_plant_, beating_clock_, *controller_, *this, t, end);
+  t = run_cycles<T>(asked_plant_, *plant_clock_, *controller_, *this, t, end);
+  if (plant_clock_->stalled()) say("the plant's clock stands still at row {}; is its server running?", t.seconds);
+  if (!plant_clock_->set_back()) return t;
+  PlantClockReport::set_back(t, plant_clock_->woke());
+  return next_row(plant_clock_->now());
+}
+
+template <Topology T>
+bool Daemon<T>::row(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller) {
+  const bool clock_is_set = report_clock(t);
+  controller_->report(Reason::map_differs, plant_.other_device(), t);
+  report_bus(t);
+  state_.row(t, sensed, clock_is_set);  // one of 1970 would sort before all others
+  const bool storage_is_well = state_.is_well() && status_.is_well() && crash_loop_.is_kept();
+  controller_->report(Reason::storage_failed, !storage_is_well, t);
+  if (state_.taken_over()) controller_->hold(Reason::two_masters, t, 0);
+  beats_ = controller.cycle().mode_arbiter.beats(t);
+  if (beats_) (void)plant_.beat();
+  state_.give_weights(t);
+  if (plant_clock_) plant_clock_report_.row(plant_clock_->jumps());
+  last_row_ = t;
+  last_sensed_ = sensed;
+  write_status();
+  service_.tell("WATCHDOG=1");  // only a row that came through every stage is a sign of life
+  report_.say_mode(controller.control_mode(t));
+  crash_loop_.row();
+  return !stop_.raised();
+}
+
+template <Topology T>
+int Daemon<T>::ended() {
+  crash_loop_.end();
+  // Else it would be read as running until it is old. Where another daemon has the folder, the status is its.
+  if (!state_.taken_over()) write_status(plant_clock_ ? plant_clock_->woke() : system_clock_.now());
+  return 0;
+}
+
+/// What is known when control begins.
+template <Topology T>
+void Daemon<T>::begin_control(CivilTime t) {
+  crash_loop_.begin();
+  controller_->tick(t);  // before it is known whether the clock has been set since the last row
+  report_clock(t);
+  if (crash_loop_.is_met()) controller_->hold(Reason::crash_loop, t, CrashLoop::hour_s);
+  if (state_.state_lost()) controller_->hold(Reason::state_lost, t, 0);
+  // Where it goes on, before the first row too.
+  beats_ = next_.seconds > 0 && controller_->cycle().mode_arbiter.beats(t);
+}
+
+template <Topology T>
+bool Daemon<T>::report_clock(CivilTime t) {
+  const bool is_set = clock_report_.is_set(t);
+  controller_->report(Reason::clock_not_set, !is_set, t);
+  return is_set;
+}
+
+/// Alarms of the bus: what a person must put right, while control goes on as far as it can.
+template <Topology T>
+void Daemon<T>::report_bus(CivilTime t) {
+  controller_->report(Reason::map_refused, plant_.map_refused(), t);
+  controller_->report(Reason::gateway_failed, plant_.gateway_failed(), t);
+  const hal::Point* doubted = plant_.order_doubted();
+  controller_->report(Reason::order_doubted, doubted != nullptr, t);
+  report_.say_doubted(doubted);
+}
+
+/// The AHU takes over soon after this program is gone, hangs, or a person has asked for it: not first at a row.
+/// On a new connection everything is read before anything is written, as at a row; and no attempt that fails here may
+/// leave the link waiting when the row is due.
+template <Topology T>
+void Daemon<T>::beat_between_rows() {
+  const double left_s = static_cast<double>(system_clock_.due_ns() - hal::monotonic_ns()) * 1e-9;
+  // A wall clock that was set back makes one wait longer than a row, never than two cycles: no sign of a hang.
+  if (left_s > row_s) service_.tell("WATCHDOG=1");
+  if (!beats_ || state_.release_waits() || left_s < link_.failure_costs_s()) return;
+  if (plant_.beat() || plant_.in_touch()) return;
+  (void)plant_.sense();
+  (void)plant_.beat();
+}
+
+/// Until the plant answers once: a clock that was never read must not decide where to begin. False: a stop came first.
+template <Topology T>
+bool Daemon<T>::wait_for_plant() {
+  bool said = false;
+  while (!stop_.raised()) {
+    const Expected<Reading<T>> sensed = plant_.sense();
+    if (sensed) return true;
+    service_.tell("WATCHDOG=1");  // a poll that came to its end; rows begin with the first answer
+    if (!said && sensed.error() == Fault::other_device) {
+      say("{} is not the device that the point map describes; nothing is written to it", link_.description());
+    } else if (!said) {
+      say("no answer from {}; trying again", link_.description());
+    }
+    last_sensed_ = tl::unexpected(sensed.error());
+    if (!said) write_status();  // what is there may say that the daemon has stopped
+    said = true;
+    hal::sleep_until_ns(hal::monotonic_ns() + 100'000'000, stop_);
+  }
+  return false;
+}
+
+/// Of the last row; `stopped_at` at an orderly end.
+template <Topology T>
+void Daemon<T>::write_status(CivilTime stopped_at) {
+  if (last_row_.seconds == 0) last_row_ = next_.seconds != 0 ? next_ : system_clock_.now();  // before the first row
+  StatusSnapshot s = row_status<T>(last_row_, last_sensed_, *controller_, plant_);
+  s.site = site_.name;
+  if (s.decision.fault_signal >= 0) s.fault_signal = names_[static_cast<std::size_t>(s.decision.fault_signal)];
+  s.generation = state_.generation();
+  s.lost_until = state_.lost_until();
+  s.storage = state_.storage();
+  if (state_.is_well() && !crash_loop_.is_kept()) s.storage = "starts cannot be written";
+  if (state_.is_well() && !status_.is_well()) s.storage = "status cannot be written";
+  s.trial = text_of(state_.trial().state);
+  s.trial_refusal = text_of(state_.trial().refusal);
+  s.trial_refusal_field = state_.trial().refusal_field.data();
+  s.pushed_crc = state_.trial().blob_crc;
+  s.clock = plant_clock_report_.text();
+  s.stopped_at = stopped_at;
+  if (!plant_clock_ && stopped_at.seconds == 0 && system_clock_.woke_ns() != 0) {
+    s.row_late_ms = static_cast<double>(system_clock_.woke_ns() - system_clock_.due_ns()) * 1e-6;
+    s.row_done_ms = static_cast<double>(hal::monotonic_ns() - system_clock_.due_ns()) * 1e-6;
+  }
+  (void)status_.write(last_row_, s);
+}
+
+#define AIRSIDE_INSTANTIATE(Tag) template class Daemon<Tag>;
+AIRSIDE_FOR_EACH_TOPOLOGY(AIRSIDE_INSTANTIATE)
+#undef AIRSIDE_INSTANTIATE
+
+std::unique_ptr<AnyDaemon> make_daemon(const hal::SiteFile& site, const hal::PointMap& points,
+                                       const DaemonOptions& options, hal::StopFlag stop) {
+  std::unique_ptr<AnyDaemon> daemon;
+  with_topology(site.topology.c_str(),
+                [&]<class T>(T) { daemon = std::make_unique<Daemon<T>>(site, points, options, stop); });
+  return daemon;
+}
+
+}  // namespace airside::edge
