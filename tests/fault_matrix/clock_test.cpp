@@ -13,6 +13,7 @@
 
 #include "fault_matrix/notify_socket.hpp"
 #include "firmware/edge/daemon.hpp"
+#include "hal/site/site_settings.hpp"
 #include "support/bench.hpp"
 #include "support/sanitized.hpp"
 

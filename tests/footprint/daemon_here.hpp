@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "firmware/edge/daemon.hpp"
+#include "hal/site/site_settings.hpp"
 #include "support/bench.hpp"
 
 namespace airside::footprint {
