@@ -164,7 +164,7 @@ void DaemonState<T>::remember_history() {
 /// Loads the newest generation; the inbox is reported to it anew. `late`: after rows that were not committed. Cost: no
 /// heap.
 template <Topology T>
-DaemonState<T>::Found DaemonState<T>::load_state(bool late) {
+typename DaemonState<T>::Found DaemonState<T>::load_state(bool late) {
   auto& store = folders_.store();
   if (!store) return Found::nothing;
   const auto found = store->load({.learning = controller_.loaded_bytes().learning,
@@ -238,7 +238,7 @@ void DaemonState<T>::find_late_loss(CivilTime t) {
 
 /// Undoes what load_state() may have overwritten.
 template <Topology T>
-DaemonState<T>::Found DaemonState<T>::forget() {
+typename DaemonState<T>::Found DaemonState<T>::forget() {
   const LimitsTable<T> limits = controller_.limits();
   controller_.configure(controller_.settings(), limits, hal::box_kernels(), site_.seed);
   record_ = fresh_record();
@@ -251,7 +251,7 @@ DaemonState<T>::Found DaemonState<T>::forget() {
 /// The same where the record itself is whole: an old blob must not come in again by this way, and an AHU that was
 /// released must not be written to.
 template <Topology T>
-DaemonState<T>::Found DaemonState<T>::forget_weights() {
+typename DaemonState<T>::Found DaemonState<T>::forget_weights() {
   const auto counters = record_.trial.counter;
   ModeArbiter mode_arbiter = record_.cycle.mode_arbiter;
   mode_arbiter.keep_only_releases();
