@@ -254,7 +254,7 @@ struct SiteCommand : GapOptions {
     j["files"] = files;
     const auto write_findings = [&] {
       j.update(gap::json_of(run));
-      add_to(j, facts);
+      tools::add_to(j, facts);
       gap::write_whole_file(folder / "gap.json", gap::readable_text(j));
       write_report(folder / "index.html", make_gap_report(run));
     };
