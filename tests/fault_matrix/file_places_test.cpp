@@ -9,6 +9,7 @@
 
 #include "hal/text/civil_text.hpp"
 #include "support/bench.hpp"
+#include "tools/run/plant_choice.hpp"
 
 namespace airside::fault_matrix {
 namespace {
@@ -49,7 +50,7 @@ class FilePlaces : public ::testing::Test {
     const std::string what = places.front().filename().string() + (pipe ? ", a pipe" : ", a folder");
     for (const char* folder : {"state", "log"}) fs::remove_all(bench.file(folder));
     for (const fs::path& at : places) lay(at, pipe);
-    const auto daemon = bench.start_daemon();
+    const auto daemon = bench.start_daemon(false, {"--crash-limit", "8"});  // it keeps its starts
     ASSERT_TRUE(goes_on(*daemon, 3)) << what << daemon->said();
     if (alarms) {
       EXPECT_NE(status()["storage"], "ok") << what;
@@ -83,7 +84,7 @@ TEST_F(FilePlaces, OfTheStateFolderAlarmAndAreUsedAgain) {
 TEST_F(FilePlaces, OfTheLogAlarmAndAreUsedAgain) {
   for (const bool pipe : {false, true}) {
     std::vector<fs::path> days;
-    const std::int64_t first_s = bench.run().rows.front().time.seconds;
+    const std::int64_t first_s = tools::start_of(closed_loop::rc_room()).seconds;
     for (int day = 0; day < 45; ++day) {
       const std::string date = hal::civil_text({first_s + day * std::int64_t{86400}}).substr(0, 10);
       days.push_back(bench.file("log") / ("airside-" + date + ".csv"));

@@ -44,8 +44,7 @@ TEST(FitCommand, StartsFromARoomAndPrintsATableForPeople) {
       "fit --site site.toml --measured measured.csv --weather w.epw -o room.json --locked-days 1 --start-room "
       "start.json");
   ASSERT_EQ(o.code, 0) << o.err;
-  for (const char* promised :
-       {"told by the data", "locked start", "W/m2", "7 days fitted, 1 locked away", "room.json"}) {
+  for (const char* promised : {"from the data", "locked start", "W/m2", "7 days fitted, 1 locked away", "room.json"}) {
     EXPECT_NE(o.out.find(promised), std::string::npos) << o.out;
   }
   EXPECT_EQ(sim::load_room(desk.path("room.json").string()).vavs, 3);

