@@ -1,6 +1,6 @@
 #pragma once
-// Effects that a model may lack, and parameters that it may have wrong: each is one file of sim/effects/library, with what it
-// changes in the RC room, in the EnergyPlus model, in the recorded commands, the clock and the sensors. The gap
+// Effects that a model may lack, and parameters that it may have wrong: each is one file of sim/effects/library, with
+// what it changes in the RC room, in the EnergyPlus model, in the recorded commands, the clock and the sensors. The gap
 // workflow never edits a model by any other way.
 
 #include <array>

@@ -16,7 +16,8 @@
 
 namespace airside::sim {
 
-inline const std::filesystem::path library_folder = std::filesystem::path(AIRSIDE_SOURCE_DIR) / "sim" / "effects" / "library";
+inline const std::filesystem::path library_folder =
+    std::filesystem::path(AIRSIDE_SOURCE_DIR) / "sim" / "effects" / "library";
 
 inline const std::vector<Effect>& library() {
   static const std::vector<Effect> effects = load_effects(library_folder);

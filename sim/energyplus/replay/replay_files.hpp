@@ -46,9 +46,9 @@ struct ReplayCommands {
 ReplayCommands replay_commands(const EnergyPlusTwin& twin, const Recording& recording, const ReplayDays& days,
                                bool thermostats);
 
-/// The twin's model with the replay's dates, outputs and, if asked, thermostats; the schedules of the commands are constant.
-/// Warm-up days end by the engine's own criterion.
-/// Errors: hal::InputError for a schedule that the model has not.
+/// The twin's model with the replay's dates, outputs and, if asked, thermostats; the schedules of the commands are
+/// constant. Warm-up days end by the engine's own criterion. Errors: hal::InputError for a schedule that the model has
+/// not.
 nlohmann::json replay_model(const EnergyPlusTwin& twin, const ReplayDays& days, const ReplayCommands& commands,
                             bool thermostats);
 

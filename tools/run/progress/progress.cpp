@@ -109,10 +109,10 @@ void Progress::show(bool force) {
   const int space = columns_of(out_) - static_cast<int>(task_.size() + tail.size()) - 4;
   std::string bar;
   if (space >= narrowest_bar) {
-    const int width = std::min(space, widest_bar);
-    const int full = static_cast<int>(std::lround(share * width));
+    const int bar_width = std::min(space, widest_bar);
+    const int full = static_cast<int>(std::lround(share * bar_width));
     bar = " [" + std::string(static_cast<std::size_t>(full), '#') +
-          std::string(static_cast<std::size_t>(width - full), '-') + "]";
+          std::string(static_cast<std::size_t>(bar_width - full), '-') + "]";
   }
   fmt::print(out_, "\r{}{}{}\x1b[K", task_, bar, tail);
   std::fflush(out_);
