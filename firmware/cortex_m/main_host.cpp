@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* usage =
     "usage: cortex-m-day sound|faulty BLOB     the day on standard output\n"
-    "       cortex-m-day make-blob DAYS BLOB   trains on so many other days and writes the weights\n";
+    "       cortex-m-day make-blob DAYS BLOB   trains on DAYS other days and writes the weights\n";
 
 void print(std::string_view line) { std::fwrite(line.data(), 1, line.size(), stdout); }
 

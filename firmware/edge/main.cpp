@@ -41,10 +41,10 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(0.01, 60.0));
   app.add_option(
          "--crash-limit", options.crash_limit,
-         "so many starts within ten minutes are a crash loop, after which the schedule runs for an hour; 0: never")
+         "this many starts within ten minutes are a crash loop, after which the schedule runs for an hour; 0: never")
       ->check(CLI::Range(0, 8));
   app.add_option("--clock-speed", options.clock_speed,
-                 "let the system clock run so many times as fast, beside `airside serve --speed`; for measurements")
+                 "let the system clock run N times as fast, beside `airside serve --speed`; for measurements")
       ->check(CLI::Range(1.0, 10000.0));
   app.add_option("--stall", options.stall_s, "how long a simulated plant's clock may stand still, s")
       ->check(CLI::Range(1.0, 1e6));

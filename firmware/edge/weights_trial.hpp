@@ -59,9 +59,9 @@ class WeightsTrial {
     say_inbox();
     counters_.read();
   }
-  /// Whether a person wants the AHU back and no row has told so yet.
+  /// Whether a person has asked for release and no row has reported it yet.
   bool release_waits() const { return mailbox_.release_waits(); }
-  /// The state is another one, to which nothing of what lies in the inbox was told yet.
+  /// The state is another one, to which nothing of the inbox was reported yet.
   void tell_anew() {
     mailbox_.tell_anew();
     staged_copy_ = 0;
@@ -84,7 +84,7 @@ class WeightsTrial {
     if (mail.release || mail.hand_back) say("an operator asked: {}", mail.release ? "release" : "hand-back");
     const bool has_begun = record.tries_back > 0;
     bool exchanged = has_begun && roll_back(controller, record, "as was begun");
-    // Whoever asks for a way back before a blob was tried means that blob. One that was taken already lies here still
+    // Whoever asks for a rollback before a blob was tried means that blob. One that was taken already lies here still
     // where the daemon ended between the commit and this.
     const bool is_in_use =
         record.state != TrialState::none && crc32c({bytes_->data(), mail.blob_bytes}) == record.blob_crc;
@@ -98,7 +98,7 @@ class WeightsTrial {
                                     : install(t, {bytes_->data(), mail.blob_bytes}, controller, record);
       accepted_ = refusal.fault == Fault::none;
       exchanged = exchanged || accepted_;
-      // Without a way back there is no trial; and what could not be read now may be the next time.
+      // Without a rollback image there is no trial; and what could not be read now may be the next time.
       const bool waits = refusal.fault == Fault::state_invalid || (mail.later && !taken_back);
       const bool said = waits && record.refusal == refusal.fault;
       if (!accepted_ && !said) say_why(mail, refusal, waits);
@@ -138,11 +138,9 @@ class WeightsTrial {
     if (counter == nullptr) return old;  // uncovered: a ring holds no more keys than there are counters
     if (header->security_counter <= counter->highest) return old;
     const std::uint64_t digest = std::max<std::uint64_t>(hal::digest64(bytes), 1);
-    switch (counters_.judge(**key, header->security_counter, digest)) {
-      case hal::CounterLedger::Verdict::newer: break;
-      case hal::CounterLedger::Verdict::old: return old;
-      case hal::CounterLedger::Verdict::unknown: return {Fault::counter_unknown, "security_counter"};
-    }
+    const hal::CounterLedger::Verdict age = counters_.judge(**key, header->security_counter, digest);
+    if (age == hal::CounterLedger::Verdict::old) return old;
+    if (age == hal::CounterLedger::Verdict::unknown) return {Fault::counter_unknown, "security_counter"};
     const BlobError unfit = WeightTrial<T>::refusal_of(controller, *payload_, *weights_);
     if (unfit.fault != Fault::none) return unfit;
     // Before anything is exchanged: a power cut may leave the counter ahead of the weights, never behind them.
@@ -171,7 +169,8 @@ class WeightsTrial {
       say("weights {:08x} confirmed after a day: {} cycles foretold within {:.2f} K", record.blob_crc,
           record.tried_cycles, WeightTrial<T>::error_k(record));
     }
-    return ends_in_rollback(verdict) && roll_back(controller, record, why_of(verdict));
+    if (!ends_in_rollback(verdict)) return false;
+    return roll_back(controller, record, why_of(verdict));
   }
 
   bool roll_back_as_asked(Controller<T>& controller, TrialRecord& record) {

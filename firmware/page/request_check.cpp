@@ -30,7 +30,7 @@ constexpr std::array<Entry, 4> routes{{
     {"/weights", true, Route::upload, "POST"},
 }};
 
-/// Value of the line `name`, how often it stands there.
+/// Value of the line `name`, how often it occurs.
 struct Found {
   std::string_view value;
   int times = 0;

@@ -141,8 +141,8 @@ class ModbusPlant {
       // 1 to 3: it has no such register. Whatever else came in the place of an answer, it is asked again next time.
       const bool has_none = !read && read.error().exception >= 1 && read.error().exception <= 3;
       if (!read && !has_none) return false;
-      const Expected<double> told = read ? decode(*identity_, used) : tl::unexpected(Fault::no_reading);
-      other_device_ = !told || *told != identity_value_;
+      const Expected<double> identity = read ? decode(*identity_, used) : tl::unexpected(Fault::no_reading);
+      other_device_ = !identity || *identity != identity_value_;
     }
     identified_generation_ = link_->generation();
     return !other_device_;

@@ -39,10 +39,10 @@ bool sleep_until_ns(std::int64_t deadline_ns, const StopFlag& stop);
 class SystemClock {
  public:
   /// `utc_offset_s`: of local standard time, s east of UTC; without it the machine's time zone. `speed`: since
-  /// midnight UTC so many times as fast as the machine's clock, for measurements.
+  /// midnight UTC `speed` times as fast as the machine's clock, for measurements.
   explicit SystemClock(StopFlag stop = {}, std::optional<int> utc_offset_s = std::nullopt, double speed = 1.0);
   CivilTime now() const;
-  /// False: told to stop before t. Cost: returns within 0.1 s of a stop.
+  /// False: asked to stop before t. Cost: returns within 0.1 s of a stop.
   bool sleep_until(CivilTime t) const {
     return sleep_until(t, HUGE_VAL, [] {});
   }
@@ -112,7 +112,7 @@ class ModbusPlantClock {
   /// The plant's time; the last one believed while the link is down or a jump is not confirmed.
   /// Cost: one exchange; the first time `confirmations` more, since there is nothing to compare with.
   CivilTime now();
-  /// False: told to stop, the plant's clock stood still for stall_s, or it is too far behind t.
+  /// False: asked to stop, the plant's clock stood still for stall_s, or it is too far behind t.
   bool sleep_until(CivilTime t);
   CivilTime woke() const { return last_; }
   /// Whether the last sleep_until ended because the plant stood still.

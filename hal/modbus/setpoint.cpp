@@ -74,7 +74,8 @@ LinkResult<void> ModbusSetpoint::send(ModbusLink& link, std::span<const std::uin
 void ModbusSetpoint::saw(double standing) {
   seen_ = std::isfinite(standing);
   if (!seen_) return;
-  if (!same(standing, sent_)) sent_ = no_value;  // another hand's, or the device's own: not for this one to repeat
+  if (!same(standing, sent_))
+    sent_ = no_value;  // an external override, or the device's own value: not for this one to repeat
   unsettled_ = no_value;
 }
 

@@ -17,9 +17,9 @@ class ModbusSetpoint {
 
   /// Writes `value` unless the policy is on-change and the device already holds it, then reads back.
   /// A value is chosen one step from what the caller believes to stand there: what the last write() returned, or what
-  /// saw() was told since. After neither, what stands is read and returned and nothing is written; where it cannot be
-  /// read, the last value that was sent is sent again in the place of `value`, so that each step begins at a known one.
-  /// What stood there without having been sent is never sent: it may lie outside all limits, or be a person's.
+  /// saw() was called since. After neither, the register is read and returned and nothing is written; where it cannot
+  /// be read, the last value that was sent is sent again in the place of `value`, so that each step begins at a known
+  /// one. What stood there without having been sent is never sent: it may lie outside all limits, or be a person's.
   /// Nothing is written on another connection than `generation`.
   /// Where the device refuses, the other function (6 or 16) is tried once, and kept where it works.
   /// Returns the value read back, or the rounded value where nothing can be read back.

@@ -21,7 +21,7 @@ enum class PointType : std::uint8_t { coil, discrete, int16, uint16, int32, uint
 /// Order of bytes within a register, or of registers within a 32-bit value.
 enum class Endian : std::uint8_t { big, little };
 
-/// When a value is written: never, only when it differs from what stands there, or on every call.
+/// When a value is written: never, only when it differs from the stored value, or on every call.
 enum class WritePolicy : std::uint8_t { none, on_change, refresh };
 
 constexpr int max_sentinels = 4;  ///< per point

@@ -187,8 +187,8 @@ void parse_write(const PointRow& row, Point& p) {
                  "both for a writable point, neither for the others", "fill or clear both");
   }
   p.default_value = number_or(row, "default", std::numeric_limits<double>::quiet_NaN());
-  const bool told = p.name == "map_fingerprint";  // its default is what the device must tell
-  if (!std::isnan(p.default_value) && !p.writable() && !told) {
+  const bool is_fingerprint = p.name == "map_fingerprint";  // its default is what the device must tell
+  if (!std::isnan(p.default_value) && !p.writable() && !is_fingerprint) {
     row.complain("default", cell_text(row["default"]), "an empty cell, since the point is not writable",
                  "clear it, or give write_policy and fc_write");
   }

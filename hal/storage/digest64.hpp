@@ -1,5 +1,5 @@
 #pragma once
-// The checksum of durable records: 64 bits, so that torn and rotten records are told from whole ones.
+// The checksum of durable records: 64 bits, so that torn and rotten records are distinguished from whole ones.
 // It guards against accidents, not against forgers; signatures do that.
 
 #include <bit>

@@ -3,7 +3,7 @@
 //   row record (small, every 6 min): the commit point, in two slots;
 //   learning record (about 1 MB, when learning moved): in two slots, with a copy of the row that goes with it;
 //   replay journal: a ring file of numbered transitions, with spare slots so that what the last commit refers to is
-//   never overwritten before the next commit stands.
+//   never overwritten before the next commit is complete.
 // A commit writes and syncs journal, then learning, then row; whatever happens in between, load() finds the old
 // generation or the new one whole. Bytes: docs/formats.md.
 
@@ -96,7 +96,7 @@ class DurableStore {
   /// Makes `state` the newest generation.
   /// Errors: no_space, read_only, io, not_found, wrong_size; the generation before then still stands, and the next
   /// commit writes everything that is in doubt again. unread: the medium was away at load(), is there now, and holds
-  /// records: load() them, or load() and commit anew; or files of another layout were not set aside. removed: somebody
+  /// records: load() them, or load() and commit anew; or files of another layout were not archived. removed: somebody
   /// took files away; the next commit writes all of it into new ones. Where the folder itself is another now, that
   /// commit tells locked while another process uses it, and unread where it holds records.
   /// Cost: 14 to 18 system calls, three of them fdatasync, plus a few µs for each transition.
@@ -118,7 +118,7 @@ class DurableStore {
   const StoreLayout& layout() const { return layout_; }
 
  private:
-  /// What the last good row record says, and where it stands.
+  /// What the last good row record says, and where it is stored.
   struct Committed {
     std::uint64_t generation = 0;
     std::uint64_t learning_generation = 0;
@@ -174,7 +174,7 @@ class DurableStore {
   std::uint32_t damaged_ = 0;                        ///< slots that are neither empty nor whole
   StoreResult<void> ready_ = tl::make_unexpected(StoreError{StoreFault::not_found, 0, "open state folder"});
   bool out_of_reach_ = false;                    ///< load() could not look at all files
-  bool other_layout_ = false, refused_ = false;  ///< seen by scan(); told by load() and not set aside yet
+  bool other_layout_ = false, refused_ = false;  ///< seen by scan(); reported by load() and not archived yet
   bool learning_in_doubt_ = true;
   bool rewrite_replay_ = true;
 };

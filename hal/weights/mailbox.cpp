@@ -130,7 +130,7 @@ Mail Mailbox::collect(std::span<std::byte> blob) {
   if (!dir_.is_open()) return mail;
   const std::optional<Seen> release = look(dir_, release_name);
   mail.release = tell(wish_release, release);
-  // Told without the release that it ends, a hand-back would be gone when that one is told.
+  // Reported without the release that it ends, a hand-back would be gone when that one is reported.
   mail.hand_back = release && tell(wish_hand_back, look(dir_, hand_back_name));
   mail.rollback = tell(wish_rollback, look(dir_, rollback_name));
   if (mail.hand_back && mail.release) {
@@ -154,7 +154,7 @@ bool Mailbox::waits(const std::string& path, const BlobHeader& header) {
 
 bool Mailbox::finish(bool accepted) {
   bool changed = false;
-  // The release first, and for good: alone in the inbox it would be told again by the next start.
+  // The release first, and for good: alone in the inbox it would be reported again at the next start.
   const std::optional<Seen> release = look(dir_, release_name);
   const bool released = told_[wish_release].inode != 0 && (!release || *release == told_[wish_release]);
   const bool ended = handed_back_ && released && release && take(release_name) && ::fsync(dir_.descriptor()) == 0;

@@ -52,22 +52,22 @@ class Mailbox {
   /// The blob of the last collect() stays, and is found again by the next one.
   void leave_blob() { blob_[0] = '\0'; }
   /// Takes the wishes and the blob of the last collect() away; a refused blob stands as `refused` for whoever looks.
-  /// A release stays until a hand-back takes it along: a start that finds no state is told it anew.
+  /// A release stays until a hand-back takes it along: it is reported anew to a start that finds no state.
   /// What was replaced or written to since is something else, and stays for the next collect(). Returns false where a
   /// hand-back waits beside a release that could not be taken away; the next finish() tries again.
   bool finish(bool accepted);
-  /// Whether a wish to release lies there that no collect() has told yet; it stays.
+  /// Whether a wish to release lies there that no collect() has reported yet; it stays.
   bool release_waits() const;
   bool is_open() const { return dir_.is_open(); }
   /// Why it is not open; none where it is.
   StoreFault fault() const { return fault_; }
-  /// Name of the blob that the last collect() told of.
+  /// Name of the blob that the last collect() reported.
   const char* blob_file() const { return blob_; }
   /// Whether a blob lies at `path` that one with this header may not replace: of another key, or not older.
   static bool waits(const std::string& path, const BlobHeader& header);
 
  private:
-  /// A file as it was when its wish was told or its blob read.
+  /// A file as it was when its wish was reported or its blob read.
   struct Seen {
     std::uint64_t inode = 0;
     timespec changed{};
@@ -84,7 +84,7 @@ class Mailbox {
   void open();
   /// Whether the open folder is the one at the path.
   bool stands() const { return dir_.is_open() && !dir_.is_replaced_at(path_.c_str()); }
-  /// Inode 0: it is not there, or a folder. Nothing: that cannot be told now.
+  /// Inode 0: it is not there, or a folder. Nothing: unknown now.
   static std::optional<Seen> look(const StorageFile& dir, const char* name);
   bool is_new(int wish, const std::optional<Seen>& seen) const {
     return seen && seen->inode != 0 && !(*seen == told_[wish]);

@@ -62,9 +62,9 @@ void sign_blob(std::span<std::byte> blob, const SecretKey& key, std::uint64_t co
 BlobHeader sound_header(std::span<const std::byte> blob, const std::string& path) {
   const auto header = whole_header(blob);
   if (!header) throw_blob_error(header.error(), path);
-  std::uint32_t told = 0;
-  std::memcpy(&told, header->digest.data(), sizeof told);
-  if (told != blob_digest(*header, blob.subspan(sizeof *header, header->payload_bytes))) {
+  std::uint32_t digest = 0;
+  std::memcpy(&digest, header->digest.data(), sizeof digest);
+  if (digest != blob_digest(*header, blob.subspan(sizeof *header, header->payload_bytes))) {
     throw_blob_error({Fault::blob_digest, "digest"}, path);
   }
   return *header;

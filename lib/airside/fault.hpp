@@ -37,9 +37,9 @@ enum class Fault : std::uint8_t {
   blob_signature = 26,     ///< not signed, or signed by a key that is unknown or revoked, or changed since
   blob_counter = 27,       ///< as old as or older than one that was installed
   other_device = 28,       ///< the device is not the one that the point map describes
-  blob_taken_back = 29,    ///< whoever sent it asked for a way back before it was tried
+  blob_taken_back = 29,    ///< whoever sent it asked for a rollback before it was tried
   no_way_back = 30,        ///< the weights before the pushed ones cannot be read
-  counter_unknown = 31,    ///< what was taken before is lost, so that a blob cannot be told to be newer
+  counter_unknown = 31,    ///< what was taken before is lost, so that no blob is known to be newer
 };
 
 constexpr const char* text_of(Fault fault) {

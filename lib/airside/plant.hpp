@@ -18,7 +18,7 @@ concept Plant = Topology<T> && requires(P plant, const Command& command) {
   { plant.actuate(command) } -> std::same_as<Expected<Applied>>;
 };
 
-/// now(): civil time. sleep_until(t): returns true at t, false if it was told to stop before.
+/// now(): civil time. sleep_until(t): returns true at t, false if it was asked to stop before.
 /// A simulated clock makes its plant reach t; a real one waits. woke(): its time when the last sleep ended, which is
 /// far past t where the machine was suspended.
 template <class C>

@@ -59,7 +59,7 @@ struct ControllerSettings {
   int target_sync_steps = 100;
   int batch = 1000;
   int updates_per_cycle = 10;
-  int recent_in_batch = 0;        ///< so many newest transitions are in every batch
+  int recent_in_batch = 0;        ///< number of newest transitions in every batch
   int gate = 0;                   ///< 1: new weights must pass the acceptance gate
   double gate_loss_ratio = 1.25;  ///< held-back loss may grow by this factor at most
 
@@ -79,7 +79,7 @@ struct ControllerSettings {
   int head_day_types = 0;    ///< 1: one profile; 2: another one for days off; 0: 2 where weekday_only is 1, else 1
 
   // Safety envelope
-  double limit_min_degc = 18.0;  ///< nothing below is written, but on the way back from further outside (envelope.hpp)
+  double limit_min_degc = 18.0;  ///< nothing below is written, but on the way from further outside (envelope.hpp)
   double limit_max_degc = 27.0;
   double limit_change_k = 6.0;  ///< largest change from one cycle to the next
   int outside_jump = 0;         ///< 1: a setpoint found outside the limits is brought inside at once, not in steps
@@ -97,10 +97,10 @@ struct ControllerSettings {
   double supply_ignored_s = 5400;  ///< when it has lasted so long
   double excitation_k = 0.05;      ///< sd of a day's setpoints below which nothing is learned
   double worse_k = 0.15;           ///< further from target than the schedule's shadow by so much
-  double worse_h = 12.0;           ///< for so many working hours: the schedule's turn, for a day
+  double worse_h = 12.0;           ///< working hours until the schedule takes over for a day
   double override_h = 4.0;         ///< somebody else's setpoint is left alone for so long
   double trust_ratio = 0.10;       ///< one cycle's learning may move the weights by this share of their norm
-  int refused_updates = 80;        ///< so many in a row freeze the weights for a day
+  int refused_updates = 80;        ///< number in a row that freezes the weights for a day
 };
 
 /// The printed method. Source: docs/method.md 15.

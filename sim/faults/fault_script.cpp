@@ -27,7 +27,7 @@ constexpr std::array<FaultKindText, 12> kinds = {{
     {FaultKind::setpoint_by_hand, "setpoint_by_hand", false, "degC", "somebody sets this setpoint once"},
     {FaultKind::setpoint_fought, "setpoint_fought", false, "degC", "somebody sets this setpoint every 12 min"},
     {FaultKind::setpoint_ignored, "setpoint_ignored", false, "", "the AHU shows a new setpoint and keeps the old one"},
-    {FaultKind::restarted, "restarted", false, "degC", "the AHU stands at this default until it is told another"},
+    {FaultKind::restarted, "restarted", false, "degC", "the AHU stays at this default until another is written"},
 }};
 
 constexpr const char* header = "begin_h,for_h,fault,signal,magnitude";

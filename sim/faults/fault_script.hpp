@@ -23,7 +23,7 @@ enum class FaultKind : std::uint8_t {
   setpoint_by_hand,  ///< somebody sets this setpoint once
   setpoint_fought,   ///< somebody sets this setpoint again and again, every 12 min
   setpoint_ignored,  ///< the AHU shows the setpoint, and goes on with the one before
-  restarted,         ///< the AHU stands at this default until it is told another
+  restarted,         ///< the AHU stays at this default until another is written
 };
 
 /// What a kind is called in a script, and what its magnitude is.

@@ -19,7 +19,7 @@ constexpr std::size_t least_columns = 32;  // up to days since last snow; the la
 constexpr std::size_t most_columns = 35;
 constexpr int longest_bridge_h = 6;
 
-// A value column: where it stands, what it may be, and from which number on it means "missing".
+// A value column: its place, what it may be, and from which number on it means "missing".
 struct Column {
   std::size_t index;
   const char* name;

@@ -67,6 +67,12 @@ TEST_F(ForeignFile, ALinkToAFolderIsFollowedWhereItsMakerIsTrustedAndTheCallerAl
   const auto foreign = StorageFile::open_dir(link.c_str());
   ASSERT_FALSE(foreign) << "another user's";
   EXPECT_EQ(foreign.error().fault, StoreFault::wrong_kind);
+  // The same link is followed by a process of the user who made it.
+  for (const fs::path path : {folder.c_str(), other.c_str()}) fs::permissions(path, fs::perms(0755));
+  ASSERT_EQ(::seteuid(12345), 0);
+  const bool own = StorageFile::open_existing_dir(link.c_str()).has_value();
+  ASSERT_EQ(::seteuid(0), 0);
+  EXPECT_TRUE(own);
 }
 
 TEST_F(ForeignFile, AFolderThatIsNoneOrIsNotThereIsSaidToBe) {
@@ -76,6 +82,9 @@ TEST_F(ForeignFile, AFolderThatIsNoneOrIsNotThereIsSaidToBe) {
   EXPECT_FALSE(StorageFile::open_existing_dir(std::string(5000, 'a').c_str()));
   fs::create_symlink("self", folder.file("self"));
   EXPECT_EQ(StorageFile::open_existing_dir(folder.file("self").c_str()).error().fault, StoreFault::wrong_kind);
+  EXPECT_EQ(StorageFile::open_existing_dir((folder.file("self") / "below").c_str()).error().fault,
+            StoreFault::wrong_kind);
+  EXPECT_TRUE(StorageFile::open_existing_dir("//"));
 }
 
 TEST_F(ForeignFile, AnOpenFolderIsWrittenToWhateverItsPathLeadsToByNow) {
@@ -113,6 +122,8 @@ TEST_F(ForeignFile, ALinkInPlaceOfTheInboxIsNotFollowed) {
 TEST_F(ForeignFile, InPlaceOfTheStartsIsReported) {
   StartLedger ledger(folder.c_str(), Sync::none);
   EXPECT_EQ(ledger.record(600), 1);
+  EXPECT_TRUE(ledger.is_kept());
+  ledger.keep();  // nothing is left to do
   EXPECT_TRUE(ledger.is_kept());
   fs::remove(folder.file("starts"));
   fs::create_symlink(other.file("victim"), folder.file("starts"));

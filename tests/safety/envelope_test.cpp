@@ -144,6 +144,8 @@ TEST(SafetyEnvelope, WritesOnlyWhatTheRegisterHoldsAndThatWithinTheLimits) {
   EXPECT_EQ(SafetyEnvelope(s).limit(22, 9.2, 22).setpoint_degc(), 10);
   EXPECT_EQ(SafetyEnvelope(s).limit(22, 27.7, 22).setpoint_degc(), 27);
   s.limit_change_k = 0.3;
+  EXPECT_EQ(SafetyEnvelope(s).limit(24, 22.5, 22).setpoint_degc(), 23)
+      << "the next that it holds, where none is nearer";
   s.limit_change_k = 0.7;
   s.register_step_k = 1 / 1.8;  // degF
   s.register_offset_degc = -32 / 1.8;
@@ -151,6 +153,21 @@ TEST(SafetyEnvelope, WritesOnlyWhatTheRegisterHoldsAndThatWithinTheLimits) {
   EXPECT_NEAR(SafetyEnvelope(s).limit(26, nan, 22).setpoint_degc(), (78 - 32) / 1.8, 1e-9) << "79 degF is 26.11 degC";
   s.limit_max_degc = 25;  // 77 degF, but for the last bits
   EXPECT_NEAR(SafetyEnvelope(s).limit(26, nan, 22).setpoint_degc(), 25, 1e-9);
+}
+
+TEST(SafetyEnvelope, StaysWithinTheLimitsThoughTheRegisterHoldsNothingThere) {
+  ControllerSettings s = limits(6);
+  s.register_step_k = 50;
+  EXPECT_EQ(SafetyEnvelope(s).limit(22, 5, 22).setpoint_degc(), 27);
+  EXPECT_EQ(SafetyEnvelope(s).limit(22, 60, 22).setpoint_degc(), 50) << "nearer by a step of the register's";
+  EXPECT_EQ(SafetyEnvelope(s).limit(22, 45, 22).setpoint_degc(), 18);
+}
+
+TEST(SafetyEnvelope, NamesItsLimits) {
+  const SafetyEnvelope envelope(limits(2.0));
+  EXPECT_EQ(envelope.min_degc(), 18);
+  EXPECT_EQ(envelope.max_degc(), 27);
+  EXPECT_EQ(envelope.change_k(), 2);
 }
 
 /// Any bit pattern as a double, temperatures more often than chance has it.

@@ -102,6 +102,14 @@ TEST_F(Counters, AListThatIsNoneIsLeftOut) {
   }
 }
 
+TEST_F(Counters, AListThatCannotBeReadIsLeftOut) {
+  fs::remove(in_state);
+  fs::remove(in_log);
+  fs::create_symlink("counters", folder.file("keys") / "counters");  // leads to itself
+  lose_state();
+  EXPECT_EQ(refusal_of(other(6)), Fault::counter_unknown);
+}
+
 TEST_F(Counters, OfANewBoxAreKnown) {
   fs::remove(in_state);
   fs::remove(in_log);
@@ -143,6 +151,30 @@ TEST_F(Counters, AreNotReadThroughALink) {
   lose_state();
   EXPECT_EQ(refusal_of(other(6)), Fault::counter_unknown);
   EXPECT_FALSE(fs::is_symlink(in_state)) << "a file of its own by now";
+}
+
+TEST_F(Trial, SaysOnceThatTheInboxIsNoFolderAndGoesOnWhenItIsOne) {
+  std::filesystem::remove_all(folder.file("inbox"));
+  std::ofstream(folder.file("inbox")) << "a file";
+  testing::internal::CaptureStderr();
+  rows(2);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("nothing is taken from there"), std::string::npos) << said;
+  EXPECT_EQ(said.find("nothing is taken from there"), said.rfind("nothing is taken from there")) << said;
+  std::filesystem::remove(folder.file("inbox"));
+  std::filesystem::create_directory(folder.file("inbox"));
+  rows(2);
+  push(other(1));
+  rows(1);
+  EXPECT_EQ(record.state, TrialState::on_trial);
+}
+
+TEST_F(Trial, WithoutAnInboxTakesNothingAndSaysNothing) {
+  edge::WeightsTrial<T> none(folder.file("keys").string(), "", folder.file("state").string(), 5, hal::Sync::none, "");
+  testing::internal::CaptureStderr();
+  none.open_inbox();
+  EXPECT_FALSE(none.row(rig.now, *rig.controller, record));
+  EXPECT_EQ(testing::internal::GetCapturedStderr().find("inbox"), std::string::npos);
 }
 
 }  // namespace

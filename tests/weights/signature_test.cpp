@@ -236,6 +236,9 @@ TEST_F(KeyFiles, TheRevokedListTakesCapitalsAndSpacesAndRefusesAnythingElse) {
   write("revoked", std::string(17000, '#'));
   EXPECT_NE(complaint([&] { hal::KeyRing::load(std::string(folder.c_str())); }).find("at most 16384"),
             std::string::npos);
+  write("revoked", hal::hex_of(key.open.id) + " since May\n");
+  EXPECT_NE(complaint([&] { hal::KeyRing::load(std::string(folder.c_str())); }).find("16 hex digits"),
+            std::string::npos);
   write("revoked", "0011\n");
   EXPECT_NE(complaint([&] { hal::KeyRing::load(std::string(folder.c_str())); }).find("16 hex digits"),
             std::string::npos);

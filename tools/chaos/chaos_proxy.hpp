@@ -1,6 +1,6 @@
 #pragma once
 // A Modbus/TCP proxy that stands between a client and a true server and answers as broken and hostile peers do, by
-// rules. Real sockets on both sides; what reached the server and what it really answered is told to whoever asks.
+// rules. Real sockets on both sides; what reached the server and what it really answered can be asked for.
 
 #include <atomic>
 #include <cstdint>

@@ -181,7 +181,7 @@ std::string pushed_text(const Snapshot& s) {
       state == "none" ? "No weights have been pushed" : "Pushed weights " + s.text("pushed_crc") + ": " + state;
   const bool waits = refusal == text_of(Fault::state_invalid);  // no copy of the weights before can be written
   if (refusal == text_of(Fault::no_way_back)) {
-    text += "; the weights before cannot be read, so there is no way back to them";
+    text += "; the weights before cannot be read, so there is no rollback to them";
   } else if (refusal != "none") {
     text += waits ? "; a blob waits in the inbox: " : "; the last blob was refused: ";
     text += refusal + " (" + s.text("pushed_refusal_field") + ")";

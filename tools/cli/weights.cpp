@@ -313,7 +313,7 @@ void add_weights(CLI::App& app, SendBlob over_http) {
   p->add_flag("--json", push->json, json_help);
   p->callback([push] { push->run(); });
 
-  add_wish(app, "rollback", hal::Mailbox::rollback_name, "let a box go back to the weights before the last push",
+  add_wish(app, "rollback", hal::Mailbox::rollback_name, "let a box return to the weights before the last push",
            "the daemon goes back within 6 min, to the schedule where there were none before; without a push it changes "
            "nothing");
   add_wish(app, "release", hal::Mailbox::release_name,

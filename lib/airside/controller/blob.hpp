@@ -116,7 +116,7 @@ class BlobCodec {
   static constexpr std::size_t max_bytes =
       sizeof(BlobHeader) + Payload::bytes(RoomHead<T>::states) + blob_signature_bytes;
 
-  /// Size of a blob with a head of so many states, bytes.
+  /// Size of a blob with a head of this number of states, bytes.
   static constexpr std::size_t size(std::uint32_t head_states) {
     return sizeof(BlobHeader) + Payload::bytes(head_states) + blob_signature_bytes;
   }

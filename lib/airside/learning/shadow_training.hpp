@@ -30,7 +30,7 @@ class ShadowTraining {
     if (s.updates_per_cycle == 0 || replay.size() == 0) return Fault::none;
     shadow_ = learning.weights;
     for (int i = 0; i < s.updates_per_cycle; ++i) (void)step(s, learner, learning, replay, scratch, shadow_);
-    // Weights that are no numbers are refused with or without the gate: nothing could learn its way back from them.
+    // Weights that are no numbers are refused with or without the gate: nothing could be learned from them.
     const bool sound = s.gate != 0 ? passes(s, learner, learning, replay, scratch) : all_finite(shadow_);
     if (!sound) {
       ++learning.rejected;

@@ -106,7 +106,7 @@ class SafetyEnvelope {
     const double next = offset + step * (up ? std::floor(first + slack_k) + 1 : std::ceil(first - slack_k) - 1);
     const double own = step_ > 0 ? next : reach;
     if (nearer(own)) return own;
-    return from < min_ ? lowest_held() : highest_held();
+    return std::clamp(from < min_ ? lowest_held() : highest_held(), min_, max_);
   }
 
   double min_, max_, change_;

@@ -87,8 +87,8 @@ class ModeArbiter {
     for (int i = 1; i < reason_count; ++i) {
       const auto r = static_cast<Reason>(i);
       if (!active(r, t)) continue;
-      if (request_of(r).mode >= request_of(found).mode)
-        found = r;  // uncovered: so far numbers rise with the control modes
+      if (request_of(r).mode < request_of(found).mode) continue;  // uncovered: so far numbers rise with the modes
+      found = r;
     }
     return found;
   }

@@ -20,7 +20,7 @@ class WriteBudget {
   void earn(double writes_per_day) {
     tokens_ = std::min(tokens_ + writes_per_day / cycles_per_day, writes_per_day / 4);
   }
-  /// Whether a move of so many kelvin is worth a write now.
+  /// Whether a move of `move_k` is worth a write now.
   bool allows(double move_k, double writes_per_day) const {
     const double least_k = tokens_ < 1 ? 2.0 : std::max(0.05, 0.5 - 0.09 * tokens_);
     return std::abs(move_k) >= least_k && tokens_ >= 1 - writes_per_day;  // no debt of ours is forgiven

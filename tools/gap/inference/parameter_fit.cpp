@@ -55,7 +55,8 @@ class FitEvaluator final : public ceres::EvaluationCallback {
     noise_ = std::move(noise);
     plain_.resize(0);
   }
-  /// Later evaluations count each channel by the spread of its residual, as if a day held so many independent values.
+  /// Later evaluations count each channel by the spread of its residual, as if a day held this number of independent
+  /// values.
   void set_plain(double values_per_day) {
     plain_ = NoiseModel::fit(difference(shown_), channels_).spread().cwiseInverse() *
              std::sqrt(values_per_day / bins_per_day);

@@ -32,7 +32,8 @@ struct ReferenceFit {
   std::vector<Parameter> parameters;  ///< responses about the fitted model, in the reference period
   double residual_ratio = 1;          ///< mean square of the whitened residual; about 1
 
-  /// The fitted parameters as changes to the model; `moved`: so many prior standard deviations beyond, one a parameter.
+  /// The fitted parameters as changes to the model; `moved`: number of prior standard deviations beyond, one a
+  /// parameter.
   Changes changes(const Eigen::VectorXd& moved = {}) const;
   /// What the structural directions add, linearly.  Shape: bins x channels of that window.
   Eigen::MatrixXd structural(const Responses& responses) const;

@@ -1,5 +1,5 @@
 #pragma once
-// A model with what the gap workflow found in it: the patch, the way back, and a ledger that says what was added, why
+// A model with what the gap workflow found in it: the patch, its reverse, and a ledger that says what was added, why
 // and how sure that is.
 
 #include <filesystem>
@@ -49,8 +49,8 @@ nlohmann::json reverse_patch(const nlohmann::json& model, const nlohmann::json& 
 std::string model_digest(const nlohmann::json& model);
 
 /// The model as it was before a ledger's changes.
-/// Errors: hal::InputError for a ledger that is none, a model that is not the ledger's, and a way back that does not
-/// lead to the model before.
+/// Errors: hal::InputError for a ledger that is none, a model that is not the ledger's, and a reverse patch that does
+/// not lead to the model before.
 nlohmann::json reverted_model(const nlohmann::json& model, const nlohmann::json& ledger, const std::string& model_place,
                               const std::string& ledger_place);
 
