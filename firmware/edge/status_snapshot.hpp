@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "airside/controller/decision.hpp"
+#include "airside/supervision/mode_arbiter.hpp"
 #include "hal/storage/store_error.hpp"
 
 namespace airside::edge {

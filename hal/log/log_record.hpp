@@ -4,6 +4,7 @@
 #include "airside/controller/cycle.hpp"
 #include "airside/controller/decision.hpp"
 #include "airside/signals.hpp"
+#include "airside/supervision/mode_table.hpp"
 #include "hal/log/log_csv.hpp"
 
 namespace airside::hal {

@@ -8,6 +8,7 @@
 #include "airside/command.hpp"
 #include "airside/fault.hpp"
 #include "airside/reading.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

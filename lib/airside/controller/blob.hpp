@@ -4,14 +4,19 @@
 
 #include <array>
 #include <bit>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
+#include <tl/expected.hpp>
+#include <type_traits>
 
 #include "airside/crc32c.hpp"
 #include "airside/fault.hpp"
 #include "airside/forecast/room_head.hpp"
 #include "airside/network/scaler.hpp"
 #include "airside/signals.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -5,13 +5,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
+#include "airside/civil_time.hpp"
+#include "airside/command.hpp"
 #include "airside/controller/controller_memory.hpp"
 #include "airside/controller/cycle_judge.hpp"
+#include "airside/controller/decision.hpp"
 #include "airside/controller/pending_cycle.hpp"
 #include "airside/controller/supervisor.hpp"
-#include "airside/plant.hpp"
+#include "airside/fault.hpp"
+#include "airside/reading.hpp"
+#include "airside/settings.hpp"
+#include "airside/supervision/control_mode.hpp"
 #include "airside/supervision/envelope.hpp"
+#include "airside/supervision/mode_table.hpp"
+#include "airside/supervision/validation.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -5,13 +5,31 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <new>
+#include <new>  // IWYU pragma: keep: placement
 #include <span>
 
+#include "airside/civil_time.hpp"
 #include "airside/controller/decision.hpp"
 #include "airside/controller/proposer.hpp"
 #include "airside/controller/weight_exchange.hpp"
+#include "airside/fault.hpp"
+#include "airside/forecast/head_features.hpp"
+#include "airside/forecast/room_head.hpp"
+#include "airside/learning/learning_state.hpp"
+#include "airside/learning/replay_ring.hpp"
 #include "airside/learning/shadow_training.hpp"
+#include "airside/network/kernels/kernels.hpp"
+#include "airside/network/losses.hpp"
+#include "airside/network/network.hpp"
+#include "airside/network/scaler.hpp"
+#include "airside/reading.hpp"
+#include "airside/settings.hpp"
+#include "airside/splitmix64.hpp"
+#include "airside/supervision/control_mode.hpp"
+#include "airside/supervision/guideline36.hpp"
+#include "airside/supervision/mode_arbiter.hpp"
+#include "airside/supervision/validation.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -2,10 +2,14 @@
 // The one loop. Hardware and simulation, daemon and study run this same code; only plant, clock and sink differ.
 
 #include <cstdint>
+#include <tl/expected.hpp>
 
 #include "airside/civil_time.hpp"
+#include "airside/command.hpp"
+#include "airside/fault.hpp"
 #include "airside/plant.hpp"
-#include "airside/supervision/mode_arbiter.hpp"
+#include "airside/reading.hpp"
+#include "airside/supervision/control_mode.hpp"
 
 namespace airside {
 

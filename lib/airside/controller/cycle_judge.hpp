@@ -3,10 +3,18 @@
 
 #include <cmath>
 
+#include "airside/civil_time.hpp"
 #include "airside/controller/pending_cycle.hpp"
 #include "airside/controller/supervisor.hpp"
+#include "airside/forecast/head_features.hpp"
+#include "airside/learning/learning_state.hpp"
 #include "airside/learning/transition_row.hpp"
+#include "airside/network/learner.hpp"
+#include "airside/network/scratch.hpp"
+#include "airside/settings.hpp"
 #include "airside/supervision/confidence.hpp"
+#include "airside/supervision/control_mode.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

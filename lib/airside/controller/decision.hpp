@@ -2,14 +2,13 @@
 // What was decided in one cycle and why: everything a log row, a status page or a person needs.
 
 #include <cmath>
-#include <cstdint>
 #include <limits>
 
 #include "airside/civil_time.hpp"
 #include "airside/command.hpp"
 #include "airside/fault.hpp"
 #include "airside/network/losses.hpp"
-#include "airside/supervision/mode_arbiter.hpp"
+#include "airside/supervision/control_mode.hpp"
 
 namespace airside {
 

@@ -5,6 +5,13 @@
 #include <cstddef>
 
 #include "airside/controller/controller.hpp"
+#include "airside/forecast/room_head.hpp"
+#include "airside/learning/learning_state.hpp"
+#include "airside/learning/replay_ring.hpp"
+#include "airside/network/learner.hpp"
+#include "airside/network/network.hpp"
+#include "airside/network/scratch.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -1,7 +1,12 @@
 #include "airside/controller/instances.hpp"
 
+#include "airside/controller/blob.hpp"
+#include "airside/controller/controller.hpp"
+#include "airside/controller/controller_memory.hpp"
 #include "airside/controller/footprint.hpp"
 #include "airside/controller/weight_trial.hpp"
+#include "airside/network/network.hpp"
+#include "airside/topologies.hpp"
 
 namespace airside {
 

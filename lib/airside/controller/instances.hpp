@@ -4,7 +4,10 @@
 
 #include "airside/controller/blob.hpp"
 #include "airside/controller/controller.hpp"
+#include "airside/controller/controller_memory.hpp"
+#include "airside/network/network.hpp"
 #include "airside/topologies.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -5,6 +5,7 @@
 #include "airside/forecast/head_features.hpp"
 #include "airside/learning/replay_ring.hpp"
 #include "airside/reading.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -5,10 +5,17 @@
 #include <cmath>
 #include <limits>
 
+#include "airside/civil_time.hpp"
 #include "airside/controller/pending_cycle.hpp"
 #include "airside/forecast/candidate_search.hpp"
+#include "airside/forecast/room_head.hpp"
 #include "airside/learning/learning_state.hpp"
+#include "airside/network/scaler.hpp"
+#include "airside/network/scratch.hpp"
+#include "airside/reading.hpp"
+#include "airside/settings.hpp"
 #include "airside/supervision/confidence.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

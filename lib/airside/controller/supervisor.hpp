@@ -6,10 +6,21 @@
 #include <cmath>
 #include <cstdint>
 
+#include "airside/civil_time.hpp"
+#include "airside/command.hpp"
 #include "airside/controller/decision.hpp"
-#include "airside/controller/pending_cycle.hpp"
+#include "airside/fault.hpp"
+#include "airside/forecast/room_head.hpp"
 #include "airside/learning/learning_state.hpp"
+#include "airside/reading.hpp"
+#include "airside/settings.hpp"
+#include "airside/supervision/control_mode.hpp"
+#include "airside/supervision/envelope.hpp"
+#include "airside/supervision/mode_arbiter.hpp"
+#include "airside/supervision/mode_table.hpp"
 #include "airside/supervision/schedule.hpp"
+#include "airside/supervision/validation.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

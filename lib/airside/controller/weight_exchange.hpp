@@ -7,9 +7,17 @@
 #include <span>
 
 #include "airside/forecast/candidate_search.hpp"
+#include "airside/forecast/head_features.hpp"
 #include "airside/learning/canary.hpp"
 #include "airside/learning/learning_state.hpp"
+#include "airside/learning/replay_ring.hpp"
 #include "airside/learning/transition_row.hpp"
+#include "airside/network/network.hpp"
+#include "airside/network/scaler.hpp"
+#include "airside/network/scratch.hpp"
+#include "airside/settings.hpp"
+#include "airside/supervision/control_mode.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

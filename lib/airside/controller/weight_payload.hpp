@@ -2,9 +2,14 @@
 // A blob's content goes into a controller, and comes out of it.
 
 #include <algorithm>
+#include <cstdint>
 
+#include "airside/civil_time.hpp"
 #include "airside/controller/blob.hpp"
 #include "airside/controller/controller.hpp"
+#include "airside/forecast/room_head.hpp"
+#include "airside/network/network.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

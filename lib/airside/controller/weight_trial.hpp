@@ -7,7 +7,18 @@
 #include <cmath>
 #include <cstdint>
 
+#include "airside/civil_time.hpp"
+#include "airside/controller/blob.hpp"
+#include "airside/controller/controller.hpp"
+#include "airside/controller/decision.hpp"
+#include "airside/controller/weight_exchange.hpp"
 #include "airside/controller/weight_payload.hpp"
+#include "airside/fault.hpp"
+#include "airside/forecast/room_head.hpp"
+#include "airside/learning/learning_state.hpp"
+#include "airside/network/network.hpp"
+#include "airside/supervision/control_mode.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

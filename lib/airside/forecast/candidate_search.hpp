@@ -1,14 +1,19 @@
 #pragma once
 // Which setpoint the network would choose: forecasts for every candidate, their scores, a second finer grid.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <span>
 
 #include "airside/forecast/scores.hpp"
 #include "airside/network/forward.hpp"
 #include "airside/network/scaler.hpp"
+#include "airside/network/scratch.hpp"
 #include "airside/settings.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -5,6 +5,7 @@
 
 #include "airside/memory_size.hpp"
 #include "airside/reading.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -7,12 +7,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
+#include "airside/civil_time.hpp"
 #include "airside/exponential.hpp"
 #include "airside/forecast/head_features.hpp"
 #include "airside/memory_size.hpp"
 #include "airside/settings.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -3,6 +3,7 @@
 // (their mean): per-room scores freeze the controller as soon as one room is at target (docs/method.md, open point 14).
 
 #include <cmath>
+#include <cstddef>
 #include <span>
 
 #include "airside/settings.hpp"

@@ -4,12 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <span>
 
+#include "airside/forecast/head_features.hpp"
 #include "airside/forecast/room_head.hpp"
 #include "airside/network/forward.hpp"
 #include "airside/network/scaler.hpp"
+#include "airside/network/scratch.hpp"
 #include "airside/settings.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -4,10 +4,14 @@
 #include <cstdint>
 #include <limits>
 
+#include "airside/civil_time.hpp"
+#include "airside/forecast/head_features.hpp"
 #include "airside/forecast/room_head.hpp"
+#include "airside/memory_size.hpp"
 #include "airside/network/learner.hpp"
 #include "airside/network/network.hpp"
 #include "airside/network/scaler.hpp"
+#include "airside/reading.hpp"
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/envelope.hpp"
 #include "airside/supervision/guideline36.hpp"
@@ -15,6 +19,7 @@
 #include "airside/supervision/monitors.hpp"
 #include "airside/supervision/validation.hpp"
 #include "airside/supervision/write_budget.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

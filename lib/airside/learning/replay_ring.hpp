@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -10,6 +11,7 @@
 #include "airside/memory_size.hpp"
 #include "airside/network/losses.hpp"
 #include "airside/splitmix64.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

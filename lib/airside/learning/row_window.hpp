@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "airside/civil_time.hpp"
 #include "airside/reading.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

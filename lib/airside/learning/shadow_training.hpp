@@ -5,12 +5,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <span>
 
+#include "airside/fault.hpp"
 #include "airside/learning/canary.hpp"
 #include "airside/learning/learning_state.hpp"
 #include "airside/learning/replay_ring.hpp"
+#include "airside/memory_size.hpp"
+#include "airside/network/learner.hpp"
+#include "airside/network/losses.hpp"
+#include "airside/network/network.hpp"
+#include "airside/network/scratch.hpp"
+#include "airside/settings.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -2,10 +2,12 @@
 // A transition in SI units and as the scaled row that the replay keeps.
 
 #include <Eigen/Core>
+#include <array>
 
 #include "airside/learning/replay_ring.hpp"
 #include "airside/network/scaler.hpp"
 #include "airside/reading.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -1,10 +1,12 @@
 #pragma once
 // Adam: bias-corrected, epsilon outside the root, no decay, no clipping (docs/method.md, open point 12).
 
+#include <array>
 #include <cstdint>
 
 #include "airside/network/kernels/kernels.hpp"
 #include "airside/network/network.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -2,9 +2,15 @@
 // The forward pass: over a tile of samples, and over many setpoints that share one state.
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <span>
 
+#include "airside/memory_size.hpp"
+#include "airside/network/kernels/kernels.hpp"
+#include "airside/network/network.hpp"
 #include "airside/network/scratch.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -5,9 +5,16 @@
 // Rows 0..n-1 carry the losses' own gradient, rows n..2n-1 the constraint's: one product sums both.
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 
+#include "airside/memory_size.hpp"
 #include "airside/network/forward.hpp"
+#include "airside/network/kernels/kernels.hpp"
 #include "airside/network/losses.hpp"
+#include "airside/network/network.hpp"
+#include "airside/network/scratch.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -1,12 +1,17 @@
 #pragma once
 // One optimiser step at a time: losses and gradient of a batch, Adam, and a target network that follows in jumps.
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <type_traits>
 
 #include "airside/network/adam.hpp"
 #include "airside/network/gradient.hpp"
+#include "airside/network/losses.hpp"
+#include "airside/network/network.hpp"
+#include "airside/network/scratch.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -2,10 +2,12 @@
 // The five losses of one tile: their values and their derivatives by the network's outputs.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "airside/network/scratch.hpp"
 #include "airside/signals.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

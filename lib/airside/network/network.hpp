@@ -10,10 +10,10 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
-#include "airside/network/kernels/kernels.hpp"
 #include "airside/splitmix64.hpp"
 #include "airside/topology.hpp"
 

@@ -5,11 +5,13 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "airside/memory_size.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/signals.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -3,11 +3,12 @@
 // Owned by the caller, never saved; what it holds between calls does not matter.
 
 #include <array>
-#include <cstdint>
+#include <cstddef>
 
 #include "airside/memory_size.hpp"
 #include "airside/network/kernels/kernels.hpp"
 #include "airside/network/network.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <span>
 
+#include "airside/civil_time.hpp"
+#include "airside/settings.hpp"
 #include "airside/supervision/schedule.hpp"
 
 namespace airside {

@@ -3,10 +3,12 @@
 // and how it ends (mode_table.hpp).
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
 #include "airside/civil_time.hpp"
+#include "airside/supervision/control_mode.hpp"
 #include "airside/supervision/mode_table.hpp"
 
 namespace airside {

@@ -6,12 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <tl/expected.hpp>
 
+#include "airside/civil_time.hpp"
 #include "airside/fault.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/signals.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 

@@ -1,8 +1,8 @@
 // The strict kernels: one order of summation, no fused multiply-add, the same bits on every architecture.
 // Only additions over different columns are independent, so a compiler may vectorise them without reordering a sum.
 
-#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "airside/network/kernels/kernels.hpp"
