@@ -1,4 +1,4 @@
-#include "tools/cli/gap_fit.hpp"
+#include "tools/cli/gap/gap_fit.hpp"
 
 #include <fmt/format.h>
 

@@ -8,7 +8,7 @@
 
 #include "hal/text/input_error.hpp"
 #include "tools/cli/command.hpp"
-#include "tools/cli/gap.hpp"
+#include "tools/cli/gap/gap.hpp"
 #include "tools/gap/report/gap_report.hpp"
 #include "tools/gap/run/gap_run.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"

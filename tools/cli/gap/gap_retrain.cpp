@@ -4,7 +4,7 @@
 
 #include "hal/text/input_error.hpp"
 #include "tools/cli/command.hpp"
-#include "tools/cli/gap.hpp"
+#include "tools/cli/gap/gap.hpp"
 #include "tools/gap/retrain/retrain.hpp"
 
 namespace airside::tools {
