@@ -50,7 +50,7 @@ Site make_site(const SiteOptions& options);
 /// The site options as they must be typed again, each after a space; "" for the built-in site as it is.
 std::string command_text(const SiteOptions& options);
 
-/// Progress to standard error as a share of the work; pass on to session functions.
+/// Progress to standard error as a share of the work; pass on to control runs.
 OnProgress show_progress(Progress& bar);
 constexpr std::uint64_t progress_steps = 1000;
 
