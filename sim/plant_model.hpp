@@ -17,7 +17,8 @@ struct Sensors {
   std::vector<double> fcu_temp_degc;   ///< one an FCU
   std::vector<double> vav_on;          ///< 0/1
   std::vector<double> fcu_on;          ///< 0/1
-  std::vector<double> power_kw;        ///< [0] fans, [1] chiller and pump
+  /// One meter: all; two: fans, chiller and pump; more: AHU fan, other fans, then the chiller in equal circuits.
+  std::vector<double> power_kw;
   double mau_temp_degc = 0;
   double outdoor_temp_degc = 0;
   double rain = 0;

@@ -19,9 +19,10 @@ double sensor_value(const Sensors& sensors, SignalId id);
 template <Topology T>
 class SimulatedPlant {
  public:
-  SimulatedPlant(PlantModel& model, const hal::PointMap& points) : model_(model) {
+  SimulatedPlant(PlantModel& model, const hal::PointMap& points, const Shape& site = capacity_of<T>()) : model_(model) {
     for (int i = 0; i < Layout<T>::signals; ++i) {
-      points_[static_cast<std::size_t>(i)] = &points.at(hal::point_name(signal_id<T>(i)));
+      if (!is_present<T>(site, i)) continue;
+      points_[static_cast<std::size_t>(i)] = points.find(hal::point_name(signal_id<T>(i)));
     }
     setpoint_ = &points.at("setpoint");
     supply_temp_ = points.find("supply_temp");
@@ -32,7 +33,8 @@ class SimulatedPlant {
     Reading<T> reading;
     reading.time = model_.time();
     for (int i = 0; i < Layout<T>::signals; ++i) {
-      reading.value(i) = hal::rounded(*points_[static_cast<std::size_t>(i)], sensor_value(sensors, signal_id<T>(i)));
+      const hal::Point* point = points_[static_cast<std::size_t>(i)];
+      if (point != nullptr) reading.value(i) = hal::rounded(*point, sensor_value(sensors, signal_id<T>(i)));
     }
     reading.setpoint_degc = hal::rounded(*setpoint_, sensors.setpoint_degc);
     if (supply_temp_ != nullptr) reading.supply_temp_degc = hal::rounded(*supply_temp_, sensors.supply_temp_degc);
@@ -48,7 +50,8 @@ class SimulatedPlant {
 
  private:
   PlantModel& model_;
-  std::array<const hal::Point*, static_cast<std::size_t>(Layout<T>::signals)> points_{};
+  std::array<const hal::Point*, static_cast<std::size_t>(Layout<T>::signals)>
+      points_{};  ///< nullptr: the site has none
   const hal::Point* setpoint_;
   const hal::Point* supply_temp_;
 };

@@ -13,17 +13,18 @@ namespace airside::edge {
 
 // Every build must read what every other has saved: strict or not, 32 or 64 bits. Where one of these changes on
 // purpose, state_version does too.
-static_assert(sizeof(LearningState<FiveZone, float>) == 706112 && sizeof(RowRecord<FiveZone>) == 4672);
+static_assert(sizeof(LearningState<FiveZone, float>) == 706112 && sizeof(RowRecord<FiveZone>) == 5088);
 
 template <Topology T>
 Daemon<T>::Daemon(const hal::SiteFile& site, const hal::PointMap& points, const DaemonOptions& options,
                   hal::StopFlag stop)
     : site_(site),
-      limits_(hal::signal_limits<T>(points)),
+      limits_(hal::signal_limits<T>(points, shape_in<T>(parse_shape(site.topology.c_str())))),
       options_(options),
       stop_(stop),
       link_(hal::link_settings(*site.modbus, options.backoff_first_s)),
-      plant_(points, link_, {.utc_offset_s = std::nullopt, .clock_speed = options.clock_speed}),
+      plant_(points, link_, {.utc_offset_s = std::nullopt, .clock_speed = options.clock_speed},
+             shape_in<T>(parse_shape(site.topology.c_str()))),
       system_clock_(stop, std::nullopt, options.clock_speed),
       controller_(std::make_unique<Controller<T>>()),
       state_(site_, options.sync, *controller_),
@@ -176,6 +177,7 @@ void Daemon<T>::write_status(CivilTime stopped_at) {
   if (last_row_.seconds == 0) last_row_ = next_.seconds != 0 ? next_ : system_clock_.now();  // before the first row
   StatusSnapshot s = row_status<T>(last_row_, last_sensed_, *controller_, plant_);
   s.site = site_.name;
+  s.topology = site_.topology;
   if (s.decision.fault_signal >= 0) s.fault_signal = names_[static_cast<std::size_t>(s.decision.fault_signal)];
   s.generation = state_.generation();
   s.lost_until = state_.lost_until();

@@ -18,18 +18,19 @@ DaemonState<T>::DaemonState(const hal::SiteFile& site, hal::Sync sync, Controlle
     : site_(site),
       controller_(controller),
       folders_(site, sync),
-      log_row_(hal::make_log_row(hal::counts_of<T>())),
-      trial_(site.keys_dir, site.inbox_dir, site.state_dir, layout().meaning, sync, site.scope, site.log_dir),
+      shape_(shape_in<T>(parse_shape(site.topology.c_str()))),
+      log_row_(hal::make_log_row(hal::counts_of(shape_))),
+      trial_(site.keys_dir, site.inbox_dir, site.state_dir, layout(shape_).meaning, sync, site.scope, site.log_dir),
       export_(site.state_dir, site.name, sync) {}
 
 template <Topology T>
-hal::StoreLayout DaemonState<T>::layout() {
+hal::StoreLayout DaemonState<T>::layout(const Shape& site) {
   return {.learning_bytes = sizeof(Learning),
           .row_bytes = sizeof(RowRecord<T>),
           .transition_bytes = sizeof(typename Ring::Row),
           .ring_capacity = Ring::capacity,
-          .meaning = topology_hash<T>(NetworkWeights<T, float>::count) ^ units_hash<T>() ^
-                     (std::uint64_t{state_version} << 32)};
+          .meaning =
+              topology_hash(site, parameters_of<T>(site)) ^ units_hash<T>(site) ^ (std::uint64_t{state_version} << 32)};
 }
 
 template <Topology T>
@@ -37,8 +38,8 @@ void DaemonState<T>::open() {
   blob_crc_ = load_blob();
   std::error_code ignored;
   if (!std::filesystem::exists(site_.state_dir, ignored)) load_history();
-  folders_.open_log(hal::counts_of<T>());
-  folders_.open_store(layout());
+  folders_.open_log(hal::counts_of(shape_));
+  folders_.open_store(layout(shape_));
   trial_.open_inbox();
   export_.open();
 }
@@ -62,13 +63,13 @@ CivilTime DaemonState<T>::resume() {
 template <Topology T>
 std::string DaemonState<T>::check() {
   (void)load_blob();
-  if (!site_.history_log.empty()) (void)hal::read_log(site_.history_log, hal::counts_of<T>());
+  if (!site_.history_log.empty()) (void)hal::read_log(site_.history_log, hal::counts_of(shape_));
   return hal::describe(hal::KeyRing::load(site_.keys_dir));
 }
 
 template <Topology T>
 void DaemonState<T>::row(CivilTime t, const Expected<Reading<T>>& sensed, bool has_date) {
-  hal::fill_log_row<T>(log_row_, t, sensed, controller_.decision(), controller_.cycle().last_setpoint_degc);
+  hal::fill_log_row<T>(log_row_, shape_, t, sensed, controller_.decision(), controller_.cycle().last_setpoint_degc);
   auto& log = folders_.log();
   auto& store = folders_.store();
   const bool logs = log && has_date;
@@ -128,6 +129,7 @@ std::uint32_t DaemonState<T>::load_blob() {
   if (site_.weights_blob.empty()) return 0;
   payload_ = std::make_unique<Payload>();
   const std::vector<std::byte> bytes = hal::read_blob_file(site_.weights_blob);
+  payload_->site = shape_;
   hal::decode_blob<T>(bytes, site_.scope, site_.weights_blob, *payload_);
   blob_bytes_ = bytes.size();
   return crc32c(bytes);
@@ -137,7 +139,7 @@ std::uint32_t DaemonState<T>::load_blob() {
 template <Topology T>
 void DaemonState<T>::load_history() {
   if (blob_bytes_ > 0 && !site_.history_log.empty()) {
-    history_ = hal::read_log(site_.history_log, hal::counts_of<T>());
+    history_ = hal::read_log(site_.history_log, hal::counts_of(shape_));
   }
 }
 
@@ -156,7 +158,7 @@ void DaemonState<T>::remember_history() {
   if (!history_) return;
   HistoryReader<T> reader(controller_, HistoryReader<T>::Head::leave);
   for (const hal::LogRow& row : history_->rows) {
-    reader.row(row.time, Eigen::Map<const typename Reading<T>::Vector>(row.value.data()), row.setpoint_degc);
+    reader.row(row.time, hal::signals_of<T>(row, shape_), row.setpoint_degc);
   }
   say("remembered {} transitions of {}", reader.transitions(), site_.history_log);
 }

@@ -39,7 +39,7 @@ class DaemonState {
   DaemonState(const hal::SiteFile& site, hal::Sync sync, Controller<T>& controller);
 
   /// Sizes of the durable state of this topology and build.
-  static hal::StoreLayout layout();
+  static hal::StoreLayout layout(const Shape& site);
 
   /// Reads blob and history, then opens log, state and inbox. A folder that fails is tried again by every row.
   /// Errors: hal::InputError for a bad blob or history, which leaves no folder behind, or a state folder in use.
@@ -100,6 +100,7 @@ class DaemonState {
   std::uint32_t blob_crc_ = 0;
   std::size_t blob_bytes_ = 0;
   BoxFolders folders_;
+  Shape shape_;
   hal::LogRow log_row_;
   RowRecord<T> record_ = fresh_record();
   WeightsTrial<T> trial_;

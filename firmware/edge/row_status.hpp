@@ -12,7 +12,7 @@ template <Topology T>
 StatusSnapshot row_status(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller,
                           const hal::ModbusPlant<T>& plant) {
   StatusSnapshot s{
-      .site = {}, .topology = T::name, .control_mode = controller.control_mode(t), .decision = controller.decision()};
+      .site = {}, .topology = {}, .control_mode = controller.control_mode(t), .decision = controller.decision()};
   s.fault = sensed ? s.decision.fault : sensed.error();
   // To the controller whatever cannot be used is no number; people want to know why.
   const int signal = s.decision.fault_signal;
@@ -20,7 +20,7 @@ StatusSnapshot row_status(CivilTime t, const Expected<Reading<T>>& sensed, const
     s.fault = plant.signal_fault(signal);
   }
   s.setpoint_degc = controller.cycle().last_setpoint_degc;
-  if (sensed) s.room_temp_degc = {sensed->value.data(), static_cast<std::size_t>(Layout<T>::rooms)};
+  if (sensed) s.room_temp_degc = {sensed->value.data(), static_cast<std::size_t>(controller.settings().shape.vavs)};
   s.target_degc = controller.settings().target_degc;
   s.cycles = controller.learning().cycles;
   s.rejected_updates = controller.learning().rejected;

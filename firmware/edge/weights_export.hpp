@@ -91,9 +91,9 @@ class WeightsExport {
     hal::write_civil_text(time.data(), t);
     auto& text = payload_->provenance;
     text = {};
-    auto end =
-        fmt::format_to_n(text.data(), text.size() - 1, "learned by airsided in \"{}\" ({}) until {}: {} decisions",
-                         site_, T::name, std::string_view(time.data(), time.size()), given_cycles_);
+    auto end = fmt::format_to_n(
+        text.data(), text.size() - 1, "learned by airsided in \"{}\" ({}) until {}: {} decisions", site_,
+        name_of(payload_->site).c_str(), std::string_view(time.data(), time.size()), given_cycles_);
     if (trial.blob_crc == 0 || trial.state == TrialState::none) return;
     const std::size_t used = std::min(end.size, text.size() - 1);
     fmt::format_to_n(text.data() + used, text.size() - 1 - used, "; pushed weights {:08x} {}", trial.blob_crc,

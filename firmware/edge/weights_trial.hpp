@@ -131,6 +131,7 @@ class WeightsTrial {
   BlobError install(CivilTime t, std::span<const std::byte> bytes, Controller<T>& controller, TrialRecord& record) {
     const auto key = hal::verify_blob(bytes, keys_);
     if (!key) return key.error();
+    payload_->site = controller.settings().shape;
     const auto header = WeightBlob<T>::read(bytes, scope_, *payload_);
     if (!header) return header.error();
     TrialRecord::Counter* counter = counter_of(record, header->key_id);

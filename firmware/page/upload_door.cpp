@@ -14,9 +14,10 @@
 namespace airside::page {
 UploadDoor::UploadDoor(const hal::SiteFile& site)
     : keys_dir_(site.keys_dir), inbox_dir_(site.inbox_dir), scope_(site.scope) {
-  with_topology(site.topology.c_str(), [this]<class T>(T) {
-    max_bytes_ = WeightBlob<T>::max_bytes;
+  with_topology(site.topology.c_str(), [&]<class T>(T) {
     auto payload = std::make_shared<typename WeightBlob<T>::Payload>();
+    payload->site = parse_shape(site.topology.c_str());
+    max_bytes_ = WeightBlob<T>::size(RoomHead<T>::states, payload->site);
     decode_ = [payload, scope = scope_](std::span<const std::byte> blob) {
       return WeightBlob<T>::decode(blob, scope, *payload);
     };

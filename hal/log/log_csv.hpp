@@ -19,15 +19,17 @@ struct TopologyCounts {
   std::string name;
   int vavs = 0, fcus = 0, powers = 0;
 
+  Shape shape() const { return {vavs, fcus, powers}; }
   int signals() const { return 2 * vavs + 2 * fcus + powers + 3; }
   /// Kind and place of sensed signal `index`, in the order of Layout<T>.
   SignalId signal(int index) const;
 };
 
-template <Topology T>
-TopologyCounts counts_of() {
-  return {T::name, T::vavs, T::fcus, T::powers};
+inline TopologyCounts counts_of(const Shape& shape) {
+  return {name_of(shape).c_str(), shape.vavs, shape.fcus, shape.powers};
 }
+template <Topology T>
+requires(T::exact) TopologyCounts counts_of() { return counts_of(capacity_of<T>()); }
 
 /// `room_temp_1_degc`: name[_place][_unit].
 std::string column_of(SignalId id);

@@ -1,25 +1,40 @@
 #pragma once
 // One row of the log from one row of the loop.
 
+#include <cstddef>
+#include <limits>
+
 #include "airside/controller/cycle.hpp"
 #include "airside/controller/decision.hpp"
+#include "airside/reading.hpp"
 #include "airside/signals.hpp"
 #include "airside/supervision/mode_table.hpp"
+#include "airside/topology.hpp"
 #include "hal/log/log_csv.hpp"
 
 namespace airside::hal {
 
-/// Fills `row` (from make_log_row) with what was sensed at t and what the controller last decided.
+/// A row's signals in the order of Layout<T>; NaN in slots that a site of this shape has no place for.
+template <Topology T>
+typename Reading<T>::Vector signals_of(const LogRow& row, const Shape& site) {
+  using Vector = typename Reading<T>::Vector;
+  Vector value = Vector::Constant(std::numeric_limits<double>::quiet_NaN());
+  for (int i = 0; i + 1 < site.inputs(); ++i) value(slot_of<T>(site, i)) = row.value[static_cast<std::size_t>(i)];
+  return value;
+}
+
+/// Fills `row` (from make_log_row) with what was sensed at t on a site of this shape, and what the controller last
+/// decided.
 /// `setpoint_degc` holds from t on. Cost: no heap.
 template <Topology T>
-void fill_log_row(LogRow& row, CivilTime t, const Expected<Reading<T>>& sensed, const Decision& decision,
-                  double setpoint_degc) {
+void fill_log_row(LogRow& row, const Shape& site, CivilTime t, const Expected<Reading<T>>& sensed,
+                  const Decision& decision, double setpoint_degc) {
   constexpr double none = ControllerColumns::none;
   row.time = t;
   row.setpoint_degc = setpoint_degc;
   row.supply_temp_degc = sensed ? sensed->supply_temp_degc : none;
-  for (int i = 0; i < Layout<T>::signals; ++i) {
-    row.value[static_cast<std::size_t>(i)] = sensed ? sensed->value(i) : none;
+  for (int i = 0; i + 1 < site.inputs(); ++i) {
+    row.value[static_cast<std::size_t>(i)] = sensed ? sensed->value(slot_of<T>(site, i)) : none;
   }
   ControllerColumns& c = row.controller;
   c.mode = text_of(decision.mode);

@@ -46,8 +46,10 @@ class ModbusPlant {
  public:
   /// Keeps `link`, which must outlive it.
   /// Errors: InputError where the map does not fit the topology.
-  ModbusPlant(const PointMap& map, ModbusLink& link, const ModbusPlantOptions& options = {})
+  ModbusPlant(const PointMap& map, ModbusLink& link, const ModbusPlantOptions& options = {},
+              const Shape& site = capacity_of<T>())
       : link_(&link),
+        site_(site),
         setpoint_(map, "setpoint", options.settle_s),
         clock_({}, options.utc_offset_s, options.clock_speed),
         poller_(points_to_read(map)),
@@ -75,7 +77,9 @@ class ModbusPlant {
     if (!identified()) return tl::unexpected(other_device_ ? Fault::other_device : Fault::no_reading);
     Reading<T> reading;
     reading.contact = link_->generation() + lost_polls_;
-    for (int i = 0; i < Layout<T>::signals; ++i) reading.value[i] = poller_.value(i);
+    for (std::size_t i = 0; i < signal_slots_.size(); ++i) {
+      if (signal_slots_[i] >= 0) reading.value[static_cast<Eigen::Index>(i)] = poller_.value(signal_slots_[i]);
+    }
     if (setpoint_slot_ >= 0) reading.setpoint_degc = poller_.value(setpoint_slot_);
     setpoint_.saw(reading.setpoint_degc);
     if (supply_slot_ >= 0) reading.supply_temp_degc = poller_.value(supply_slot_);
@@ -148,17 +152,20 @@ class ModbusPlant {
     return !other_device_;
   }
 
-  /// Signals in the order of Layout<T>, then whatever else the map has of setpoint, supply_temp, ahu_on, clock,
-  /// heartbeat.
+  /// Signals that the site has in the order of Layout<T>, then whatever else the map has of setpoint, supply_temp,
+  /// ahu_on, clock, heartbeat.
   std::vector<Point> points_to_read(const PointMap& map) {
-    map.check_topology(T::vavs, T::fcus, T::powers);
+    map.check_topology(site_.vavs, site_.fcus, site_.powers);
     std::vector<Point> points;
-    for (int i = 0; i < Layout<T>::signals; ++i) points.push_back(map.at(point_name(signal_id<T>(i))));
     const auto add = [&](const Point* point) {
       if (point == nullptr) return -1;
       points.push_back(*point);
       return static_cast<int>(points.size()) - 1;
     };
+    for (std::size_t i = 0; i < signal_slots_.size(); ++i) {
+      const int signal = static_cast<int>(i);
+      signal_slots_[i] = is_present<T>(site_, signal) ? add(map.find(point_name(signal_id<T>(signal)))) : -1;
+    }
     setpoint_slot_ = add(setpoint_.readback());
     supply_slot_ = add(map.find("supply_temp"));
     flow_slot_ = add(map.find("ahu_on"));
@@ -171,6 +178,8 @@ class ModbusPlant {
   }
 
   ModbusLink* link_;
+  Shape site_;
+  std::array<int, static_cast<std::size_t>(Layout<T>::signals)> signal_slots_{};  ///< of the poller; -1: no such point
   int setpoint_slot_ = -1, supply_slot_ = -1, flow_slot_ = -1, clock_slot_ = -1, beat_slot_ = -1;
   ModbusSetpoint setpoint_;
   SystemClock clock_;

@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
-#include <regex>
 #include <span>
 
 #include "airside/crc32c.hpp"
+#include "airside/topology.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/text/text_file.hpp"
 #include "hal/text/toml_section.hpp"
@@ -52,25 +52,15 @@ std::string resolved(const std::string& path, const std::string& site_path) {
 }
 
 [[noreturn]] void refuse_topology(const TomlSection& site, const std::string& name, const SiteRules& rules) {
-  std::string known;
-  for (const std::string& topology : rules.topologies) known += (known.empty() ? "" : ", ") + topology;
-  static const std::regex shape_of(R"((\d{1,2})vav-(\d{1,2})fcu-(\d{1,2})power)");
-  std::smatch counts;
-  const bool shape = std::regex_match(name, counts, shape_of) && counts[1] != "0";
-  std::string remedy;
-  if (shape) {
-    const std::string vavs = counts[1], fcus = counts[2], powers = counts[3];
-    remedy = "for this room add `struct Room" + vavs + "x" + fcus + "x" + powers + "` with vavs = " + vavs +
-             ", fcus = " + fcus + ", powers = " + powers + ", name = \"" + name +
-             "\" to lib/airside/topology.hpp, and that struct's name to the CMake list AIRSIDE_TOPOLOGIES, then "
-             "build again";
-  } else {
-    const std::string near = nearest_name(name, rules.topologies);
-    remedy = (near.empty() ? std::string("choose one of them") : "did you mean \"" + near + "\"?") +
-             " A room of another shape is written like 6vav-2fcu-1power and needs an entry in the CMake list "
-             "AIRSIDE_TOPOLOGIES";
-  }
-  throw InputError(site.place("topology"), site.found("topology"), "one of " + known, remedy);
+  std::string examples;
+  for (const std::string& topology : rules.topologies) examples += (examples.empty() ? "" : ", ") + topology;
+  const std::string near = nearest_name(name, rules.topologies);
+  const bool shape = parse_shape(name.c_str()).valid();
+  throw InputError(site.place("topology"), site.found("topology"),
+                   "counts of 1 to 32 VAV boxes, 0 to 32 fan coil units and 0 to 8 power meters, such as " + examples,
+                   shape          ? "this build holds fewer; build with UpTo32 in AIRSIDE_TOPOLOGIES"
+                   : near.empty() ? "write it like 6vav-2fcu-1power"
+                                  : "did you mean \"" + near + "\"?");
 }
 
 /// A name as a scope: one that is too long keeps its beginning and becomes its own by a checksum of the whole.
@@ -96,8 +86,7 @@ void read_site(TomlSection root, SiteFile& out, const SiteRules& rules) {
     throw InputError(root.place("name"), std::to_string(out.name.size()) + " bytes", "at most 64", "shorten the name");
   }
   out.topology = root.required_text("topology", rules.topologies.empty() ? "5vav-5fcu-2power" : rules.topologies[0]);
-  bool known = false;
-  for (const std::string& topology : rules.topologies) known = known || topology == out.topology;
+  const bool known = parse_shape(out.topology.c_str()).valid() && (!rules.holds || rules.holds(out.topology));
   if (!known) refuse_topology(root, out.topology, rules);
   constexpr std::size_t scope_bytes = 32;  // as a blob's header has them
   out.scope = root.text("scope", short_scope(out.name, scope_bytes));

@@ -3,6 +3,7 @@
 // everything after it can trust it.
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -20,8 +21,9 @@ struct SettingRule {
 
 /// What a site file is checked against.
 struct SiteRules {
-  std::vector<std::string> topologies;  ///< names of the compiled-in topologies
-  std::vector<SettingRule> settings;    ///< empty: override names are not checked
+  std::vector<std::string> topologies;              ///< examples, for messages
+  std::function<bool(const std::string&)> holds{};  ///< whether a topology of this build holds a shape; empty: any does
+  std::vector<SettingRule> settings;                ///< empty: override names are not checked
 };
 
 enum class ControllerPreset : std::uint8_t { product, paper };

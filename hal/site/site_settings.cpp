@@ -19,7 +19,10 @@ double step_of(const Point& p) { return p.type == PointType::float32 ? 0.0 : std
 
 SiteRules site_rules() {
   SiteRules rules;
-  for_each_topology([&rules]<class T>(T) { rules.topologies.emplace_back(T::name); });
+  rules.holds = [](const std::string& topology) { return with_topology(topology.c_str(), [](auto) {}); };
+  for_each_topology([&rules]<class T>(T) {
+    if (T::exact) rules.topologies.emplace_back(T::name);
+  });
   const ControllerSettings defaults = product_settings();
   for (const SettingEntry& e : setting_table) {
     const double value = e.real != nullptr ? defaults.*e.real : static_cast<double>(defaults.*e.whole);
@@ -30,6 +33,7 @@ SiteRules site_rules() {
 
 ControllerSettings controller_settings(const SiteFile& site) {
   ControllerSettings s = site.preset == ControllerPreset::paper ? paper_settings() : product_settings();
+  s.shape = parse_shape(site.topology.c_str());
   s.target_degc = site.room_temp_degc;
   s.work_start_h = site.work_start_s / 3600.0;
   s.work_end_h = site.work_end_s / 3600.0;

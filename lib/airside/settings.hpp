@@ -7,12 +7,15 @@
 
 #include "airside/civil_time.hpp"
 #include "airside/memory_size.hpp"
+#include "airside/topology.hpp"
 
 namespace airside {
 
 constexpr int max_candidates = 192;  ///< setpoints scored in one decision
 
 struct ControllerSettings {
+  Shape shape;  ///< counts of the site; of the site file. Only capacity classes read them (topology.hpp)
+
   // Goal and schedule
   double target_degc = 25.25;      ///< room temperature to hold, mean of the VAVs (docs/method.md 1)
   double work_start_h = 7.0;       ///< hours; scoring and the expert's day start here (docs/method.md 2)

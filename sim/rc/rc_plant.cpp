@@ -354,8 +354,13 @@ void RcPlant::update_power() {
   chiller_kw_ = std::max(cooling_kw, room.chiller_min_load_kw) / cop * part_load + room.pump_kw;
   sensors_.power_kw.resize(static_cast<std::size_t>(room.powers));
   const double fans_kw = fan_kw_ + fcu_fans_kw + room.mau_fan_kw;
-  sensors_.power_kw[0] = room.powers == 1 ? fans_kw + chiller_kw_ : fans_kw;
+  if (room.powers == 0) return;
+  sensors_.power_kw[0] = room.powers == 1 ? fans_kw + chiller_kw_ : room.powers == 2 ? fans_kw : fan_kw_;
   if (room.powers == 2) sensors_.power_kw[1] = chiller_kw_;
+  if (room.powers <= 2) return;
+  sensors_.power_kw[1] = fans_kw - fan_kw_;
+  const auto circuits = sensors_.power_kw.begin() + 2;
+  std::fill(circuits, sensors_.power_kw.end(), chiller_kw_ / (room.powers - 2));
 }
 
 double RcPlant::shown_temp_degc(std::size_t vav) const {

@@ -22,11 +22,11 @@ List repeated(int count, double value) { return List(static_cast<std::size_t>(co
 }  // namespace
 
 RcRoom make_room(int vavs, int fcus, int powers) {
-  if (vavs < 1 || vavs > 64 || fcus < 0 || fcus > 64 || powers < 1 || powers > 2) {
+  if (vavs < 1 || vavs > 64 || fcus < 0 || fcus > 64 || powers < 0 || powers > 8) {
     throw hal::InputError(
         "room",
         std::to_string(vavs) + " VAVs, " + std::to_string(fcus) + " FCUs, " + std::to_string(powers) + " power meters",
-        "1 to 64 VAVs, 0 to 64 FCUs, 1 or 2 power meters", "choose other counts");
+        "1 to 64 VAVs, 0 to 64 FCUs, 0 to 8 power meters", "choose other counts");
   }
   RcRoom room;
   room.vavs = vavs;

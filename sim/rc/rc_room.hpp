@@ -139,7 +139,7 @@ struct RcRoom {
 
 /// The digital twin with other counts: neighbours in two rows, façade south, ends also west and east.
 /// Without FCU zones the VAV zones have the windows.
-/// Errors: hal::InputError unless 1 <= vavs <= 64, 0 <= fcus <= 64, powers 1 or 2.
+/// Errors: hal::InputError unless 1 <= vavs <= 64, 0 <= fcus <= 64, 0 <= powers <= 8.
 RcRoom make_room(int vavs = 5, int fcus = 5, int powers = 2);
 
 /// How a field is stored and how often it repeats.

@@ -47,8 +47,9 @@ TEST(ClosedLoop, DaemonOverSerialLineDecidesAsTheSimulationToTheBit) {
   run_and_compare(bench, false, 200);
 }
 
-TEST(ClosedLoop, DaemonOfEveryTopologyDecidesAsTheSimulationToTheBit) {
-  for (const std::string topology : {"3vav-0fcu-1power", "8vav-4fcu-2power"}) {
+TEST(ClosedLoop, DaemonOfEveryShapeDecidesAsTheSimulationToTheBit) {
+  for (const std::string topology :
+       {"3vav-0fcu-1power", "8vav-4fcu-2power", "1vav-0fcu-0power", "12vav-0fcu-1power", "32vav-32fcu-8power"}) {
     SCOPED_TRACE(topology);
     Bench bench({.name = "shape", .topology = topology, .plant = rc_room(), .expert_days = 1, .days = 1});
     run_and_compare(bench, false, 100);

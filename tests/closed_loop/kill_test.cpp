@@ -75,6 +75,18 @@ TEST(KilledDaemon, LogOfAWeekEqualsTheUndisturbedOne) {
   std::printf("%d kills in %zu rows, %.1f s\n", struck, expected.rows.size(), now_s() - began_s);
 }
 
+TEST(KilledDaemon, LogOfTwelveBoxesAndOfOneEqualsTheUndisturbedOne) {
+  for (const char* const topology : {"12vav-0fcu-1power", "1vav-0fcu-1power"}) {
+    SCOPED_TRACE(topology);
+    const int days = from_environment("AIRSIDE_SHAPE_DAYS", 1);
+    Bench bench({.name = "kill_shape", .topology = topology, .plant = rc_room(), .expert_days = 1, .days = days});
+    const LogText& expected = bench.expected();
+    bench.start_server();
+    EXPECT_GE(kill_through(bench, 20, false, 12), 15);
+    expect_same_rows(bench.log(), expected);
+  }
+}
+
 TEST(KilledDaemon, LogEqualsTheUndisturbedOneWithEveryRowForcedToTheDisk) {
   Bench bench({.name = "kill_sync", .plant = rc_room("702"), .expert_days = 1, .days = 1, .in_memory = false});
   const LogText& expected = bench.expected();

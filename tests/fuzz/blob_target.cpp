@@ -19,6 +19,7 @@ namespace {
 /// A room so small that a blob has less than 1 KB.
 struct OneVav {
   static constexpr int vavs = 1, fcus = 0, powers = 1;
+  static constexpr bool exact = true;
   static constexpr const char* name = "1vav-0fcu-1power";
 };
 constexpr int parameters = 6;
@@ -85,7 +86,8 @@ void repair(Bytes& input, std::uint32_t choice) {
   if ((choice & 1) != 0) {
     header.magic = good.magic, header.format_version = good.format_version, header.header_bytes = good.header_bytes;
     header.endian_mark = good.endian_mark, header.float_mark = good.float_mark, header.digest_kind = good.digest_kind;
-    header.topology_hash = topology_hash<OneVav>(parameters), header.units_hash = units_hash<OneVav>();
+    header.topology_hash = topology_hash(capacity_of<OneVav>(), parameters);
+    header.units_hash = units_hash<OneVav>(capacity_of<OneVav>());
     header.parameters = parameters;
   }
   if ((choice & 2) != 0) header.payload_bytes = static_cast<std::uint32_t>(input.size() - front - blob_signature_bytes);

@@ -7,12 +7,22 @@
 
 namespace airside::tools {
 
+CLI::Validator a_topology() {
+  const auto look = [](const std::string& name) -> std::string {
+    if (hal::site_rules().holds(name)) return "";
+    return "'" + name +
+           "': expected counts of 1 to 32 VAV boxes, 0 to 32 fan coil units and 0 to 8 power meters, such as "
+           "5vav-5fcu-2power";
+  };
+  return {look, "COUNTS", "topology"};
+}
+
 void add_site_options(CLI::App& command, SiteOptions& options) {
   command.add_option("--site", options.path, "site file (default: a built-in one)");
   command.add_option("--preset", options.preset, "product or paper, instead of the site's")
       ->check(CLI::IsMember({"product", "paper"}));
   command.add_option("--topology", options.topology, "of the built-in site")
-      ->check(CLI::IsMember(hal::site_rules().topologies))
+      ->check(a_topology())
       ->capture_default_str();
 }
 

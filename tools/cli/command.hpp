@@ -44,6 +44,8 @@ struct SiteOptions {
   std::string topology = "5vav-5fcu-2power";  ///< of the built-in site
 };
 void add_site_options(CLI::App& command, SiteOptions& options);
+/// For options that take a topology: refuses counts that this build cannot hold.
+CLI::Validator a_topology();
 /// Errors: hal::InputError.
 Site make_site(const SiteOptions& options);
 

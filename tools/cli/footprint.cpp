@@ -19,6 +19,14 @@ struct FootprintCommand {
   std::string topology;
   bool json = false;
 
+  /// Whether a site of this shape runs in T: the first topology that holds it.
+  template <Topology T>
+  static bool is_first_for(const Shape& site) {
+    bool is_first = false;
+    with_topology(name_of(site).c_str(), [&]<class U>(U) { is_first = std::is_same_v<T, U>; });
+    return is_first;
+  }
+
   template <Topology T>
   nlohmann::json ledger() const {
     constexpr auto entries = footprint_ledger<T>();
@@ -59,7 +67,7 @@ struct FootprintCommand {
   void run() const {
     nlohmann::json all = nlohmann::json::array();
     for_each_topology([&]<class T>(T) {
-      if (!topology.empty() && topology != T::name) return;
+      if (!topology.empty() && !is_first_for<T>(parse_shape(topology.c_str()))) return;
       if (json) {
         all.push_back(ledger<T>());
       } else {
@@ -80,8 +88,7 @@ struct FootprintCommand {
 void add_footprint(CLI::App& app) {
   auto self = std::make_shared<FootprintCommand>();
   CLI::App* c = app.add_subcommand("footprint", "what a controller costs in memory, part by part, against its budgets");
-  c->add_option("--topology", self->topology, "only this one (default: all of this build)")
-      ->check(CLI::IsMember(hal::site_rules().topologies));
+  c->add_option("--topology", self->topology, "only this one (default: all of this build)")->check(a_topology());
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
   c->callback([self] { self->run(); });
 }

@@ -181,6 +181,7 @@ void refuse_for_site(const std::string& blob, std::span<const std::byte> bytes, 
   }
   with_topology(site.topology.c_str(), [&]<class T>(T) {
     auto payload = std::make_unique<typename WeightBlob<T>::Payload>();
+    payload->site = parse_shape(site.topology.c_str());
     hal::decode_blob<T>(bytes, site.scope, blob, *payload);
   });
 }

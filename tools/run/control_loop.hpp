@@ -73,10 +73,16 @@ struct ChooserSink {
   }
 };
 
+/// The site's counts, as a controller of topology T takes them.
+template <Topology T>
+Shape shape_of(const Site& site) {
+  return shape_in<T>(site.counts.shape());
+}
+
 template <Topology T>
 ControlRun run_chooser(const Site& site, const ControllerSettings& settings, sim::PlantModel& model, CivilTime until,
                        const OnProgress& progress, int period_s, typename Chooser<T>::Choose choose) {
-  sim::SimulatedPlant<T> plant(model, site.points);
+  sim::SimulatedPlant<T> plant(model, site.points, shape_of<T>(site));
   sim::SimulatedClock clock(model);
   const CivilTime from = next_row(model.time());
   Recorder recorder(site, model, until, progress);
@@ -88,23 +94,20 @@ ControlRun run_chooser(const Site& site, const ControllerSettings& settings, sim
 }
 
 template <Topology T>
-typename Reading<T>::Vector values_of(const hal::LogRow& row) {
-  return Eigen::Map<const typename Reading<T>::Vector>(row.value.data());
-}
-
-template <Topology T>
 std::unique_ptr<Controller<T>> make_controller(const Site& site, const ControllerSettings& settings,
                                                std::uint64_t seed) {
   auto controller = std::make_unique<Controller<T>>();
-  controller->configure(settings, hal::signal_limits<T>(site.points), hal::box_kernels(), seed);
+  controller->configure(settings, hal::signal_limits<T>(site.points, shape_of<T>(site)), hal::box_kernels(), seed);
   return controller;
 }
 
 template <Topology T>
-void read_history(Controller<T>& controller, std::span<const hal::LogRow> rows, typename HistoryReader<T>::Head head,
+void read_history(const Site& site, Controller<T>& controller, std::span<const hal::LogRow> rows,
+                  typename HistoryReader<T>::Head head,
                   typename HistoryReader<T>::Starts starts = HistoryReader<T>::Starts::every_row) {
   HistoryReader<T> reader(controller, head, starts);
-  for (const hal::LogRow& row : rows) reader.row(row.time, values_of<T>(row), row.setpoint_degc);
+  for (const hal::LogRow& row : rows)
+    reader.row(row.time, hal::signals_of<T>(row, shape_of<T>(site)), row.setpoint_degc);
 }
 
 /// Without a site scope: pretrained weights are meant to travel; a scope belongs to a signed blob.
@@ -115,7 +118,7 @@ BlobBytes blob_of(const Controller<T>& controller, const std::string& provenance
   provenance.copy(payload->provenance.data(), payload->provenance.size() - 1);
   BlobHeader header;
   header.created_s = end.seconds;
-  BlobBytes bytes(WeightBlob<T>::size(payload->head_states));
+  BlobBytes bytes(WeightBlob<T>::size(payload->head_states, payload->site));
   WeightBlob<T>::encode(header, *payload, bytes);
   return bytes;
 }
@@ -128,9 +131,11 @@ void for_topology_of(const Site& site, F&& f) {
 
 template <Topology T>
 Scaler<T> scaler_of(const Site& site, std::span<const hal::LogRow> rows) {
+  const auto limits = hal::signal_limits<T>(site.points, shape_of<T>(site));
   ScalerFit<T> fit;
   for (const hal::LogRow& row : rows) {
-    const auto value = values_of<T>(row);
+    auto value = hal::signals_of<T>(row, shape_of<T>(site));
+    fill_stand_ins<T>(limits, value);
     if (value.allFinite()) fit.add(value);
   }
   return fit.fit(site.settings);
@@ -139,7 +144,7 @@ Scaler<T> scaler_of(const Site& site, std::span<const hal::LogRow> rows) {
 template <Topology T>
 ControlRun control(const Site& site, sim::PlantModel& model, Controller<T>& controller, CivilTime until,
                    const OnProgress& progress) {
-  sim::SimulatedPlant<T> plant(model, site.points);
+  sim::SimulatedPlant<T> plant(model, site.points, shape_of<T>(site));
   sim::SimulatedClock clock(model);
   const CivilTime from = next_row(model.time());
   Recorder recorder(site, model, until, progress);

@@ -41,9 +41,10 @@ ControlRun run_controller(const Site& site, sim::PlantModel& plant, const BlobBy
   for_topology_of(site, [&]<class T>(T) {
     auto controller = make_controller<T>(site, site.settings, seed);
     auto payload = std::make_unique<SitePayload<T>>();
+    payload->site = shape_of<T>(site);
     hal::decode_blob<T>(blob, site.file.scope, "weights", *payload);
     take_payload<T>(*controller, *payload);
-    read_history<T>(*controller, history, HistoryReader<T>::Head::leave);
+    read_history<T>(site, *controller, history, HistoryReader<T>::Head::leave);
     run = control<T>(site, plant, *controller, until, progress);
   });
   return run;
@@ -64,28 +65,33 @@ ControlRun run_baseline(const Site& site, sim::PlantModel& plant, BaselineContro
   ControlRun run;
   for_topology_of(site, [&]<class T>(T) {
     using L = Layout<T>;
-    const auto sensors_of = [](const double* value) {
+    const auto sensors_of = [&site](const typename Reading<T>::Vector& value) {
       sim::Sensors s;
-      const auto part = [value](int at, int n) { return std::vector<double>(value + at, value + at + n); };
-      s.room_temp_degc = part(L::room_temp, L::rooms);
-      s.fcu_temp_degc = part(L::fcu_temp, T::fcus);
-      s.vav_on = part(L::vav_on, T::vavs);
-      s.fcu_on = part(L::fcu_on, T::fcus);
-      s.power_kw = part(L::power, T::powers);
+      const auto part = [&value](int at, int n) {
+        return std::vector<double>(value.data() + at, value.data() + at + n);
+      };
+      const hal::TopologyCounts& n = site.counts;
+      s.room_temp_degc = part(L::room_temp, n.vavs);
+      s.fcu_temp_degc = part(L::fcu_temp, n.fcus);
+      s.vav_on = part(L::vav_on, n.vavs);
+      s.fcu_on = part(L::fcu_on, n.fcus);
+      s.power_kw = part(L::power, n.powers);
       s.mau_temp_degc = value[L::mau_temp];
       s.outdoor_temp_degc = value[L::outdoor_temp];
       s.rain = value[L::rain];
       return s;
     };
     std::vector<HistoryRow> past;
-    for (const hal::LogRow& row : history) past.push_back({row.time, sensors_of(row.value.data()), row.setpoint_degc});
+    for (const hal::LogRow& row : history) {
+      past.push_back({row.time, sensors_of(hal::signals_of<T>(row, shape_of<T>(site))), row.setpoint_degc});
+    }
     baseline.observe_history(past);
     double last_known = history.empty() ? plant.sensors().setpoint_degc : history.back().setpoint_degc;
     run = run_chooser<T>(site, limits, plant, until, progress, period_s,
                          [&](CivilTime t, const Reading<T>& reading, double last) {
                            CycleObservation now;
                            now.time = t;
-                           now.sensors = sensors_of(reading.value.data());
+                           now.sensors = sensors_of(reading.value);
                            now.sensors.setpoint_degc = reading.setpoint_degc;
                            now.sensors.supply_temp_degc = reading.supply_temp_degc;
                            now.previous_setpoint_degc = std::isfinite(last) ? last : last_known;
@@ -110,6 +116,7 @@ BlobBytes read_blob(const std::string& path, const Site& site) {
   BlobBytes bytes = hal::read_blob_file(path);
   for_topology_of(site, [&]<class T>(T) {
     auto payload = std::make_unique<SitePayload<T>>();
+    payload->site = shape_of<T>(site);
     hal::decode_blob<T>(bytes, site.file.scope, path, *payload);
   });
   return bytes;

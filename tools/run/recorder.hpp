@@ -16,7 +16,8 @@ namespace airside::tools {
 class Recorder {
  public:
   Recorder(const Site& site, const sim::PlantModel& model, CivilTime until, const OnProgress& progress)
-      : blank_(hal::make_log_row(site.counts)),
+      : counts_(site.counts),
+        blank_(hal::make_log_row(site.counts)),
         model_(model),
         from_(next_row(model.time())),
         until_(until),
@@ -26,12 +27,11 @@ class Recorder {
   void add(CivilTime t, const Expected<Reading<T>>& sensed, const Decision& decision, double setpoint_degc) {
     run.rows.push_back(blank_);
     hal::LogRow& row = run.rows.back();
-    hal::fill_log_row<T>(row, t, sensed, decision, setpoint_degc);
-    using L = Layout<T>;
+    hal::fill_log_row<T>(row, shape_in<T>(counts_.shape()), t, sensed, decision, setpoint_degc);
     const auto value = row.value.begin();
     double power = 0;
-    for (int i = 0; i < T::powers; ++i) power += value[L::power + i];
-    CycleSample sample{t, 0, {value, value + L::rooms}, setpoint_degc};
+    for (int i = 0; i < counts_.powers; ++i) power += value[2 * counts_.vavs + 2 * counts_.fcus + i];
+    CycleSample sample{t, 0, {value, value + counts_.vavs}, setpoint_degc};
     if (&model_.truth() != &model_) {
       // Scores are about the room, not about what broken sensors say of it.
       const sim::Sensors& room = model_.truth().sensors();
@@ -41,7 +41,7 @@ class Recorder {
     }
     run.energy.push_back({t, power});
     if (starts_cycle(t)) {
-      for (const double s : sample.room_temp_degc) sample.room_mean_degc += s / L::rooms;
+      for (const double s : sample.room_temp_degc) sample.room_mean_degc += s / counts_.vavs;
       run.cycles.push_back(std::move(sample));
     }
     if (progress_ && starts_cycle(t)) {
@@ -53,6 +53,7 @@ class Recorder {
   ControlRun run;
 
  private:
+  hal::TopologyCounts counts_;
   hal::LogRow blank_;
   const sim::PlantModel& model_;
   CivilTime from_, until_;

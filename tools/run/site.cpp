@@ -1,6 +1,6 @@
 #include "tools/run/site.hpp"
 
-#include "airside/topologies.hpp"
+#include "airside/topology.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/text/input_error.hpp"
 
@@ -9,13 +9,12 @@ namespace airside::tools {
 namespace {
 
 hal::TopologyCounts counts_of_name(const std::string& topology) {
-  hal::TopologyCounts counts;
-  const bool found = with_topology(topology.c_str(), [&counts]<class T>(T) { counts = hal::counts_of<T>(); });
-  if (!found) {
+  const Shape shape = parse_shape(topology.c_str());
+  if (!hal::site_rules().holds(topology)) {
     throw hal::InputError("topology", "'" + topology + "'", "a topology of this build, such as 5vav-5fcu-2power",
-                          "add it to AIRSIDE_TOPOLOGIES and build again");
+                          "write the counts of VAV boxes, fan coil units and power meters like that");
   }
-  return counts;
+  return hal::counts_of(shape);
 }
 
 }  // namespace
@@ -38,7 +37,7 @@ Site built_in_site(const std::string& topology, hal::ControllerPreset preset) {
   site.counts = counts_of_name(topology);
   site.file.path = "built-in";
   site.file.name = site.file.scope = "built-in";
-  site.file.topology = topology;
+  site.file.topology = site.counts.name;
   site.file.preset = preset;
   site.points =
       hal::PointMap::parse(hal::default_point_map(site.counts.vavs, site.counts.fcus, site.counts.powers), "built-in");

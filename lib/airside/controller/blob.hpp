@@ -14,6 +14,7 @@
 #include "airside/crc32c.hpp"
 #include "airside/fault.hpp"
 #include "airside/forecast/room_head.hpp"
+#include "airside/network/network.hpp"
 #include "airside/network/scaler.hpp"
 #include "airside/signals.hpp"
 #include "airside/topology.hpp"
@@ -73,31 +74,32 @@ inline std::uint32_t blob_digest(BlobHeader header, std::span<const std::byte> p
   return crc32c(payload, crc32c(bytes));
 }
 
-/// Hash of the counts and of the network's widths.
-template <Topology T>
-constexpr std::uint64_t topology_hash(int parameters) {
+/// Hash of the counts and of the number of parameters that a network of this shape has.
+constexpr std::uint64_t topology_hash(const Shape& site, int parameters) {
   using blob_detail::fnv1a;
-  std::uint64_t h = fnv1a(blob_detail::fnv_seed, T::name);
-  for (const int n : {T::vavs, T::fcus, T::powers, parameters}) h = fnv1a(h, static_cast<std::uint64_t>(n));
+  std::uint64_t h = fnv1a(blob_detail::fnv_seed, name_of(site).c_str());
+  for (const int n : {site.vavs, site.fcus, site.powers, parameters}) h = fnv1a(h, static_cast<std::uint64_t>(n));
   return h;
 }
 
-/// Hash of kind, place and unit of every input, in order.
+/// Hash of kind, place and unit of every input that the site has, in order.
 template <Topology T>
-constexpr std::uint64_t units_hash() {
+constexpr std::uint64_t units_hash(const Shape& site) {
   using blob_detail::fnv1a;
   std::uint64_t h = blob_detail::fnv_seed;
-  for (int i = 0; i < Layout<T>::inputs; ++i) {
-    const SignalId id = signal_id<T>(i);
+  for (int i = 0; i < site.inputs(); ++i) {
+    const SignalId id = signal_id<T>(slot_of<T>(site, i));
     h = fnv1a(fnv1a(h, static_cast<std::uint64_t>(id.kind)), static_cast<std::uint64_t>(id.place));
     h = fnv1a(h, text_of(id.kind).unit);
   }
   return h;
 }
 
-/// What a blob carries, beside its header. Shape: weights as many as the topology's network has.
+/// What a blob carries, beside its header. A file holds the parameters and scales of the site's own shape alone, so
+/// that the same bytes fit every topology that holds it. Shape: weights as many as the topology's network has.
 template <Topology T, int Parameters>
 struct BlobPayload {
+  Shape site = capacity_of<T>();  ///< set by who encodes, and by who expects it before decode() or read()
   Scaler<T> scaler;
   std::array<float, static_cast<std::size_t>(Parameters)> weights{};
   std::uint32_t head_states = 0;
@@ -106,10 +108,15 @@ struct BlobPayload {
   typename RoomHead<T>::CovarianceStore head_covariance{};  ///< states x states, column-major
   std::array<char, blob_provenance_bytes> provenance{};
 
-  static constexpr std::size_t bytes(std::uint32_t head_states) {
+  static constexpr std::size_t bytes(std::uint32_t head_states, const Shape& site = capacity_of<T>()) {
     const std::size_t n = head_states;
-    return 2 * sizeof(double) * static_cast<std::size_t>(Layout<T>::inputs) + sizeof(float) * Parameters +
-           sizeof(std::uint32_t) + sizeof(double) * (n + n * (n + 1) / 2) + blob_provenance_bytes;
+    return 2 * sizeof(double) * static_cast<std::size_t>(site.inputs()) +
+           sizeof(float) * static_cast<std::size_t>(parameters(site)) + sizeof(std::uint32_t) +
+           sizeof(double) * (n + n * (n + 1) / 2) + blob_provenance_bytes;
+  }
+  /// Of a network of the site's shape; Parameters where that fills the topology.
+  static constexpr int parameters(const Shape& site) {
+    return site == capacity_of<T>() ? Parameters : parameters_of<T>(site);
   }
 };
 
@@ -122,28 +129,28 @@ class BlobCodec {
       sizeof(BlobHeader) + Payload::bytes(RoomHead<T>::states) + blob_signature_bytes;
 
   /// Size of a blob with a head of this number of states, bytes.
-  static constexpr std::size_t size(std::uint32_t head_states) {
-    return sizeof(BlobHeader) + Payload::bytes(head_states) + blob_signature_bytes;
+  static constexpr std::size_t size(std::uint32_t head_states, const Shape& site = capacity_of<T>()) {
+    return sizeof(BlobHeader) + Payload::bytes(head_states, site) + blob_signature_bytes;
   }
 
   /// Writes header and payload to `out`, fills in sizes, hashes and digest; the signature stays zero.
   /// Errors: 0 if `out` is too small. Returns the blob's size.
   static std::size_t encode(BlobHeader header, const Payload& payload, std::span<std::byte> out) {
-    const std::size_t total = size(payload.head_states);
+    const std::size_t total = size(payload.head_states, payload.site);
     if (out.size() < total) return 0;
-    header.topology_hash = topology_hash<T>(Parameters);
-    header.units_hash = units_hash<T>();
-    header.payload_bytes = static_cast<std::uint32_t>(Payload::bytes(payload.head_states));
-    header.parameters = static_cast<std::uint32_t>(Parameters);
+    const int parameters = Payload::parameters(payload.site);
+    header.topology_hash = topology_hash(payload.site, parameters);
+    header.units_hash = units_hash<T>(payload.site);
+    header.payload_bytes = static_cast<std::uint32_t>(Payload::bytes(payload.head_states, payload.site));
+    header.parameters = static_cast<std::uint32_t>(parameters);
     header.head_states = payload.head_states;
     std::byte* at = out.data() + sizeof(BlobHeader);
     const auto put = [&at](const void* from, std::size_t n) {
       std::memcpy(at, from, n);
       at += n;
     };
-    put(payload.scaler.mean.data(), sizeof(double) * Layout<T>::inputs);
-    put(payload.scaler.scale.data(), sizeof(double) * Layout<T>::inputs);
-    put(payload.weights.data(), sizeof(float) * Parameters);
+    const auto put_one = [&put](const auto& number) { put(&number, sizeof number); };
+    for_each_number(payload, put_one);
     put(&payload.head_updates, sizeof(std::uint32_t));
     const int n = static_cast<int>(payload.head_states);
     put(payload.head_theta.data(), sizeof(double) * payload.head_states);
@@ -199,14 +206,19 @@ class BlobCodec {
     if (crc != blob_digest(header, in.subspan(sizeof header, header.payload_bytes))) {
       return refuse(Fault::blob_digest, "digest");
     }
-    if (header.topology_hash != topology_hash<T>(Parameters)) return refuse(Fault::blob_topology, "topology_hash");
-    if (header.units_hash != units_hash<T>()) return refuse(Fault::blob_units, "units_hash");
-    if (header.parameters != Parameters) return refuse(Fault::blob_size, "parameters");
+    const int parameters = Payload::parameters(payload.site);
+    if (header.topology_hash != topology_hash(payload.site, parameters)) {
+      return refuse(Fault::blob_topology, "topology_hash");
+    }
+    if (header.units_hash != units_hash<T>(payload.site)) return refuse(Fault::blob_units, "units_hash");
+    if (header.parameters != static_cast<std::uint32_t>(parameters)) return refuse(Fault::blob_size, "parameters");
     constexpr auto one = static_cast<std::uint32_t>(RoomHead<T>::regressors + RoomHead<T>::slots);
     const bool known_head = header.head_states == 0 || header.head_states == one ||
                             header.head_states == static_cast<std::uint32_t>(RoomHead<T>::states);
     if (!known_head) return refuse(Fault::blob_size, "head_states");
-    if (header.payload_bytes != Payload::bytes(header.head_states)) return refuse(Fault::blob_size, "payload_bytes");
+    if (header.payload_bytes != Payload::bytes(header.head_states, payload.site)) {
+      return refuse(Fault::blob_size, "payload_bytes");
+    }
     if (!scope_matches(header, site_scope)) return refuse(Fault::blob_scope, "site_scope");
     read_payload(header, in.subspan(sizeof header), payload);
     return header;
@@ -226,16 +238,17 @@ class BlobCodec {
   }
 
   /// Payload bytes as they are, for showing blobs that decode() refuses.
-  /// Shape: in: Payload::bytes(header.head_states), head_states at most RoomHead's.
+  /// Shape: in: Payload::bytes(header.head_states, payload.site), head_states at most RoomHead's.
   static void read_payload(const BlobHeader& header, std::span<const std::byte> in, Payload& payload) {
     const std::byte* at = in.data();
     const auto get = [&at](void* to, std::size_t n) {
       std::memcpy(to, at, n);
       at += n;
     };
-    get(payload.scaler.mean.data(), sizeof(double) * Layout<T>::inputs);
-    get(payload.scaler.scale.data(), sizeof(double) * Layout<T>::inputs);
-    get(payload.weights.data(), sizeof(float) * Parameters);
+    payload.scaler = Scaler<T>();
+    payload.weights.fill(0.0f);
+    const auto get_one = [&get](auto& number) { get(&number, sizeof number); };
+    for_each_number(payload, get_one);
     get(&payload.head_updates, sizeof(std::uint32_t));
     payload.head_states = header.head_states;
     payload.head_theta.setZero();
@@ -254,6 +267,19 @@ class BlobCodec {
   }
 
  private:
+  /// Scaler and weights in the file's order.
+  template <class P, class F>
+  static void for_each_number(P& payload, F&& number) {
+    const int inputs = payload.site.inputs();
+    for (int i = 0; i < inputs; ++i) number(payload.scaler.mean(slot_of<T>(payload.site, i)));
+    for (int i = 0; i < inputs; ++i) number(payload.scaler.scale(slot_of<T>(payload.site, i)));
+    if (payload.site == capacity_of<T>()) {
+      for (auto& weight : payload.weights) number(weight);
+    } else {
+      for_each_parameter<T>(payload.site, [&](Layer, int i) { number(payload.weights[static_cast<std::size_t>(i)]); });
+    }
+  }
+
   static bool scope_matches(const BlobHeader& header, std::span<const char> site_scope) {
     if (header.site_scope[0] == '\0') return true;
     for (std::size_t i = 0; i < header.site_scope.size(); ++i) {

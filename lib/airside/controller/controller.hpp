@@ -144,7 +144,7 @@ class Controller : public ControllerMemory<T, Scalar> {
     pending.room_mean_degc = valid->room_mean_degc();
     CycleJudge<T, Scalar> judge(settings_, learner_settings_, learning_, cycle_, scratch_);
     if (judge.has_ended(t, pending.is_usable)) {
-      if (settings_.head != 0) proposer_.take_features(cycle_, learning_.scaler, pending);
+      if (settings_.head != 0) proposer_.take_features(settings_, cycle_, learning_.scaler, pending);
       judge.judge(pending);
     }
     if (cycle_.has_weights == 0) return {ControlMode::expert, Reason::no_weights};
@@ -165,9 +165,9 @@ class Controller : public ControllerMemory<T, Scalar> {
   void watch(Supervisor<T>& supervisor, CivilTime t, const ValidReading<T>& valid) {
     supervisor.watch_rooms(t, valid);
     const Vector& v = valid.value();
-    decision_.g36_degc = cycle_.guideline36.setpoint_degc(
-        settings_, guideline36_, t, {v.data(), static_cast<std::size_t>(L::rooms)},
-        {v.data() + L::vav_on, static_cast<std::size_t>(L::rooms)}, v(L::outdoor_temp));
+    const auto rooms = static_cast<std::size_t>(rooms_of<T>(settings_.shape));
+    decision_.g36_degc = cycle_.guideline36.setpoint_degc(settings_, guideline36_, t, {v.data(), rooms},
+                                                          {v.data() + L::vav_on, rooms}, v(L::outdoor_temp));
   }
 
   /// A signal that is held at its last good value is named, though control goes on.

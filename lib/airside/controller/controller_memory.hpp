@@ -49,8 +49,10 @@ class ControllerMemory {
   void configure(const ControllerSettings& settings, const LimitsTable<T>& limits, const Kernels<Scalar>& kernels,
                  std::uint64_t seed) {
     settings_ = settings;
-    limits_ = limits;
+    settings_.shape = shape_in<T>(settings.shape);
+    limits_ = limits_in<T>(settings_.shape, limits);
     scratch_.kernels = kernels;
+    scratch_.site = settings_.shape;
     learning_.sampler = SplitMix64(seed);
     learning_.weights.values.fill(0);
     learning_.learner.reset(learning_.weights);
@@ -58,7 +60,7 @@ class ControllerMemory {
     learning_.cycles = learning_.rejected = 0;
     learning_.head.reset(settings, settings.head_gain_prior, settings.head_gain_prior_sd);
     cycle_ = CycleState<T>();
-    cycle_.validator = Validator<T>(limits, settings);
+    cycle_.validator = Validator<T>(limits_, settings_);
     cycle_.confidence = settings.confidence_initial;
     replay_.clear();
     learner_settings_.loss.weights = {settings.weight_strb, settings.weight_tdb, settings.weight_gc, settings.weight_rc,
@@ -67,12 +69,12 @@ class ControllerMemory {
     learner_settings_.loss.labels = relation_labels<T>(settings.label_vav);
     learner_settings_.adam = {settings.learning_rate, settings.adam_beta1, settings.adam_beta2, settings.adam_epsilon};
     learner_settings_.sync_every = settings.target_sync_steps;
-    proposer_.configure(settings);
+    proposer_.configure(settings_);
     guideline36_ = guideline36_on_site(settings);
   }
 
   /// Draws the weights to start from. Source: docs/method.md 5.
-  void draw_weights(SplitMix64& draw) { initialise_uniform(learning_.weights, draw); }
+  void draw_weights(SplitMix64& draw) { initialise_uniform(learning_.weights, draw, settings_.shape); }
   /// Takes a scaler, and the weights drawn before, as the start: target net a copy, moments zero.
   void start(const Scaler<T>& scaler) {
     learning_.scaler = scaler;
@@ -93,6 +95,7 @@ class ControllerMemory {
     learning_.scaler = scaler;
     ::new (static_cast<void*>(&scratch_)) NetworkScratch<T, Scalar>();
     scratch_.kernels = kernels;
+    scratch_.site = settings_.shape;
     start(Scaler<T>(learning_.scaler));
   }
   /// Gives the room head an estimate from elsewhere.  Shape: covariance states x states, column-major.

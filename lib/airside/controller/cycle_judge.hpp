@@ -57,7 +57,7 @@ class CycleJudge {
 
  private:
   void teach_head(const PendingCycle<T, Scalar>& at, bool doubted) {
-    const double moved_k = at.room_mean_degc - cycle_.last_value.template head<L::rooms>().mean();
+    const double moved_k = at.room_mean_degc - cycle_.last_value.head(rooms_of<T>(settings_.shape)).mean();
     HeadFeatures f = cycle_.features;
     f.x(HeadFeatures::setpoint_change) = cycle_.last_setpoint_degc - cycle_.before_setpoint_degc;
     learning_.head.grow(settings_, 1.0 / cycles_per_day);

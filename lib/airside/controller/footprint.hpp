@@ -26,8 +26,9 @@ struct FootprintEntry {
 template <Topology T>
 constexpr auto footprint_ledger() {
   using C = Controller<T, float>;
-  constexpr std::size_t kb = 1024;
-  // Budgets follow the network's size; the constants are the method's room plus a tenth.
+  // Budgets follow the network's size; the constants are the method's room plus a tenth, and count again for each 32
+  // inputs of a capacity class.
+  constexpr std::size_t kb = 1024 * ((Layout<T>::inputs + 31) / 32);
   constexpr std::size_t net = sizeof(NetworkWeights<T, float>);
   return std::to_array<FootprintEntry>({
       {"weights", "network in use", net, 160 * kb},

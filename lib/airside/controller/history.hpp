@@ -38,27 +38,30 @@ class HistoryReader {
     reading.value = value;
     const Expected<ValidReading<T>> valid = validator_.check(reading);
     const bool learnable = valid && valid->learnable();
-    window_.push(time, value, learnable ? setpoint_degc : std::numeric_limits<double>::quiet_NaN());
     if (!learnable) {
+      window_.push(time, value, std::numeric_limits<double>::quiet_NaN());
       ++refused_;
       return;
     }
+    const auto& now = valid->value();  // as sensed, stand-ins filled in
+    window_.push(time, now, setpoint_degc);
     if (!window_.has_transition() || (starts_ == Starts::every_cycle && !starts_cycle(time))) return;
     const auto& before = window_.at(rows_per_cycle);
-    controller_.remember(before.value, before.setpoint_degc, value);
+    controller_.remember(before.value, before.setpoint_degc, now);
     ++transitions_;
     if (head_ == Head::leave || !window_.has_change_before()) return;
     const auto& earlier = window_.at(2 * rows_per_cycle);
     const Scaler<T>& scaler = controller_.learning().scaler;
+    const Shape site = controller_.settings().shape;
     HeadFeatures f =
         head_features<T>({.before = earlier.value,
                           .recent = window_.at(rows_per_cycle + 1).value,
                           .now = before.value,
                           .setpoint_before_degc = earlier.setpoint_degc,
                           .last_move_k = earlier.setpoint_degc - window_.at(3 * rows_per_cycle).setpoint_degc},
-                         scaler.scale(Layout<T>::power + T::powers - 1));
+                         site, scaler.head_power_scale(site));
     f.x(HeadFeatures::setpoint_change) = before.setpoint_degc - earlier.setpoint_degc;
-    const double moved = value.template head<T::vavs>().mean() - before.value.template head<T::vavs>().mean();
+    const double moved = now.head(rooms_of<T>(site)).mean() - before.value.head(rooms_of<T>(site)).mean();
     // Where three rows share each cycle, each is worth a third of a sample.
     const double noise = starts_ == Starts::every_cycle ? 1.0 : std::sqrt(static_cast<double>(rows_per_cycle));
     controller_.remember_change(before.time, f, moved, noise);

@@ -32,7 +32,8 @@ class Proposer {
   CandidateSearch<T, Scalar>& search() { return search_; }
 
   /// The regressors of now. A row that was missed 6 min ago is thought to lie on the line from the last decision.
-  static void take_features(const CycleState<T>& cycle, const Scaler<T>& scaler, Pending& at) {
+  static void take_features(const ControllerSettings& s, const CycleState<T>& cycle, const Scaler<T>& scaler,
+                            Pending& at) {
     Vector recent = cycle.row_value;
     if (at.time.seconds - cycle.row_time.seconds != row_s) {
       recent = at.now - (at.now - cycle.last_value) / rows_per_cycle;
@@ -43,7 +44,7 @@ class Proposer {
                                     .now = at.now,
                                     .setpoint_before_degc = cycle.last_setpoint_degc,
                                     .last_move_k = std::isfinite(move) ? move : 0.0},
-                                   scaler.scale(L::power + T::powers - 1));
+                                   s.shape, scaler.head_power_scale(s.shape));
     at.has_features = true;
   }
 
@@ -75,7 +76,7 @@ class Proposer {
     const ForecastModel<T, Scalar> model{learning.scaler, scratch.packed, scratch};
     cycle.network_expected_degc = search_.expected_mean_degc(model, at.now, setpoint_degc);
     if (!at.has_features) return cycle.network_expected_degc;
-    cycle.head_expected_degc = room_mean(at.now) + learning.head.drift_k(s, at.time, at.features) +
+    cycle.head_expected_degc = room_mean(s, at.now) + learning.head.drift_k(s, at.time, at.features) +
                                learning.head.gain(s) * (setpoint_degc - cycle.last_setpoint_degc);
     return std::isfinite(cycle.head_expected_degc) ? cycle.head_expected_degc : cycle.network_expected_degc;
   }
@@ -85,12 +86,12 @@ class Proposer {
 
   static double head_choice(const ControllerSettings& s, const RoomHead<T>& head, double last_degc, const Pending& at) {
     if (!at.has_features || head.updates() == 0) return unknown;
-    const double wish = head.setpoint_degc(s, at.time, at.features, room_mean(at.now), last_degc);
+    const double wish = head.setpoint_degc(s, at.time, at.features, room_mean(s, at.now), last_degc);
     if (!std::isfinite(wish)) return unknown;  // before the clamp, which would make a bound of an infinite one
     return std::clamp(wish, s.action_min_degc, s.action_max_degc);
   }
 
-  static double room_mean(const Vector& v) { return v.template head<L::rooms>().mean(); }
+  static double room_mean(const ControllerSettings& s, const Vector& v) { return v.head(rooms_of<T>(s.shape)).mean(); }
 
   CandidateSearch<T, Scalar> search_;
 };

@@ -80,7 +80,7 @@ class Supervisor {
   /// Whether a room sensor drifts.
   void watch_rooms(CivilTime t, const ValidReading<T>& valid) {
     if (!valid.learnable()) return;
-    const bool drifts = cycle_.drift.row(valid.value().template head<L::rooms>(), settings_.drift_k);
+    const bool drifts = cycle_.drift.row(valid.value().head(rooms_of<T>(settings_.shape)), settings_.drift_k);
     cycle_.mode_arbiter.set(Reason::sensor_drifts, drifts, t);
   }
 

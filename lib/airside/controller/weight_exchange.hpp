@@ -48,7 +48,7 @@ class WeightExchange {
     const int n = std::min(replay_.size(), 32);
     for (int age = 0; age < n; ++age) {
       const Transition<T> past = from_row<T, Scalar>(learning_.scaler, replay_.newest(age));
-      const double mean_degc = past.after.template head<L::rooms>().mean();
+      const double mean_degc = past.after.head(rooms_of<T>(settings.shape)).mean();
       const double error = search.expected_mean_degc(other, past.before, past.setpoint_degc) - mean_degc;
       found.replay_k = std::isfinite(error) ? std::max(found.replay_k, std::abs(error)) : HUGE_VAL;
     }
@@ -59,9 +59,10 @@ class WeightExchange {
   void exchange(const ControllerSettings& settings, const Scaler<T>& scaler, std::span<const Scalar> weights) {
     std::copy(weights.begin(), weights.end(), learning_.weights.flat().begin());
     rescale_memories(learning_.scaler, scaler);
-    learning_.head.rescale_power(scaler.scale(power_of_head) / learning_.scaler.scale(power_of_head));
-    cycle_.features.x(HeadFeatures::power_change) *=
-        learning_.scaler.scale(power_of_head) / scaler.scale(power_of_head);
+    const double before_kw = learning_.scaler.head_power_scale(settings.shape);
+    const double after_kw = scaler.head_power_scale(settings.shape);
+    learning_.head.rescale_power(after_kw / before_kw);
+    cycle_.features.x(HeadFeatures::power_change) *= before_kw / after_kw;
     cycle_.confidence = std::min(cycle_.confidence, settings.confidence_initial);
     forget_comparison();
     learning_.scaler = scaler;
@@ -85,8 +86,6 @@ class WeightExchange {
   }
 
  private:
-  static constexpr int power_of_head = L::power + T::powers - 1;
-
   /// Puts the replay from one scaler's units into another's.
   void rescale_memories(const Scaler<T>& from, const Scaler<T>& to) {
     for (int i = 0; i < replay_.size(); ++i) {

@@ -50,6 +50,7 @@ void take_payload(Controller<T, float>& controller, const WeightPayload<T>& payl
 template <Topology T>
 void give_payload(const Controller<T, float>& controller, WeightPayload<T>& payload) {
   const auto& learning = controller.learning();
+  payload.site = controller.settings().shape;
   payload.scaler = learning.scaler;
   std::copy(learning.weights.flat().begin(), learning.weights.flat().end(), payload.weights.begin());
   using Head = RoomHead<T>;

@@ -33,8 +33,9 @@ class CandidateSearch {
   using L = Layout<T>;
   using Vector = Eigen::Matrix<double, L::signals, 1>;
 
-  /// The grid of the action set.
+  /// The grid of the action set, and the site's shape.
   void configure(const ControllerSettings& s) {
+    site_ = shape_in<T>(s.shape);
     const double span = s.action_max_degc - s.action_min_degc;
     count_ = std::min(static_cast<int>(std::lround(span / s.action_step_k)) + 1, max_candidates);
     for (int i = 0; i < count_; ++i) {
@@ -46,7 +47,7 @@ class CandidateSearch {
   double best_degc(const ControllerSettings& s, const ForecastModel<T, Scalar>& model, const Vector& now,
                    double last_degc) {
     scaled_ = model.scaler.template signals<Scalar>(now);
-    const double room = now.template head<L::rooms>().mean();
+    const double room = now.head(rooms_of<T>(site_)).mean();
     const int best = choose(s, model, {candidates_.data(), static_cast<std::size_t>(count_)}, room, last_degc);
     if (best < 0) return unknown;
     const double coarse = candidates_[static_cast<std::size_t>(best)];
@@ -94,14 +95,15 @@ class CandidateSearch {
   double short_mean(const Scaler<T>& scaler, std::size_t i) const {
     double sum = 0;
     for (const Scalar s : forecasts_[i].short_term) sum += static_cast<double>(s);
-    return scaler.room_mean() + scaler.room_scale() * sum / L::rooms;
+    return scaler.room_mean() + scaler.room_scale() * sum / rooms_of<T>(site_);
   }
   double long_mean(const Scaler<T>& scaler, std::size_t i) const {
     double sum = 0;
     for (const Scalar d : forecasts_[i].deviation) sum += static_cast<double>(d);
-    return short_mean(scaler, i) + scaler.room_scale() * sum / L::rooms;
+    return short_mean(scaler, i) + scaler.room_scale() * sum / rooms_of<T>(site_);
   }
 
+  Shape site_ = capacity_of<T>();
   int count_ = 0;
   Eigen::Matrix<Scalar, L::signals, 1> scaled_;
   std::array<double, max_candidates> candidates_{}, fine_{}, scores_{};

@@ -41,16 +41,18 @@ struct HeadInstants {
   double last_move_k;           ///< how much that setpoint differed from the one before it
 };
 
-/// The regressors of an instant; the setpoint's coming change is left 0.
+/// The regressors of an instant on a site of this shape; the setpoint's coming change is left 0, and so is what the
+/// site has no signal for.
 template <Topology T>
-HeadFeatures head_features(const HeadInstants<T>& at, double power_scale_kw) {
+HeadFeatures head_features(const HeadInstants<T>& at, const Shape& site, double power_scale_kw) {
   using L = Layout<T>;
   HeadFeatures f;
-  const auto rooms = at.now.template head<L::rooms>();
-  const auto moved = rooms - at.before.template head<L::rooms>();
-  const auto on = at.now.template segment<L::rooms>(L::vav_on);
-  const auto on_change = on - at.before.template segment<L::rooms>(L::vav_on);
-  const auto on_change_recent = on - at.recent.template segment<L::rooms>(L::vav_on);
+  const auto n = rooms_of<T>(site);
+  const auto rooms = at.now.head(n);
+  const auto moved = rooms - at.before.head(n);
+  const auto on = at.now.segment(L::vav_on, n);
+  const auto on_change = on - at.before.segment(L::vav_on, n);
+  const auto on_change_recent = on - at.recent.segment(L::vav_on, n);
   const auto to_supply = rooms.array() - at.setpoint_before_degc;
   f.x(HeadFeatures::room_change) = moved.mean();
   f.x(HeadFeatures::mau_change) = at.now(L::mau_temp) - at.before(L::mau_temp);
@@ -58,17 +60,19 @@ HeadFeatures head_features(const HeadInstants<T>& at, double power_scale_kw) {
   f.x(HeadFeatures::closed_room_change) = 2.0 * ((1.0 - on.array()) * moved.array()).mean();
   f.x(HeadFeatures::supply_mixing) = 0.5 * (on_change.array() * to_supply).mean();
   f.x(HeadFeatures::last_move) = at.last_move_k;
-  f.x(HeadFeatures::room_change_recent) = (rooms - at.recent.template head<L::rooms>()).mean();
+  f.x(HeadFeatures::room_change_recent) = (rooms - at.recent.head(n)).mean();
   f.x(HeadFeatures::supply_mixing_recent) = 0.5 * (on_change_recent.array() * to_supply).mean();
-  constexpr int last_power = L::power + T::powers - 1;
-  f.x(HeadFeatures::power_change) = (at.now(last_power) - at.before(last_power)) / power_scale_kw;
+  const int last_power = last_power_of<T>(site);
+  if (last_power >= 0) f.x(HeadFeatures::power_change) = (at.now(last_power) - at.before(last_power)) / power_scale_kw;
   if constexpr (T::fcus > 0) {
-    const auto fcu = at.now.template segment<T::fcus>(L::fcu_temp);
-    const auto fcu_on = at.now.template segment<T::fcus>(L::fcu_on);
-    f.x(HeadFeatures::fcu_change) = (fcu - at.before.template segment<T::fcus>(L::fcu_temp)).mean();
-    f.x(HeadFeatures::fcus_on_change) = (fcu_on - at.before.template segment<T::fcus>(L::fcu_on)).sum();
-    f.x(HeadFeatures::fcus_on_change_recent) = (fcu_on - at.recent.template segment<T::fcus>(L::fcu_on)).sum();
-    f.x(HeadFeatures::fcu_change_recent) = (fcu - at.recent.template segment<T::fcus>(L::fcu_temp)).mean();
+    const auto fcus = fcus_of<T>(site);
+    if (fcus == 0) return f;
+    const auto fcu = at.now.segment(L::fcu_temp, fcus);
+    const auto fcu_on = at.now.segment(L::fcu_on, fcus);
+    f.x(HeadFeatures::fcu_change) = (fcu - at.before.segment(L::fcu_temp, fcus)).mean();
+    f.x(HeadFeatures::fcus_on_change) = (fcu_on - at.before.segment(L::fcu_on, fcus)).sum();
+    f.x(HeadFeatures::fcus_on_change_recent) = (fcu_on - at.recent.segment(L::fcu_on, fcus)).sum();
+    f.x(HeadFeatures::fcu_change_recent) = (fcu - at.recent.segment(L::fcu_temp, fcus)).mean();
   }
   return f;
 }

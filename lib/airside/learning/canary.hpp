@@ -29,12 +29,13 @@ double canary_excess_k(const ControllerSettings& settings, const Scaler<T>& scal
                        const PackedWeights<T, Scalar>& weights, NetworkScratch<T, Scalar>& scratch) {
   using L = Layout<T>;
   constexpr double widest_move_k = 15, deepest_reversal_k = 0.5;
+  const auto rooms = rooms_of<T>(shape_in<T>(settings.shape));
   double excess = 0;
   for (const double offset : {-1.0, 1.0}) {
     const double room = settings.target_degc + offset;
     Eigen::Matrix<double, L::signals, 1> state = scaler.mean.template head<L::signals>();
-    state.template head<L::rooms>().setConstant(room);
-    state.template segment<L::rooms>(L::vav_on).setOnes();
+    state.head(rooms).setConstant(room);
+    state.segment(L::vav_on, rooms).setOnes();
     const Eigen::Matrix<Scalar, L::signals, 1> scaled = scaler.template signals<Scalar>(state);
     const std::array<Scalar, 2> ends{scaler.template setpoint<Scalar>(settings.action_min_degc),
                                      scaler.template setpoint<Scalar>(settings.action_max_degc)};
@@ -45,7 +46,7 @@ double canary_excess_k(const ControllerSettings& settings, const Scaler<T>& scal
     for (std::size_t i = 0; i < ends.size(); ++i) {
       double sum = 0;
       for (const Scalar s : forecasts[i].short_term) sum += static_cast<double>(s);
-      mean[i] = scaler.room_mean() + scaler.room_scale() * sum / L::rooms;
+      mean[i] = scaler.room_mean() + scaler.room_scale() * sum / rooms;
       if (!std::isfinite(mean[i])) return std::numeric_limits<double>::infinity();
       excess += std::max(0.0, std::abs(mean[i] - room) - widest_move_k);
     }

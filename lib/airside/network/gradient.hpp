@@ -71,11 +71,10 @@ void constraint_reverse(const NetworkWeights<T, Scalar>& w, int n, NetworkScratc
   const Kernels<Scalar>& k = s.kernels;
   auto& d = s.delta;
   const auto& a = s.act;
-  using L = Layout<T>;
   std::array<Scalar, latent_width> column_sum{};
   const Scalar* const dec = w.weight_of(Layer::dec);
-  for (std::size_t o = 0; o < L::rooms; ++o)
-    for (std::size_t i = 0; i < latent_width; ++i) column_sum[i] += dec[o * latent_width + i];
+  for (int o = 0; o < s.rooms(); ++o)
+    for (int i = 0; i < latent_width; ++i) column_sum[static_cast<std::size_t>(i)] += dec[o * latent_width + i];
   const Scalar slope = static_cast<Scalar>(leaky_slope);
   for (int r = 0; r < n; ++r)
     for (int i = 0; i < latent_width; ++i) {
@@ -108,7 +107,7 @@ void losses_reverse(const NetworkWeights<T, Scalar>& w, int n, NetworkScratch<T,
   const auto& a = s.act;
   constexpr int width = TileOutputs<T, Scalar>::width;
   const auto decoder = [&](const auto& dy, Scalar* dx, int stride, const Scalar* gate) {
-    layer_reverse(k, n, dy.row(0), width, w.weight_of(Layer::dec), Layout<T>::rooms, latent_width, dx, stride, gate);
+    layer_reverse(k, n, dy.row(0), width, w.weight_of(Layer::dec), s.rooms(), latent_width, dx, stride, gate);
   };
   const auto back = [&](Layer layer, const auto& dz, int column, auto& dx, const Scalar* gate, bool accumulate) {
     const LayerShape shape = layer_shape<T>(layer);
@@ -189,7 +188,7 @@ void accumulate_gradient(int n, NetworkScratch<T, Scalar>& s) {
   add(Layer::tdb_1, n, d.tdb_1, 0, a.tdb_0, g.weight_of(Layer::tdb_1), branch_width);
 
   // Dec: three uses, its bias in two of them, and the constraint's seed ones times the last tangent.
-  constexpr int rooms = Layout<T>::rooms;
+  const int rooms = s.rooms();
   constexpr int width = TileOutputs<T, Scalar>::width;
   Scalar* const dec = g.weight_of(Layer::dec);
   k.outer({s.d_short_term.row(0), width, a.strb_1.row(0), latent_width, dec, latent_width, n, rooms, latent_width});
@@ -199,8 +198,8 @@ void accumulate_gradient(int n, NetworkScratch<T, Scalar>& s) {
   add_column_sums(n, rooms, s.d_reconstruction.row(0), width, g.bias_of(Layer::dec));
   std::array<Scalar, latent_width> tangent_sum{};
   add_column_sums(n, latent_width, a.strb_1.row(n), latent_width, tangent_sum.data());
-  for (std::size_t o = 0; o < rooms; ++o)
-    for (std::size_t i = 0; i < latent_width; ++i) dec[o * latent_width + i] += tangent_sum[i];
+  for (int o = 0; o < rooms; ++o)
+    for (int i = 0; i < latent_width; ++i) dec[o * latent_width + i] += tangent_sum[static_cast<std::size_t>(i)];
 }
 
 /// Makes the padded copies, once a batch.
@@ -254,7 +253,7 @@ LossTerms batch_losses(const NetworkWeights<T, Scalar>& weights, const NetworkWe
   begin_batch(weights, s);
   for (int first = 0; first < batch.size; first += tile_samples)
     tile_losses(weights, target, batch, first, std::min(tile_samples, batch.size - first), settings, s, sum);
-  return mean_losses<T>(sum, batch.size, settings.weights);
+  return mean_losses(sum, batch.size, s.rooms(), settings.weights);
 }
 
 /// Losses of the batch, and the gradient of the weighted total to scratch.gradient.
@@ -280,7 +279,7 @@ LossTerms batch_gradient(const NetworkWeights<T, Scalar>& weights, const Network
     std::copy_n(s.gradient_s.row(o), L::signals, s.gradient.weight_of(Layer::enc_s_0) + o * L::signals);
     std::copy_n(s.gradient_a.row(o), L::exogenous + 1, s.gradient.weight_of(Layer::enc_a_0) + o * (L::exogenous + 1));
   }
-  return mean_losses<T>(sum, batch.size, settings.weights);
+  return mean_losses(sum, batch.size, s.rooms(), settings.weights);
 }
 
 }  // namespace airside

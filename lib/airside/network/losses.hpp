@@ -59,7 +59,8 @@ template <Topology T, class Scalar>
 void output_losses(const BatchView<T, Scalar>& batch, int first, int rows, const LossWeights& weights,
                    NetworkScratch<T, Scalar>& scratch, LossTerms& sum) {
   using L = Layout<T>;
-  const double each = 1.0 / (static_cast<double>(batch.size) * L::rooms);
+  const int rooms = scratch.rooms();
+  const double each = 1.0 / (static_cast<double>(batch.size) * rooms);
   const Scalar strb_rate = static_cast<Scalar>(2 * weights.strb * each);
   const Scalar tdb_rate = static_cast<Scalar>(2 * weights.tdb * each);
   const Scalar rc_rate = static_cast<Scalar>(weights.rc * each);
@@ -72,7 +73,7 @@ void output_losses(const BatchView<T, Scalar>& batch, int first, int rows, const
     const Scalar* const reconstruction = scratch.reconstruction.row(r);
     const Scalar* const bootstrap = scratch.bootstrap_of(first + r);
     Scalar strb = 0, tdb = 0, rc = 0, rec = 0;
-    for (int i = 0; i < L::rooms; ++i) {
+    for (int i = 0; i < rooms; ++i) {
       const Scalar strb_error = short_term[i] - s1[i];
       const Scalar tdb_error = deviation[i] - bootstrap[i];
       const Scalar rec_error = reconstruction[i] - s[i];
@@ -130,9 +131,8 @@ void constraint_loss(int rows, int batch_size, const LossSettings<T>& settings, 
 }
 
 /// Sums to means, and the weighted total.
-template <Topology T>
-LossTerms mean_losses(const LossTerms& sum, int batch_size, const LossWeights& w) {
-  const double each = 1.0 / (static_cast<double>(batch_size) * Layout<T>::rooms);
+inline LossTerms mean_losses(const LossTerms& sum, int batch_size, int rooms, const LossWeights& w) {
+  const double each = 1.0 / (static_cast<double>(batch_size) * rooms);
   LossTerms mean{sum.strb * each, sum.tdb * each, sum.gc / batch_size, sum.rc * each, sum.rec * each, 0};
   mean.total = w.strb * mean.strb + w.tdb * mean.tdb + w.gc * mean.gc + w.rc * mean.rc + w.rec * mean.rec;
   return mean;

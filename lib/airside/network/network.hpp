@@ -126,27 +126,76 @@ struct NetworkWeights {
   Scalar* bias_of(Layer layer) { return values.data() + layer_shape<T>(layer).bias; }
 };
 
-static_assert(NetworkWeights<FiveZone, float>::count == 28773, "the method's network");
 static_assert(sizeof(NetworkWeights<FiveZone, float>) == sizeof(float) * NetworkWeights<FiveZone, float>::stored);
 
-/// Draws all weights from one stream: W and b uniform in +-weight_gain/sqrt(fan_in), +-1/sqrt(fan_in).
+/// Inputs of a layer that a site of this shape has: those of the two encoders' first layers depend on it.
+template <Topology T>
+constexpr int inputs_of(const Shape& site, Layer layer) {
+  if (layer == Layer::enc_s_0) return site.inputs() - 1;
+  if (layer == Layer::enc_a_0) return site.inputs() - site.vavs;
+  return layer_shape<T>(layer).inputs;
+}
+
+/// Whether input `i` of a layer is one that the site has.
+template <Topology T>
+constexpr bool has_input(const Shape& site, Layer layer, int i) {
+  if (layer == Layer::enc_s_0) return is_present<T>(site, i);
+  if (layer == Layer::enc_a_0) return is_present<T>(site, Layout<T>::rooms + i);
+  return true;
+}
+
+/// Calls f(layer, index) for every parameter of the site's own network, in canonical order: all of an exact topology,
+/// in a class those that an exact topology of this shape would have.
+template <Topology T, class F>
+constexpr void for_each_parameter(const Shape& site, F&& f) {
+  for (int l = 0; l < layer_count; ++l) {
+    const Layer layer = static_cast<Layer>(l);
+    const LayerShape at = layer_shape<T>(layer);
+    const int outputs = layer == Layer::dec ? site.vavs : at.outputs;
+    for (int o = 0; o < outputs; ++o) {
+      for (int i = 0; i < at.inputs; ++i) {
+        if (has_input<T>(site, layer, i)) f(layer, at.weight + o * at.inputs + i);
+      }
+    }
+    for (int o = 0; o < outputs; ++o) f(layer, at.bias + o);
+  }
+}
+
+/// Number of parameters of the site's own network.
+template <Topology T>
+constexpr int parameters_of(const Shape& site) {
+  int count = 0;
+  for (int l = 0; l < layer_count; ++l) {
+    const Layer layer = static_cast<Layer>(l);
+    const int outputs = layer == Layer::dec ? site.vavs : layer_shape<T>(layer).outputs;
+    count += outputs * (inputs_of<T>(site, layer) + 1);
+  }
+  return count;
+}
+
+static_assert(NetworkWeights<FiveZone, float>::count == 28773, "the method's network");
+static_assert(parameters_of<UpTo32>(capacity_of<FiveZone>()) == 28773, "a class holds the networks of its shapes");
+
+/// Draws all weights from one stream: W and b uniform in +-weight_gain/sqrt(fan_in), +-1/sqrt(fan_in); what the site
+/// has no place for is 0, and stays so.
 /// `weight_gain_squared` is 1 for the product, 6 for the golden vectors.
 template <Topology T, class Scalar>
-void initialise(NetworkWeights<T, Scalar>& weights, SplitMix64& generator, double weight_gain_squared) {
-  for (const LayerShape& layer : NetworkWeights<T, Scalar>::layers) {
-    const double weight_bound = std::sqrt(weight_gain_squared / layer.inputs);
-    const double bias_bound = 1.0 / std::sqrt(static_cast<double>(layer.inputs));
-    for (int i = layer.weight; i < layer.bias + layer.outputs; ++i) {
-      const double bound = i < layer.bias ? weight_bound : bias_bound;
-      weights.values[static_cast<std::size_t>(i)] = static_cast<Scalar>(generator.symmetric() * bound);
-    }
-  }
+void initialise(NetworkWeights<T, Scalar>& weights, SplitMix64& generator, double weight_gain_squared,
+                const Shape& site = capacity_of<T>()) {
+  weights.values.fill(Scalar(0));
+  for_each_parameter<T>(site, [&](Layer layer, int i) {
+    const double fan_in = inputs_of<T>(site, layer);
+    const double bound =
+        i < layer_shape<T>(layer).bias ? std::sqrt(weight_gain_squared / fan_in) : 1.0 / std::sqrt(fan_in);
+    weights.values[static_cast<std::size_t>(i)] = static_cast<Scalar>(generator.symmetric() * bound);
+  });
 }
 
 /// Weights and biases uniform in +-1/sqrt(fan_in).  Source: docs/method.md, open point 6.
 template <Topology T, class Scalar>
-void initialise_uniform(NetworkWeights<T, Scalar>& weights, SplitMix64& generator) {
-  initialise(weights, generator, 1.0);
+void initialise_uniform(NetworkWeights<T, Scalar>& weights, SplitMix64& generator,
+                        const Shape& site = capacity_of<T>()) {
+  initialise(weights, generator, 1.0, site);
 }
 
 /// Weights uniform in +-sqrt(6/fan_in), biases in +-1/sqrt(fan_in), as the golden vectors have them.

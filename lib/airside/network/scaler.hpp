@@ -15,8 +15,8 @@
 
 namespace airside {
 
-/// x = (value - mean) / scale.  Shape: inputs. Units: those of the signal. Status has mean 0 and scale 1; all rooms
-/// share one mean and scale, so that deviations are comparable across rooms.
+/// x = (value - mean) / scale.  Shape: inputs. Units: those of the signal. Status and absent slots have mean 0 and
+/// scale 1; all rooms share one mean and scale, so that deviations are comparable across rooms.
 template <Topology T>
 struct Scaler {
   using Vector = Eigen::Matrix<double, Layout<T>::inputs, 1>;
@@ -37,10 +37,16 @@ struct Scaler {
     constexpr int a = Layout<T>::setpoint;
     return static_cast<Scalar>((setpoint_degc - mean(a)) / scale(a));
   }
+  /// Of the power meter that the room head watches, kW; 1 where the site has none.
+  double head_power_scale(const Shape& site) const {
+    const int slot = last_power_of<T>(site);
+    return slot < 0 ? 1.0 : scale(slot);
+  }
   bool finite() const { return mean.allFinite() && scale.allFinite() && (scale.array() > 0).all(); }
 };
 
-/// Accumulates the mean and spread of a warm-up day.  Cost: O(signals) a row; no rows are kept.
+/// Accumulates the mean and spread of a warm-up day; stand-ins are filled in before.  Cost: O(signals) a row; no rows
+/// are kept.
 template <Topology T>
 class ScalerFit {
  public:
@@ -56,16 +62,18 @@ class ScalerFit {
   Scaler<T> fit(const ControllerSettings& s) const {
     using L = Layout<T>;
     Scaler<T> out;
+    const Shape site = shape_in<T>(s.shape);
+    const int rooms = rooms_of<T>(site);
     const double n = std::max<double>(1.0, static_cast<double>(count_));
     double room_mean = 0, room_square = 0;
-    for (int r = 0; r < L::rooms; ++r) room_mean += mean_(r) / L::rooms;
-    for (int r = 0; r < L::rooms; ++r) {
+    for (int r = 0; r < rooms; ++r) room_mean += mean_(r) / rooms;
+    for (int r = 0; r < rooms; ++r) {
       const double offset = mean_(r) - room_mean;
-      room_square += (square_(r) / n + offset * offset) / L::rooms;
+      room_square += (square_(r) / n + offset * offset) / rooms;
     }
     for (int i = 0; i < L::signals; ++i) {
       const SignalKind kind = signal_id<T>(i).kind;
-      if (is_status(kind)) continue;
+      if (is_status(kind) || !is_present<T>(site, i)) continue;
       const bool room = kind == SignalKind::room_temp;
       const double floor = kind == SignalKind::power ? std::max(0.05, 0.05 * std::abs(mean_(i))) : 0.5;
       out.mean(i) = room ? room_mean : mean_(i);

@@ -91,6 +91,10 @@ struct NetworkScratch {
   using Activations = TileActivations<T, Scalar, 2 * tile_samples>;
 
   Kernels<Scalar> kernels = strict_kernels<Scalar>();
+  Shape site = capacity_of<T>();  ///< losses are means over its rooms
+
+  /// Rooms of the site: the decoder's first outputs.
+  int rooms() const { return rooms_of<T>(site); }
 
   /// The network that runs. In a batch the target network stands here first, then the one in training; between batches
   /// it is whatever its user packed last.

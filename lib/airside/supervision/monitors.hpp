@@ -53,7 +53,7 @@ class OverrideMonitor {
 };
 
 /// Whether one room leaves the others slowly: its distance from their mean over a day against that over two weeks.
-/// Shape: one pair of means a room. Units: K. Source: docs/box-and-safety.md, row 7 and "Thresholds".
+/// Shape: one pair of means a room, at most Rooms. Units: K. Source: docs/box-and-safety.md, row 7 and "Thresholds".
 template <int Rooms>
 class DriftMonitor {
  public:
@@ -65,7 +65,7 @@ class DriftMonitor {
     const double fast_share = 1.0 / static_cast<double>(std::min<std::int64_t>(rows_, rows_per_day));
     const double slow_share = 1.0 / static_cast<double>(rows_);
     bool drifts = false;
-    for (int i = 0; i < Rooms; ++i) {
+    for (int i = 0; i < static_cast<int>(rooms_degc.size()); ++i) {
       const auto k = static_cast<std::size_t>(i);
       const double distance = rooms_degc(i) - mean;
       fast_k_[k] += fast_share * (distance - fast_k_[k]);

@@ -26,6 +26,8 @@ struct SignalLimits {
   double max_rate_per_min = 1e9;  ///< larger steps must be confirmed by three samples
   double stale_s = 1080;          ///< older values are not used
   double stuck_s = 21600;         ///< unchanged for so long while its peers moved: stuck
+  double stand_in = 0;            ///< what counts where the site has no such signal
+  bool sensed = true;             ///< false: the site has none, and the stand-in is not judged
 };
 
 template <Topology T>
@@ -49,6 +51,25 @@ constexpr LimitsTable<T> default_limits() {
   return table;
 }
 
+/// Those of a site: what its shape has no place for is not sensed, and 0.
+template <Topology T>
+constexpr LimitsTable<T> limits_in(const Shape& site, LimitsTable<T> limits) {
+  for (int i = 0; i < Layout<T>::signals; ++i) {
+    SignalLimits& l = limits[static_cast<std::size_t>(i)];
+    if (!is_present<T>(site, i)) l.sensed = false, l.stand_in = 0;
+  }
+  return limits;
+}
+
+/// Puts the stand-ins into the places of signals that the site lacks.
+template <Topology T>
+void fill_stand_ins(const LimitsTable<T>& limits, typename Reading<T>::Vector& value) {
+  for (int i = 0; i < Layout<T>::signals; ++i) {
+    const SignalLimits& l = limits[static_cast<std::size_t>(i)];
+    if (!l.sensed) value(i) = l.stand_in;
+  }
+}
+
 /// A reading that passed.  Values that were lost for less than `hold_s` are held at the last good one.
 template <Topology T>
 class ValidReading {
@@ -58,7 +79,7 @@ class ValidReading {
   /// True if every value is fresh and good: only such a reading may be learned from.
   bool learnable() const { return held_ == 0; }
   int held() const { return held_; }
-  double room_mean_degc() const { return value_.template head<Layout<T>::rooms>().mean(); }
+  double room_mean_degc() const { return value_.head(rooms_of<T>(site_)).mean(); }
   double setpoint_degc() const { return setpoint_degc_; }
 
  private:
@@ -68,6 +89,7 @@ class ValidReading {
   typename Reading<T>::Vector value_;
   double setpoint_degc_ = 0;
   int held_ = 0;
+  Shape site_;
 };
 
 /// Keeps what it must know of the past; a plain struct that is part of the durable state.
@@ -91,10 +113,16 @@ class Validator {
     ValidReading<T> out;
     out.time_ = t;
     out.setpoint_degc_ = reading.setpoint_degc;
+    out.site_ = site_;
     Fault lost = Fault::none;
     const bool moved = peers_moved(reading, t);
     for (int i = 0; i < n; ++i) {
       const std::size_t k = static_cast<std::size_t>(i);
+      if (!limits_[k].sensed) {
+        out.value_(i) = limits_[k].stand_in;
+        faults_[k] = Fault::none;
+        continue;
+      }
       faults_[k] = examine(i, reading, t, moved);
       if (faults_[k] == Fault::none) {
         out.value_(i) = last_good_[k];
@@ -114,7 +142,8 @@ class Validator {
 
   /// Replaces the limits, which belong to the site file and not to the saved state.
   void use_limits(const LimitsTable<T>& limits, const ControllerSettings& settings) {
-    limits_ = limits;
+    site_ = shape_in<T>(settings.shape);
+    limits_ = limits_in<T>(site_, limits);
     hold_s_ = settings.hold_s;
     frozen_s_ = settings.frozen_s;
     disagree_k_ = settings.disagree_k;
@@ -175,7 +204,7 @@ class Validator {
     const auto over = [window_s](double stuck_s) {
       return window_s < 0 || window_s > static_cast<std::int64_t>(stuck_s);
     };
-    for (int r = 0; r < Layout<T>::rooms; ++r) {
+    for (int r = 0; r < rooms_of<T>(site_); ++r) {
       const std::size_t k = static_cast<std::size_t>(r);
       const double v = reading.value(r);
       if (!std::isfinite(v)) continue;
@@ -190,8 +219,8 @@ class Validator {
 
   /// One room far from the median of the good ones is replaced by it; with more of them nobody knows who is right.
   Fault disagreement(ValidReading<T>& out) {
-    constexpr int rooms = Layout<T>::rooms;
-    std::array<double, static_cast<std::size_t>(rooms)> good;  // in order
+    const int rooms = rooms_of<T>(site_);
+    std::array<double, static_cast<std::size_t>(Layout<T>::rooms)> good;  // in order
     std::size_t count = 0;
     for (int r = 0; r < rooms; ++r) {
       if (faults_[static_cast<std::size_t>(r)] != Fault::none) continue;
@@ -240,6 +269,7 @@ class Validator {
   std::array<bool, static_cast<std::size_t>(n)> seen_{};
   std::array<Fault, static_cast<std::size_t>(n)> faults_{};
   std::int32_t lost_signal_ = -1;
+  Shape site_ = capacity_of<T>();
 };
 
 }  // namespace airside

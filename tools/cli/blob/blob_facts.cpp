@@ -27,35 +27,67 @@ std::string plain_text(std::span<const char> bytes) {
   return text;
 }
 
+/// The shape that a header's hash belongs to. A damaged hash does not hide one of the build's own: the number of
+/// weights shows it too. Not valid() where there is none.
+Shape shape_of(const BlobHeader& header) {
+  for (Shape s{1, 0, 0}; s.vavs <= Shape::max_vavs; ++s.vavs) {
+    for (s.fcus = 0; s.fcus <= Shape::max_fcus; ++s.fcus) {
+      for (s.powers = 0; s.powers <= Shape::max_powers; ++s.powers) {
+        if (header.topology_hash == topology_hash(s, parameters_of<UpTo32>(s))) return s;
+      }
+    }
+  }
+  Shape shape;
+  for_each_topology([&]<class T>(T) {
+    const bool fits = T::exact && header.parameters == static_cast<std::uint32_t>(NetworkWeights<T, float>::count);
+    if (fits && !shape.valid()) shape = capacity_of<T>();
+  });
+  return shape;
+}
+
+/// Layers of the site's own network, one behind the other.
 template <Topology T>
-void read_payload(std::span<const std::byte> file, BlobFacts& out) {
-  constexpr int parameters = NetworkWeights<T, float>::count;
-  using Payload = BlobPayload<T, parameters>;
+std::vector<BlobLayer> layers_of(const Shape& site) {
+  std::vector<BlobLayer> layers;
+  int at = 0;
+  for (int i = 0; i < layer_count; ++i) {
+    const auto layer = static_cast<Layer>(i);
+    const int outputs = layer == Layer::dec ? site.vavs : layer_shape<T>(layer).outputs;
+    const int inputs = inputs_of<T>(site, layer);
+    const int bias = at + outputs * inputs, end = bias + outputs;
+    layers.push_back({layer_names[i], outputs, inputs, at, bias, end});
+    at = end;
+  }
+  return layers;
+}
+
+template <Topology T>
+void read_payload(std::span<const std::byte> file, const Shape& site, BlobFacts& out) {
+  using Payload = typename WeightBlob<T>::Payload;
   BlobHeader header = out.header;
   constexpr auto one = static_cast<std::uint32_t>(RoomHead<T>::regressors + RoomHead<T>::slots);
   if (header.head_states != one && header.head_states != RoomHead<T>::states) header.head_states = 0;
-  const std::size_t wanted = Payload::bytes(header.head_states);
+  const std::size_t wanted = Payload::bytes(header.head_states, site);
   // All bits set is NaN for floats and doubles: what the file lacks shows as not finite.
   std::vector<std::byte> bytes(wanted, std::byte{0xFF});
   const std::size_t there = std::min(wanted, file.size() - sizeof header);
   std::copy_n(file.begin() + sizeof header, there, bytes.begin());
   auto payload = std::make_unique<Payload>();
+  payload->site = site;
   WeightBlob<T>::read_payload(header, bytes, *payload);
 
-  out.topology = T::name;
+  out.topology = name_of(site).c_str();
   out.missing_bytes = wanted - there;
-  for (int i = 0; i < Layout<T>::inputs; ++i) {
-    const SignalId id = signal_id<T>(i);
+  for (int i = 0; i < site.inputs(); ++i) {
+    const int slot = slot_of<T>(site, i);
+    const SignalId id = signal_id<T>(slot);
     const SignalText text = text_of(id.kind);
     const std::string place = id.place == 0 ? "" : '_' + std::to_string(id.place);
-    out.signals.push_back({text.name + place, text.unit, payload->scaler.mean(i), payload->scaler.scale(i)});
+    out.signals.push_back({text.name + place, text.unit, payload->scaler.mean(slot), payload->scaler.scale(slot)});
   }
-  out.weights.assign(payload->weights.begin(), payload->weights.end());
-  for (int i = 0; i < layer_count; ++i) {
-    const LayerShape& shape = NetworkWeights<T, float>::layers[static_cast<std::size_t>(i)];
-    out.layers.push_back(
-        {layer_names[i], shape.outputs, shape.inputs, shape.weight, shape.bias, shape.bias + shape.outputs});
-  }
+  for_each_parameter<T>(site,
+                        [&](Layer, int i) { out.weights.push_back(payload->weights[static_cast<std::size_t>(i)]); });
+  out.layers = layers_of<T>(site);
   out.head_states = header.head_states;
   if (header.head_states != 0) {
     constexpr int g = HeadFeatures::setpoint_change;
@@ -67,8 +99,9 @@ void read_payload(std::span<const std::byte> file, BlobFacts& out) {
 }
 
 template <Topology T>
-std::optional<BlobError> refusal_of(std::span<const std::byte> file, const BlobHeader& header) {
-  auto payload = std::make_unique<BlobPayload<T, NetworkWeights<T, float>::count>>();
+std::optional<BlobError> refusal_of(std::span<const std::byte> file, const Shape& site, const BlobHeader& header) {
+  auto payload = std::make_unique<typename WeightBlob<T>::Payload>();
+  payload->site = site;
   const auto decoded = WeightBlob<T>::decode(file, header.site_scope, *payload);
   if (decoded) return {};
   return decoded.error();
@@ -113,24 +146,17 @@ BlobFacts facts_of_blob(std::span<const std::byte> file, const std::string& path
   if (header.magic != BlobHeader{}.magic) hal::throw_blob_error({Fault::blob_magic, "magic"}, path);
 
   std::optional<BlobError> error;
-  bool known = false;
-  for_each_topology([&]<class T>(T) {
-    constexpr int parameters = NetworkWeights<T, float>::count;
-    // A damaged hash does not hide the shape: the number of weights tells it too.
-    const bool fits = header.topology_hash == topology_hash<T>(parameters) || header.parameters == parameters;
-    if (known || !fits) return;
-    known = true;
-    error = refusal_of<T>(file, header);
-    read_payload<T>(file, out);
+  const Shape site = shape_of(header);
+  const bool known = with_topology(name_of(site).c_str(), [&]<class T>(T) {
+    error = refusal_of<T>(file, site, header);
+    read_payload<T>(file, site, out);
   });
-  if (!known) for_each_topology([&]<class T>(T) { error = refusal_of<T>(file, header); });
+  if (!known) error = refusal_of<FiveZone>(file, capacity_of<FiveZone>(), header);
   const std::size_t payload = std::min<std::size_t>(header.payload_bytes, file.size() - sizeof header);
   std::uint32_t crc = 0;
   std::memcpy(&crc, header.digest.data(), sizeof crc);
   const auto body = file.subspan(sizeof header, payload);
-  // The checksum is the same for every topology; any one that is compiled in will do.
-  for_each_topology(
-      [&]<class T>(T) { out.digest_ok = payload == header.payload_bytes && crc == blob_digest(header, body); });
+  out.digest_ok = payload == header.payload_bytes && crc == blob_digest(header, body);
   if (error) {
     try {
       hal::throw_blob_error(*error, path);

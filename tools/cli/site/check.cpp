@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "airside/topologies.hpp"
+#include "airside/topology.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
@@ -130,7 +130,7 @@ struct CheckCommand {
     if (!site_path.empty()) {
       out.check("site", site_path, [&] {
         file = hal::read_site_file(site_path, hal::site_rules());
-        with_topology(file->topology.c_str(), [&counts]<class T>(T) { counts = hal::counts_of<T>(); });
+        counts = hal::counts_of(parse_shape(file->topology.c_str()));
         scope = file->scope;
         for (std::string& text : warnings_of(*file)) out.warn("site", site_path, std::move(text));
         return site_facts(*file);
@@ -222,7 +222,7 @@ void add_check(CLI::App& app) {
                          "warning on standard error.");
   c->add_option("site", self->site, "site file (default: site.toml, if nothing else is given)");
   c->add_option("--topology", self->topology, "room shape where no site file says it")
-      ->check(CLI::IsMember(hal::site_rules().topologies))
+      ->check(a_topology())
       ->capture_default_str();
   c->add_option("--points", self->points, "a point map");
   c->add_option("--weights", self->weights, "weight blobs")->allow_extra_args(false);

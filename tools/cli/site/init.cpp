@@ -76,7 +76,7 @@ void add_init(CLI::App& app) {
   CLI::App* c = app.add_subcommand("init", "write a site file and a point map to start from");
   c->add_option("folder", self->folder, "where; it is made if it is not there")->required();
   c->add_option("--topology", self->topology, "VAV boxes, fan coil units, power meters")
-      ->check(CLI::IsMember(hal::site_rules().topologies))
+      ->check(a_topology())
       ->capture_default_str();
   c->add_option("--name", self->name, "of the room")->capture_default_str();
   c->add_flag("--force", self->force, "overwrite what is there");

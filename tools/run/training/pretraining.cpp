@@ -43,10 +43,10 @@ ControlRun run_varied_schedule(const Site& site, sim::PlantModel& plant, CivilTi
 
 /// Days 2 and on are remembered as an agent would: a transition a cycle, the first when the day's first cycle ends.
 template <Topology T>
-void learn_fixed(Controller<T>& controller, std::span<const hal::LogRow> later) {
+void learn_fixed(const Site& site, Controller<T>& controller, std::span<const hal::LogRow> later) {
   const std::uint64_t before = controller.replay().total_pushed();
   using Reader = HistoryReader<T>;
-  read_history<T>(controller, later, Reader::Head::learn, Reader::Starts::every_cycle);
+  read_history<T>(site, controller, later, Reader::Head::learn, Reader::Starts::every_cycle);
   const std::uint64_t cycles = controller.replay().total_pushed() - before;
   const std::uint64_t steps = cycles * static_cast<std::uint64_t>(controller.settings().updates_per_cycle);
   for (std::uint64_t i = 0; i < steps; ++i) (void)controller.train_step();
@@ -69,11 +69,11 @@ Pretraining pretrain_as(const Site& site, sim::PlantModel& model, CivilTime unti
   const auto second = std::ranges::find_if(out.run.rows, [&](const hal::LogRow& r) { return !(r.time < day_two); });
   const std::span<const hal::LogRow> first_day{out.run.rows.begin(), second}, later{second, out.run.rows.end()};
   controller->start(scaler_of<T>(site, first_day));
-  read_history<T>(*controller, first_day, HistoryReader<T>::Head::learn);
+  read_history<T>(site, *controller, first_day, HistoryReader<T>::Head::learn);
   if (dynamic) {
     append(out.run, control<T>(site, model, *controller, until, progress));
   } else {
-    learn_fixed<T>(*controller, later);
+    learn_fixed<T>(site, *controller, later);
     out.run.optimiser_steps = controller->learning().learner.steps();
   }
   out.transitions = controller->replay().total_pushed();

@@ -21,6 +21,7 @@ BlobBytes fine_tune(const Site& site, const BlobBytes& source, const std::vector
       controller->start(scaler_of<T>(site, rows));
     } else {
       auto payload = std::make_unique<SitePayload<T>>();
+      payload->site = shape_of<T>(site);
       hal::decode_blob<T>(source, site.file.scope, "source blob", *payload);
       take_payload<T>(*controller, *payload);
       if (payload->head_states != 0) {
@@ -29,7 +30,7 @@ BlobBytes fine_tune(const Site& site, const BlobBytes& source, const std::vector
       }
     }
     controller->reset_head(gain, gain_sd);
-    read_history<T>(*controller, rows, HistoryReader<T>::Head::learn);
+    read_history<T>(site, *controller, rows, HistoryReader<T>::Head::learn);
     if (controller->replay().size() == 0) {
       throw hal::InputError("log", fmt::format("{} rows without one 18-min stretch of constant setpoint", rows.size()),
                             "at least four successive 6-min rows under one setpoint", "log some days of the schedule");
