@@ -11,8 +11,9 @@ namespace airside::hal {
 /// Limits in the order of Layout<T> for a site of this shape; an empty max_rate or stale_s keeps what lib's
 /// SignalLimits says. Errors: InputError where the map lacks a signal.
 template <Topology T>
-LimitsTable<T> signal_limits(const PointMap& map, const Shape& site) {
-  LimitsTable<T> table = limits_in<T>(site, {});
+LimitsTable<T> signal_limits(const PointMap& map, const Shape& site = capacity_of<T>()) {
+  LimitsTable<T> table{};
+  keep_to_shape<T>(site, table);
   for (int i = 0; i < Layout<T>::signals; ++i) {
     if (!is_present<T>(site, i)) continue;
     const Point& p = map.at(point_name(signal_id<T>(i)));

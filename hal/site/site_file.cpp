@@ -54,7 +54,8 @@ std::string resolved(const std::string& path, const std::string& site_path) {
 [[noreturn]] void refuse_topology(const TomlSection& site, const std::string& name, const SiteRules& rules) {
   std::string examples;
   for (const std::string& topology : rules.topologies) examples += (examples.empty() ? "" : ", ") + topology;
-  const std::string near = nearest_name(name, rules.topologies);
+  const bool counts = name.find("vav-") != std::string::npos && name.ends_with("power");
+  const std::string near = counts ? "" : nearest_name(name, rules.topologies);
   const bool shape = parse_shape(name.c_str()).valid();
   throw InputError(site.place("topology"), site.found("topology"),
                    "counts of 1 to 32 VAV boxes, 0 to 32 fan coil units and 0 to 8 power meters, such as " + examples,

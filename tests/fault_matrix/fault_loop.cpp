@@ -40,8 +40,7 @@ PreparedRoom::PreparedRoom(int steps, const std::string& room, std::uint64_t see
   options.steps = steps;
   options.seed = seed;
   const tools::BlobBytes blob = tools::fine_tune(trial.site, {}, begun.history, options);
-  controller->configure(trial.site.settings, hal::signal_limits<T>(trial.site.points, capacity_of<T>()),
-                        hal::box_kernels(), seed);
+  controller->configure(trial.site.settings, hal::signal_limits<T>(trial.site.points), hal::box_kernels(), seed);
   const auto payload = std::make_unique<WeightBlob<T>::Payload>();
   hal::decode_blob<T>(blob, trial.site.file.scope, "fine-tuned", *payload);
   take_payload<T>(*controller, *payload);

@@ -144,7 +144,7 @@ TEST(PointMap, MissingSignalIsNamed) {
 
 TEST(PointMap, LimitsFollowTheLayoutOrder) {
   const PointMap map = PointMap::parse(default_point_map(5, 5, 2), "points.csv");
-  const auto limits = signal_limits<FiveZone>(map, capacity_of<FiveZone>());
+  const auto limits = signal_limits<FiveZone>(map);
   EXPECT_EQ(limits[Layout<FiveZone>::outdoor_temp].min, -40.0);
   EXPECT_EQ(limits[Layout<FiveZone>::room_temp].max_rate_per_min, 1.0);
   EXPECT_EQ(limits[Layout<FiveZone>::power].max, 500.0);

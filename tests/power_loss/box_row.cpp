@@ -6,7 +6,7 @@
 
 namespace airside::power_loss {
 
-hal::StoreLayout box_layout() { return edge::DaemonState<FiveZone>::layout(); }
+hal::StoreLayout box_layout() { return edge::DaemonState<FiveZone>::layout(capacity_of<FiveZone>()); }
 
 RowFacts facts_of_box_row(std::span<const std::byte> row) {
   using Row = edge::RowRecord<FiveZone>;

@@ -167,7 +167,7 @@ class RottenBox : public ::testing::Test {
   }
 
   DaemonDesk desk{{.name = "rot", .days = 1}};
-  const hal::StoreLayout layout = edge::DaemonState<FiveZone>::layout();
+  const hal::StoreLayout layout = edge::DaemonState<FiveZone>::layout(capacity_of<FiveZone>());
   std::vector<std::byte> learning = std::vector<std::byte>(layout.learning_bytes);
   std::vector<std::byte> row = std::vector<std::byte>(layout.row_bytes);
   std::vector<std::byte> replay = std::vector<std::byte>(layout.transition_bytes * layout.ring_capacity);

@@ -46,7 +46,7 @@ Day run_in(const Shape& shape) {
   sim::SimulatedPlant<T> plant(model, site.points, shape);
   sim::SimulatedClock clock(model);
   auto controller = std::make_unique<Controller<T>>();
-  controller->configure(site.settings, limits_in<T>(shape, default_limits<T>()), strict_kernels<float>(), 3);
+  controller->configure(site.settings, default_limits<T>(), strict_kernels<float>(), 3);
   SplitMix64 draw(11);
   controller->draw_weights(draw);
   Scaler<T> scaler;

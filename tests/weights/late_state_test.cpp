@@ -72,7 +72,7 @@ class LateMemory : public ::testing::Test {
   }
   /// State of a process of another version, one file of which cannot be set aside.
   void lay_state_of_another_version() const {
-    hal::StoreLayout other = Memory::layout();
+    hal::StoreLayout other = Memory::layout(capacity_of<FiveZone>());
     other.meaning ^= 1;
     auto store = hal::DurableStore::open(state.c_str(), other, hal::Sync::none);
     ASSERT_TRUE(store);

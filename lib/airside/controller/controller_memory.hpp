@@ -50,7 +50,8 @@ class ControllerMemory {
                  std::uint64_t seed) {
     settings_ = settings;
     settings_.shape = shape_in<T>(settings.shape);
-    limits_ = limits_in<T>(settings_.shape, limits);
+    limits_ = limits;
+    keep_to_shape<T>(settings_.shape, limits_);
     scratch_.kernels = kernels;
     scratch_.site = settings_.shape;
     learning_.sampler = SplitMix64(seed);
@@ -59,8 +60,8 @@ class ControllerMemory {
     learning_.scaler = Scaler<T>();
     learning_.cycles = learning_.rejected = 0;
     learning_.head.reset(settings, settings.head_gain_prior, settings.head_gain_prior_sd);
-    cycle_ = CycleState<T>();
-    cycle_.validator = Validator<T>(limits_, settings_);
+    ::new (static_cast<void*>(&cycle_)) CycleState<T>();  // in place: a whole state is too much for the stack
+    cycle_.validator.use_limits(limits_, settings_);
     cycle_.confidence = settings.confidence_initial;
     replay_.clear();
     learner_settings_.loss.weights = {settings.weight_strb, settings.weight_tdb, settings.weight_gc, settings.weight_rc,

@@ -15,60 +15,10 @@
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/signals.hpp"
+#include "airside/supervision/limits.hpp"  // IWYU pragma: export
 #include "airside/topology.hpp"
 
 namespace airside {
-
-/// What a signal may be. From the point map; units of the signal.
-struct SignalLimits {
-  double min = -1e9;
-  double max = 1e9;
-  double max_rate_per_min = 1e9;  ///< larger steps must be confirmed by three samples
-  double stale_s = 1080;          ///< older values are not used
-  double stuck_s = 21600;         ///< unchanged for so long while its peers moved: stuck
-  double stand_in = 0;            ///< what counts where the site has no such signal
-  bool sensed = true;             ///< false: the site has none, and the stand-in is not judged
-};
-
-template <Topology T>
-using LimitsTable = std::array<SignalLimits, static_cast<std::size_t>(Layout<T>::signals)>;
-
-/// Limits that suit an office where the point map says nothing.
-template <Topology T>
-constexpr LimitsTable<T> default_limits() {
-  LimitsTable<T> table{};
-  for (int i = 0; i < Layout<T>::signals; ++i) {
-    SignalLimits& l = table[static_cast<std::size_t>(i)];
-    switch (signal_id<T>(i).kind) {
-      case SignalKind::room_temp:
-      case SignalKind::fcu_temp: l.min = 5, l.max = 50, l.max_rate_per_min = 1.0; break;
-      case SignalKind::mau_temp: l.min = -10, l.max = 50, l.max_rate_per_min = 3.0; break;
-      case SignalKind::outdoor_temp: l.min = -40, l.max = 55, l.max_rate_per_min = 2.0; break;
-      case SignalKind::power: l.min = -1, l.max = 1000; break;
-      default: l.min = 0, l.max = 1; break;
-    }
-  }
-  return table;
-}
-
-/// Those of a site: what its shape has no place for is not sensed, and 0.
-template <Topology T>
-constexpr LimitsTable<T> limits_in(const Shape& site, LimitsTable<T> limits) {
-  for (int i = 0; i < Layout<T>::signals; ++i) {
-    SignalLimits& l = limits[static_cast<std::size_t>(i)];
-    if (!is_present<T>(site, i)) l.sensed = false, l.stand_in = 0;
-  }
-  return limits;
-}
-
-/// Puts the stand-ins into the places of signals that the site lacks.
-template <Topology T>
-void fill_stand_ins(const LimitsTable<T>& limits, typename Reading<T>::Vector& value) {
-  for (int i = 0; i < Layout<T>::signals; ++i) {
-    const SignalLimits& l = limits[static_cast<std::size_t>(i)];
-    if (!l.sensed) value(i) = l.stand_in;
-  }
-}
 
 /// A reading that passed.  Values that were lost for less than `hold_s` are held at the last good one.
 template <Topology T>
@@ -98,8 +48,8 @@ class Validator {
  public:
   static constexpr int n = Layout<T>::signals;
 
-  explicit Validator(const LimitsTable<T>& limits = default_limits<T>(),
-                     const ControllerSettings& settings = product_settings()) {
+  Validator() { take_settings(product_settings()), fill_default_limits<T>(limits_); }
+  explicit Validator(const LimitsTable<T>& limits, const ControllerSettings& settings = product_settings()) {
     use_limits(limits, settings);
   }
 
@@ -142,11 +92,8 @@ class Validator {
 
   /// Replaces the limits, which belong to the site file and not to the saved state.
   void use_limits(const LimitsTable<T>& limits, const ControllerSettings& settings) {
-    site_ = shape_in<T>(settings.shape);
-    limits_ = limits_in<T>(site_, limits);
-    hold_s_ = settings.hold_s;
-    frozen_s_ = settings.frozen_s;
-    disagree_k_ = settings.disagree_k;
+    limits_ = limits;
+    take_settings(settings);
   }
 
   /// Fault of each signal at the last check, and the signal whose loss refused the reading.
@@ -154,6 +101,14 @@ class Validator {
   int lost_signal() const { return lost_signal_; }
 
  private:
+  void take_settings(const ControllerSettings& settings) {
+    site_ = shape_in<T>(settings.shape);
+    keep_to_shape<T>(site_, limits_);
+    hold_s_ = settings.hold_s;
+    frozen_s_ = settings.frozen_s;
+    disagree_k_ = settings.disagree_k;
+  }
+
   Fault examine(int i, const Reading<T>& reading, CivilTime t, bool peers_moved) {
     const std::size_t k = static_cast<std::size_t>(i);
     const SignalLimits& l = limits_[k];
