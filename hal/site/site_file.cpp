@@ -191,13 +191,11 @@ void read_modbus(TomlSection root, SiteFile& out) {
 
 void read_twin(TomlSection root, SiteFile& out) {
   if (!root.present()) return;
-  TwinSection twin;
-  twin.model = root.required_text("model", "twin.epJSON");
+  TwinSection twin = read_twin_section(std::move(root), out.topology);
   if (twin.model != "rc") twin.model = resolved(twin.model, out.path);
-  for (const std::string& patch : root.text_list("patches")) twin.patches.push_back(resolved(patch, out.path));
-  twin.weather = resolved(root.text("weather", ""), out.path);
-  root.refuse_unknown_keys();
-  out.twin = twin;
+  for (std::string& patch : twin.patches) patch = resolved(patch, out.path);
+  twin.weather = resolved(twin.weather, out.path);
+  out.twin = std::move(twin);
 }
 
 void read_folders(TomlSection& root, SiteFile& out) {

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "hal/site/twin_section.hpp"
+
 namespace airside::hal {
 
 /// A controller setting that [controller.override] may name.
@@ -41,12 +43,6 @@ struct ModbusSection {
   double deadline_s = 5;    ///< one exchange is over after so long
   double heartbeat_s = 20;  ///< between two beats, where the map has a heartbeat
   std::string points;       ///< path of the point map, resolved against the site file's folder
-};
-
-struct TwinSection {
-  std::string model;                 ///< path of an epJSON file, or "rc"
-  std::vector<std::string> patches;  ///< paths of merge patches, applied in order
-  std::string weather;               ///< path of an EPW file, or empty
 };
 
 /// Where `airside-page` listens; without the table, its defaults.

@@ -1,6 +1,7 @@
 #include "hal/text/toml_section.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <sstream>
 
@@ -26,6 +27,12 @@ std::size_t edits_between(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+std::string in_small_letters(std::string_view text) {
+  std::string small(text);
+  std::ranges::transform(small, small.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return small;
+}
+
 std::string join(const std::vector<std::string>& names) {
   std::string all;
   for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
@@ -45,6 +52,21 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
     }
   }
   return nearest;
+}
+
+std::vector<std::string> near_names(std::string_view name, const std::vector<std::string>& known, std::size_t most) {
+  const std::string sought = in_small_letters(name);
+  std::vector<std::pair<std::size_t, std::string>> near;
+  for (const std::string& candidate : known) {
+    const std::string small = in_small_letters(candidate);
+    const std::size_t edits = edits_between(sought, small);
+    const bool within = !sought.empty() && small.find(sought) != std::string::npos;
+    if (within || edits <= std::max<std::size_t>(2, sought.size() / 2)) near.emplace_back(edits, candidate);
+  }
+  std::ranges::stable_sort(near, {}, [](const auto& one) { return one.first; });
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < std::min(most, near.size()); ++i) names.push_back(near[i].second);
+  return names;
 }
 
 TomlSection::TomlSection(const toml::table* table, std::string name, const std::string& file)

@@ -61,5 +61,7 @@ class TomlSection {
 
 /// The name in `known` with the fewest edits to `name`; empty when none is near.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known);
+/// At most `most` names of `known` that are near `name` or contain it, whatever their case, the nearest first.
+std::vector<std::string> near_names(std::string_view name, const std::vector<std::string>& known, std::size_t most);
 
 }  // namespace airside::hal

@@ -1,12 +1,11 @@
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <chrono>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "hal/text/input_error.hpp"
+#include "sim/energyplus/adopted/model_index.hpp"
 #include "sim/energyplus/epjson_lint.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/options.hpp"
@@ -24,24 +23,24 @@ void expect(bool holds, const char* field, const std::string& found, const char*
 
 bool within(double value, double low, double high) { return std::isfinite(value) && value >= low && value <= high; }
 
+void check_counts(std::size_t rooms, std::size_t fcus, std::size_t powers) {
+  expect(rooms >= 1 && rooms <= max_zones, "zones", std::to_string(rooms), "1 to 32 names");
+  expect(fcus <= max_zones, "zones with fan coils", std::to_string(fcus), "at most 32 names");
+  expect(powers <= max_powers, "powers", std::to_string(powers), "at most 8 meters");
+}
+
 void check_loops(const RoomLoopOptions& rooms, const ModelNames& names) {
   const auto number = [](double value) { return std::to_string(value); };
-  const auto zones = [](std::size_t count) { return count >= 1 && count <= max_zones; };
-  expect(zones(names.interior_zones.size()), "interior zones", std::to_string(names.interior_zones.size()),
-         "1 to 32 names");
-  expect(names.perimeter_zones.size() <= max_zones, "perimeter zones", std::to_string(names.perimeter_zones.size()),
-         "at most 32 names");
+  check_counts(names.interior_zones.size(), names.perimeter_zones.size(), names.powers.size());
   expect(rooms.dampers.size() == names.interior_zones.size(), "dampers", std::to_string(rooms.dampers.size()),
          "one number a VAV zone");
   for (const double damper : rooms.dampers) expect(within(damper, 0, 1), "dampers", number(damper), "0 to 1");
-  expect(within(rooms.supply_lag_s, 0, 7200), "supply_lag_s", number(rooms.supply_lag_s), "0 to 7200");
   expect(within(rooms.supply_bias_k, -5, 5), "supply_bias_k", number(rooms.supply_bias_k), "-5 to 5");
   expect(within(rooms.occupancy_scale, 0, 2), "occupancy_scale", number(rooms.occupancy_scale), "0 to 2");
   expect(within(rooms.occupancy_noise, 0, 5), "occupancy_noise", number(rooms.occupancy_noise), "0 to 5");
   expect(within(rooms.occupancy_shift_min, -300, 300), "occupancy_shift_min", number(rooms.occupancy_shift_min),
          "-300 to 300");
   expect(within(rooms.vav_off_per_day, 0, 1), "vav_off_per_day", number(rooms.vav_off_per_day), "0 to 1");
-  expect(within(rooms.sensor_noise_k, 0, 2), "sensor_noise_k", number(rooms.sensor_noise_k), "0 to 2");
   expect(within(rooms.fcu_band_k, 0, 5), "fcu_band_k", number(rooms.fcu_band_k), "0 to 5");
   expect(within(rooms.fcu_setpoint_degc, 10, 40), "fcu_setpoint_degc", number(rooms.fcu_setpoint_degc), "10 to 40");
 }
@@ -59,7 +58,14 @@ void check(const EnergyPlusOptions& options) {
   expect(within(options.weather_change.storms_per_week, 0, 7), "storms_per_week",
          number(options.weather_change.storms_per_week), "0 to 7");
   start_of_day_2021(options.start_month, options.start_day);
-  check_loops(options.rooms, options.names);
+  const RoomLoopOptions& rooms = options.rooms;
+  expect(within(rooms.supply_lag_s, 0, 7200), "supply_lag_s", number(rooms.supply_lag_s), "0 to 7200");
+  expect(within(rooms.sensor_noise_k, 0, 2), "sensor_noise_k", number(rooms.sensor_noise_k), "0 to 2");
+  if (options.own) {
+    check_counts(options.own->zones.size(), options.own->fcu_zones.size(), options.own->powers.size());
+  } else {
+    check_loops(rooms, options.names);
+  }
 }
 
 /// Replaces time step and run period; what else the model says of its run period stays.
@@ -83,13 +89,11 @@ void set_dates(nlohmann::json& model, const EnergyPlusOptions& options) {
   period["use_weather_file_daylight_saving_period"] = "No";
   model["RunPeriod"] = {{"Run Period", period}};
   model["Timestep"] = {{"Time Step", {{"number_of_timesteps_per_hour", 60 / options.step_min}}}};
-  model["ConvergenceLimits"] = {{"Convergence Limits", {{"minimum_system_timestep", options.step_min}}}};
-}
-
-std::string engine_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return text;
+  nlohmann::json limits = nlohmann::json::object();
+  if (options.own && model.contains("ConvergenceLimits") && !model["ConvergenceLimits"].empty())
+    limits = model["ConvergenceLimits"].begin().value();
+  limits["minimum_system_timestep"] = options.step_min;
+  model["ConvergenceLimits"] = {{"Convergence Limits", limits}};
 }
 
 /// `#` of a schedule's name replaced by a place.
@@ -97,34 +101,6 @@ std::string schedule_at(std::string name, std::size_t place) {
   const std::size_t at = name.find('#');
   return at == std::string::npos ? name : name.replace(at, 1, std::to_string(place));
 }
-
-/// The names in a model, compared as the engine does: without case.
-class NamesOfModel {
- public:
-  explicit NamesOfModel(const nlohmann::json& model) {
-    if (!model.is_object()) return;
-    for (const auto& [type, objects] : model.items()) {
-      if (!objects.is_object()) continue;
-      for (const auto& [name, fields] : objects.items()) objects_.emplace(engine_case(type), engine_case(name));
-    }
-    gather_texts(model);
-  }
-  bool object(const std::string& type, const std::string& name) const {
-    return objects_.contains({engine_case(type), engine_case(name)});
-  }
-  /// Whether any field has this text.
-  bool text(const std::string& value) const { return texts_.contains(engine_case(value)); }
-
- private:
-  void gather_texts(const nlohmann::json& value) {
-    if (value.is_string()) texts_.insert(engine_case(value.get<std::string>()));
-    if (!value.is_structured()) return;
-    for (const auto& part : value) gather_texts(part);
-  }
-
-  std::set<std::pair<std::string, std::string>> objects_;
-  std::set<std::string> texts_;
-};
 
 }  // namespace
 
@@ -150,7 +126,7 @@ nlohmann::json read_model(const std::filesystem::path& file) {
 std::vector<hal::InputError> missing_names(const nlohmann::json& model, const ModelNames& names,
                                            const std::string& place) {
   std::vector<hal::InputError> missing;
-  const NamesOfModel has(model);
+  const ModelIndex has(model);
   const std::string remedy = "rename the model's own to it, or add it as sim/models/twin.epJSON has it";
   const auto need = [&](const char* type, const std::string& name, const char* what) {
     if (has.object(type, name)) return;
@@ -186,6 +162,7 @@ nlohmann::json compose_model(const EnergyPlusOptions& options, const std::filesy
     model = merge_patched(std::move(model), patch.content, patch.name);
     place += " + " + patch.name;
   }
+  if (options.own && model.is_object()) prepare_own_model(model, place);
   if (!model.is_object()) model = merge_patched(std::move(model), nlohmann::json::object(), place);
   set_dates(model, options);
   if (options.lint) lint_epjson(model, schema, {place, LintScope::whole});

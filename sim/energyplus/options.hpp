@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "airside/civil_time.hpp"
 #include "hal/text/input_error.hpp"
+#include "sim/energyplus/adopted/own_model.hpp"
 
 namespace airside::sim {
 
@@ -27,6 +29,7 @@ struct ModelNames {
   std::string perimeter_occupancy_schedule = "Perimeter # Occupancy";
   std::string supply_air_node = "AHU Supply Fan Outlet";
   std::string mau_outlet_node = "AHU Outside Air Inlet";
+  std::vector<std::string> powers = {"Electricity:HVAC", "Electricity:Plant"};  ///< meters, one a power sensor
 };
 
 /// The control loops and disturbances of the rooms, stepped beside the engine.
@@ -73,6 +76,9 @@ struct EnergyPlusOptions {
   bool lint = true;                     ///< check the model against the engine's schema before the run
   RoomLoopOptions rooms;
   ModelNames names;
+  /// The model's own thermostats and terminals run, and of `rooms` only the supply's lag and the sensors' noise count;
+  /// without it the loops of `rooms` command the schedules of `names`.
+  std::optional<OwnNames> own;
 };
 
 /// Midnight at the start of a day of 2021.

@@ -11,6 +11,19 @@
 #include "sim/energyplus/weather.hpp"
 
 namespace airside::sim {
+namespace {
+
+/// Throws the first name that the model lacks, with the number of the others.
+void refuse_missing_names(const nlohmann::json& model, const OwnNames& names, const std::string& place) {
+  const std::vector<hal::InputError> missing = missing_own_names(model, names, place);
+  if (missing.empty()) return;
+  const hal::InputError& first = missing.front();
+  const std::string others =
+      missing.size() > 1 ? "; " + std::to_string(missing.size() - 1) + " more names are missing" : "";
+  throw hal::InputError(first.place(), first.found(), first.expected(), first.remedy() + others);
+}
+
+}  // namespace
 
 EnergyPlusPlant::EnergyPlusPlant(const EnergyPlusOptions& options)
     : options_(options),
@@ -38,6 +51,12 @@ EnergyPlusPlant::EnergyPlusPlant(const EnergyPlusOptions& options)
   config.setpoint_degc = setpoint_degc_;
   config.rooms = options_.rooms;
   config.names = options_.names;
+  if (options_.own) {
+    refuse_missing_names(model, *options_.own, options_.model.string());
+    config.own_control = true;
+    config.own = *options_.own;
+    config.own_parts = own_parts(model, config.own);
+  }
   std::ofstream(config.model) << model.dump(1) << '\n';
   if (options_.weather_change.any()) {
     config.weather = (folder_->path() / "changed.epw").string();
@@ -88,7 +107,12 @@ void EnergyPlusPlant::take(const WorkerReply& reply) {
   copy(reply.vav_on, rooms, sensors_.vav_on);
   copy(reply.fcu_temp_degc, fcus, sensors_.fcu_temp_degc);
   copy(reply.fcu_on, fcus, sensors_.fcu_on);
-  sensors_.power_kw = {reply.fan_kw, reply.plant_kw};
+  copy(reply.power_kw, static_cast<std::size_t>(reply.powers), sensors_.power_kw);
+  copy(reply.damper, static_cast<std::size_t>(reply.dampers), sensors_.damper);
+  copy(reply.zone_setpoint_degc, static_cast<std::size_t>(reply.zone_setpoints), sensors_.zone_setpoint_degc);
+  sensors_.occupied = reply.occupied;
+  sensors_.supply_flow_m3s = reply.supply_flow_m3s;
+  sensors_.ahu_on = reply.ahu_on;
   sensors_.mau_temp_degc = reply.mau_temp_degc;
   sensors_.outdoor_temp_degc = reply.outdoor_temp_degc;
   sensors_.rain = reply.rain;
@@ -114,7 +138,8 @@ double EnergyPlusPlant::branch_mean_room_temp_degc(double setpoint_degc, CivilTi
 std::string EnergyPlusPlant::description() const {
   std::string text = "EnergyPlus 25.2, " + options_.name + " (" + options_.model.filename().string();
   for (const auto& patch : options_.patches) text += " + " + patch.name;
-  text += "), weather " + options_.weather.filename().string();
+  text += options_.own ? "), its own controls, weather " : "), weather ";
+  text += options_.weather.filename().string();
   if (options_.weather_change.any()) text += " (changed)";
   return text + ", " + std::to_string(options_.step_min) + "-min steps, seed " + std::to_string(options_.seed);
 }

@@ -24,6 +24,7 @@ class EnergyPlusPlant final : public PlantModel {
   ~EnergyPlusPlant() override;
 
   CivilTime time() const override { return time_; }
+  int step_s() const override { return options_.step_min * 60; }
   /// Errors also: hal::InputError for a time before time(), off the time step, or after end().
   void advance_to(CivilTime t) override;
   void set_setpoint(double setpoint_degc) override;
@@ -32,7 +33,6 @@ class EnergyPlusPlant final : public PlantModel {
 
   /// Midnight after the last simulated day.
   CivilTime end() const { return end_; }
-  int step_s() const { return options_.step_min * 60; }
   /// Room temperatures without sensor noise or rounding. degC.
   const std::vector<double>& true_room_temps_degc() const { return true_room_temps_degc_; }
   double true_mean_room_temp_degc() const;

@@ -94,9 +94,10 @@ WorkerReply EnergyPlusProcess::receive() {
   }
   if (reply.kind == ReplyKind::error) {
     reply.text.back() = '\0';
-    throw hal::InputError("EnergyPlus run of " + name_, std::string(reply.text.data()),
-                          "a model and an engine that offer it",
-                          "compare the model's names with ModelNames, and the model with sim/models/twin.epJSON");
+    throw hal::InputError(
+        "EnergyPlus run of " + name_, std::string(reply.text.data()), "a model and an engine that offer it",
+        config_.own_control ? "correct [twin.names] in the site file"
+                            : "compare the model's names with ModelNames, and the model with sim/models/twin.epJSON");
   }
   return reply;
 }

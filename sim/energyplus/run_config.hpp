@@ -23,6 +23,9 @@ struct RunConfig {
   double setpoint_degc = 25;
   RoomLoopOptions rooms;
   ModelNames names;
+  bool own_control = false;  ///< then `own` counts, else `names`
+  OwnNames own;
+  OwnParts own_parts;
 };
 
 void write_run_config(const RunConfig& config, const std::filesystem::path& file);

@@ -15,6 +15,7 @@ class FaultyModel final : public PlantModel {
   FaultyModel(PlantModel& inner, FaultScript script);
 
   CivilTime time() const override { return inner_.time(); }
+  int step_s() const override { return inner_.step_s(); }
   void advance_to(CivilTime t) override;
   void set_setpoint(double setpoint_degc) override;
   const Sensors& sensors() const override { return shown_; }

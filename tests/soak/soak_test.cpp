@@ -68,7 +68,7 @@ class SoakSite {
         begun_(tools::prepare(trial_)),
         model_(*begun_.model, {}),
         server_(trial_.site.points, {.listen = hal::TcpListen{"127.0.0.1", 0}}),
-        served_(trial_.site, model_, server_, 0, begun_.until),
+        served_(model_, server_, 0, begun_.until),
         proxy_(proxy_settings(server_.port(), seed), [this](const tools::ChaosExchange& e) { look(e); }),
         draw_(seed),
         next_fault_s_(model_.time().seconds + fault_every_cycles * cycle_s) {

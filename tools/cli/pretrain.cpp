@@ -34,7 +34,7 @@ struct PretrainCommand {
 
   void run(const CLI::App& command) {
     const Site s = make_site(site);
-    take_site_twin(command, plant, s);
+    take_site_twin(command, plant, s, TwinUse::unless_named);
     const RunFacts facts = run_facts(plant, s);
     check_room(plant, s);
     BlobPlace place(out, most_blob_bytes(s));

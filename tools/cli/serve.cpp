@@ -31,8 +31,9 @@ struct ServeCommand {
   double speed = 0;
   bool json = false;
 
-  void run() const {
+  void run(const CLI::App& command) {
     const Site s = make_site(site);
+    take_site_twin(command, plant, s, TwinUse::when_asked);
     const sim::FaultScript script = faults.empty() ? sim::FaultScript{} : sim::read_fault_script(faults, s.counts);
     const auto model = make_plant(plant, s, expert_days + days);
     say_fallback(run_facts(plant, s));
@@ -56,7 +57,7 @@ struct ServeCommand {
     if (s.file.modbus) settings.unit = s.file.modbus->unit_id;
     hal::ModbusServer server(s.points, settings);
     sim::FaultyModel faulty(*model, script);
-    ServedPlant served(s, faulty, server, speed, CivilTime{open.seconds + days * std::int64_t{86400}});
+    ServedPlant served(faulty, server, speed, CivilTime{open.seconds + days * std::int64_t{86400}});
     std::signal(SIGTERM, request_serve_stop);
     std::signal(SIGINT, request_serve_stop);
     const std::string where = pty.empty() ? fmt::format("{}:{}", listen, server.port()) : pty;
@@ -90,8 +91,7 @@ void add_serve(CLI::App& app) {
       "serve a simulated room over Modbus TCP, or RTU on a pseudo-terminal.\n"
       "Without --speed it runs in lockstep: time moves only when a client writes clock_advance_s, as airsided\n"
       "does with `[clock] source = \"plant\"`; so a slow client loses nothing.\n"
-      "The room stands for the built one: the site's [twin], a model to train on, is not taken; name it with\n"
-      "--twin to try it.");
+      "The room stands for the built one: the site's [twin], a model to train on, is taken where --twin says so.");
   add_site_options(*c, self->site);
   add_plant_options(*c, self->plant, "2021-08-01");
   c->add_option("--expert-days", self->expert_days, "days under the schedule before the server opens")
@@ -108,7 +108,7 @@ void add_serve(CLI::App& app) {
   c->add_option("--speed", self->speed, "run freely, N times real time")->check(CLI::Range(0.0, 1e6));
   c->add_option("--ready", self->ready_file, "write the address to this file once the server answers");
   c->add_flag("--json", self->json, "print one JSON object, once the server answers, and nothing else");
-  c->callback([self] { self->run(); });
+  c->callback([self, c] { self->run(*c); });
 }
 
 }  // namespace airside::tools

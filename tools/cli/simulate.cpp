@@ -76,8 +76,10 @@ struct SimulateCommand {
     return path == log ? "" : path;
   }
 
-  void run() const {
-    Trial trial{make_site(site), plant, expert_days, days};
+  void run(const CLI::App& command) {
+    const Site chosen = make_site(site);
+    take_site_twin(command, plant, chosen, TwinUse::when_asked);
+    Trial trial{chosen, plant, expert_days, days};
     trial.site.file.seed = plant.seed;
     if (!faults.empty()) trial.faults = sim::read_fault_script(faults, trial.site.counts);
     if (site.path.empty()) trial.site.file.name = "Room " + plant.room;  // "built-in" says nothing in a report
@@ -162,8 +164,8 @@ void add_simulate(CLI::App& app) {
   CLI::App* c = app.add_subcommand("simulate",
                                    "control a simulated room with the box's own code, and report how it went.\n"
                                    "The schedule runs --expert-days first; then --days are controlled and scored.\n"
-                                   "The room stands for the built one: the site's [twin], a model to train on, is not "
-                                   "taken;\nname it with --twin to try it.");
+                                   "The room stands for the built one: the site's [twin], a model to train on, is "
+                                   "taken\nwhere --twin says so.");
   add_site_options(*c, self->site);
   add_plant_options(*c, self->plant, "2021-08-01");
   c->add_option("--expert-days", self->expert_days, "days under the schedule before")
@@ -188,7 +190,7 @@ void add_simulate(CLI::App& app) {
   c->add_option("--history-log", self->history_log, "CSV of the schedule days' rows");
   c->add_option("--report", self->report, "folder for an HTML report with charts");
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
-  c->callback([self] { self->run(); });
+  c->callback([self, c] { self->run(*c); });
 }
 
 }  // namespace airside::tools

@@ -21,6 +21,7 @@
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/epw.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "tools/run/twin_options.hpp"
 
 namespace airside::tools {
 
@@ -90,9 +91,16 @@ std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& 
 
 /// The known room, or the user's own model with the habits of that room: its people, dampers and fan coils.
 sim::EnergyPlusOptions engine_room(const PlantChoice& choice, const Site& site) {
-  if (!is_standard(site)) {
+  if (!shape_fits(choice.twin, site.counts)) {
     throw hal::InputError("--plant energyplus", "topology " + site.counts.name, "5vav-5fcu-2power",
-                          "use --plant rc for other shapes; the EnergyPlus twin is the method's room");
+                          "use --plant rc for other shapes, or a model whose [twin.names] have this one");
+  }
+  if (choice.twin) {
+    hal::TwinSection twin = *choice.twin;
+    twin.patches.clear();  // those of the choice are added
+    sim::EnergyPlusOptions options = twin_options(twin);
+    options.name = twin.control == hal::TwinControl::own ? site.file.name : "twin";
+    return options;
   }
   std::string name = choice.room;
   std::replace(name.begin(), name.end(), '-', '_');
@@ -137,7 +145,7 @@ void refuse_model_on_rc(const PlantChoice& choice, const Site& site) {
   const std::string expected = "EnergyPlus 25.2, which alone runs epJSON models and their patches";
   if (choice.kind == "rc")
     throw hal::InputError(place, "--plant rc beside it", expected, "leave --plant rc out, or " + without);
-  if (!is_standard(site))
+  if (!shape_fits(choice.twin, site.counts))
     throw hal::InputError(place, "topology " + site.counts.name + ", which only the rc plant has", expected,
                           without + "; the EnergyPlus twin is the method's room, 5vav-5fcu-2power");
   throw hal::InputError(place, "no EnergyPlus on this machine", expected,
@@ -155,9 +163,12 @@ void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string
       .add_option("--room", choice.room,
                   "301, 401, 402, 701, 702, each also as NAME-real; rc: also study-0 .. study-199 or a .json file")
       ->capture_default_str();
-  command.add_option("--twin", choice.model,
-                     "an epJSON model of your own instead of the built-in twin (EnergyPlus); no patch of a built-in "
-                     "room goes onto it, --room then says only whose people, dampers and fan coils it has");
+  command
+      .add_option("--twin", choice.model,
+                  "an epJSON model of your own instead of the built-in twin (EnergyPlus); no patch of a built-in "
+                  "room goes onto it, --room then says only whose people, dampers and fan coils it has. Without a "
+                  "file: the site's [twin]")
+      ->expected(0, 1);
   command.add_option("--patch", choice.patches, "merge patches on the model, in order (EnergyPlus)");
   command.add_option("--weather", choice.weather, "EPW file (default: Tampa for EnergyPlus, synthetic for rc)");
   command.add_option("--start", choice.start, "first day, midnight")->capture_default_str();
@@ -165,11 +176,29 @@ void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string
   command.add_flag("--weekends", choice.weekends, "Saturday and Sunday nearly empty");
 }
 
-void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site) {
-  if (!site.file.twin) return;
+namespace {
+
+/// What a model with controls of its own does not heed must not look as if it had been used.
+void refuse_unheeded(const CLI::App& command, const std::string& place) {
+  for (const char* option : {"--room", "--weekends"}) {
+    if (command.count(option) == 0) continue;
+    throw hal::InputError(option, "given beside " + place, "a model whose people and boxes it can change",
+                          "leave it out: with control = \"own\" the model's own schedules and thermostats run");
+  }
+}
+
+}  // namespace
+
+void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site, TwinUse use) {
+  const bool asked = command.count("--twin") > 0 && choice.model.empty();
+  if (asked && !site.file.twin) {
+    throw hal::InputError("--twin", "no file, and no [twin] in " + site.file.path, "a model",
+                          "name an epJSON file after it, or give --site with a [twin]");
+  }
+  if (!site.file.twin || (use == TwinUse::when_asked && !asked)) return;
   const hal::TwinSection& twin = *site.file.twin;
   if (choice.weather.empty()) choice.weather = twin.weather;
-  if (command.count("--twin") + command.count("--room") > 0) return;
+  if (!choice.model.empty() || (!asked && command.count("--room") > 0)) return;
   const bool rc = twin.model == "rc";
   if (rc && choice.kind == "energyplus") return;
   if (rc && !twin.patches.empty()) {
@@ -180,9 +209,11 @@ void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& si
     choice.kind = "rc";
     return;
   }
+  if (twin.control == hal::TwinControl::own) refuse_unheeded(command, site.file.path + ": [twin]");
   choice.site_twin = site.file.path;
   choice.room = "twin";  // no patches of a built-in room on a model of the site's own
   choice.model = twin.model;
+  choice.twin = twin;
   if (choice.patches.empty()) choice.patches = twin.patches;
 }
 
@@ -193,7 +224,8 @@ CivilTime start_of(const PlantChoice& choice) {
 }
 
 bool is_energyplus(const PlantChoice& choice, const Site& site) {
-  return choice.kind == "energyplus" || (choice.kind == "auto" && is_standard(site) && sim::have_energyplus());
+  return choice.kind == "energyplus" ||
+         (choice.kind == "auto" && shape_fits(choice.twin, site.counts) && sim::have_energyplus());
 }
 
 namespace {
@@ -258,8 +290,9 @@ std::string command_text(const PlantChoice& choice, const Site& site) {
   std::string text =
       fmt::format("--plant {} --room {} --start {} --seed {}", is_energyplus(choice, site) ? "energyplus" : "rc",
                   choice.room, choice.start, choice.seed);
-  if (!choice.model.empty()) text += " --twin " + choice.model;
-  for (const std::string& patch : choice.patches) text += " --patch " + patch;
+  const bool of_site = choice.twin && choice.patches == choice.twin->patches;
+  if (!choice.model.empty()) text += of_site ? " --twin" : " --twin " + choice.model;
+  for (const std::string& patch : choice.patches) text += of_site ? "" : " --patch " + patch;
   if (!choice.weather.empty()) text += " --weather " + choice.weather;
   if (choice.weekends) text += " --weekends";
   return text;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,9 +24,10 @@ struct PlantChoice {
   std::vector<std::string> patches;
   std::string weather;  ///< EPW file; empty: Tampa for EnergyPlus, synthetic for rc
   std::string start = "2021-07-01";
-  std::uint64_t seed = 1;  ///< of people, outages and sensor noise
-  bool weekends = false;   ///< Saturday and Sunday nearly empty
-  std::string site_twin;   ///< the site file whose [twin] gave model and patches; empty: options did
+  std::uint64_t seed = 1;                ///< of people, outages and sensor noise
+  bool weekends = false;                 ///< Saturday and Sunday nearly empty
+  std::string site_twin;                 ///< the site file whose [twin] gave model and patches; empty: options did
+  std::optional<hal::TwinSection> twin;  ///< that [twin]: who controls the rooms, by which names
 
   // No options: for comparisons of rooms that differ in an effect and in nothing else.
   std::string weather_of;                  ///< rc without `weather`: the room whose made-up year it is; empty: its own
@@ -36,16 +38,21 @@ struct PlantChoice {
 /// Adds --plant, --room, --twin, --patch, --weather, --start, --seed, --weekends to a command.
 void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string& default_start = "2021-07-01");
 
-/// Takes model, patches and weather of the site's [twin] where no option of `command` names others: --twin or --room
-/// stands for another model, --patch for other patches, --weather for other weather. For commands that train: where the
-/// plant stands for the built room, the twin is not meant.
-/// Errors: hal::InputError for patches on "rc".
-void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site);
+/// When a command means the site's [twin]: those that train do unless an option says otherwise; where the plant stands
+/// for the built room, only --twin without a file does.
+enum class TwinUse : std::uint8_t { unless_named, when_asked };
+
+/// Takes model, names, patches and weather of the site's [twin] where no option of `command` names others: --twin FILE
+/// or --room stands for another model, --patch for other patches, --weather for other weather.
+/// Errors: hal::InputError for patches on "rc", for --twin without a file where there is no [twin], and for options
+/// that a model with controls of its own does not heed.
+void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site, TwinUse use);
 
 /// Midnight of the start day.  Errors: hal::InputError for text that is no date.
 CivilTime start_of(const PlantChoice& choice);
 
-/// Whether the choice means EnergyPlus on this machine and for this shape of room ("auto" is rc for other shapes).
+/// Whether the choice means EnergyPlus on this machine and for this shape of room ("auto" is rc for other shapes
+/// than that of the model).
 bool is_energyplus(const PlantChoice& choice, const Site& site);
 
 /// Refuses a room that make_plant() would not know, and a model that the plant cannot use, without making anything.

@@ -2,22 +2,14 @@
 
 #include <algorithm>
 
-#include "airside/signals.hpp"
 #include "hal/modbus/wire.hpp"
 #include "hal/points/register_codec.hpp"
 #include "sim/simulated_plant.hpp"
 
 namespace airside::tools {
 
-ServedPlant::ServedPlant(const Site& site, sim::PlantModel& model, hal::ModbusServer& server, double speed,
-                         CivilTime end)
-    : site_(site),
-      model_(model),
-      server_(server),
-      speed_(speed),
-      end_(end),
-      began_(model.time()),
-      began_ns_(hal::monotonic_ns()) {
+ServedPlant::ServedPlant(sim::PlantModel& model, hal::ModbusServer& server, double speed, CivilTime end)
+    : model_(model), server_(server), speed_(speed), end_(end), began_(model.time()), began_ns_(hal::monotonic_ns()) {
   server_.on_write([this](const hal::Point& point, double value) { return write(point, value); });
   publish();
 }
@@ -28,7 +20,7 @@ void ServedPlant::step() {
     const double real_s = static_cast<double>(hal::monotonic_ns() - began_ns_) * 1e-9;
     t.seconds = began_.seconds + static_cast<std::int64_t>(real_s * speed_);
   }
-  constexpr std::int64_t step_s = 180;
+  const std::int64_t step_s = model_.step_s();
   t.seconds = std::min(t.seconds, end_.seconds);
   const CivilTime reach{model_.time().seconds + (t.seconds - model_.time().seconds) / step_s * step_s};
   if (reach > model_.time()) {
@@ -52,12 +44,10 @@ double ServedPlant::write(const hal::Point& point, double value) {
 
 void ServedPlant::publish() {
   const sim::Sensors& s = model_.sensors();
-  for (int i = 0; i < site_.counts.signals(); ++i) {
-    const SignalId id = site_.counts.signal(i);
-    server_.set(hal::point_name(id), sim::sensor_value(s, id));
+  for (const hal::Point& point : server_.map().points()) {
+    // A point that the plant does not offer keeps what the site names as its first value.
+    if (const auto value = sim::point_value(s, point.name)) server_.set(point.name, *value);
   }
-  server_.set("setpoint", s.setpoint_degc);
-  if (server_.map().find("supply_temp") != nullptr) server_.set("supply_temp", s.supply_temp_degc);
   if (server_.map().find("clock_s") != nullptr) {
     server_.set("clock_s", static_cast<double>(model_.time().seconds - hal::clock_epoch.seconds));
   }

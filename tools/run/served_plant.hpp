@@ -3,7 +3,6 @@
 
 #include "hal/modbus/server.hpp"
 #include "sim/plant_model.hpp"
-#include "tools/run/site.hpp"
 
 namespace airside::tools {
 
@@ -11,19 +10,18 @@ namespace airside::tools {
 /// times faster than the wall clock, until `end`.
 class ServedPlant {
  public:
-  /// site, model and server must outlive this.
-  ServedPlant(const Site& site, sim::PlantModel& model, hal::ModbusServer& server, double speed, CivilTime end);
+  /// model and server must outlive this.
+  ServedPlant(sim::PlantModel& model, hal::ModbusServer& server, double speed, CivilTime end);
 
   /// Moves the plant as far as it may go now.
   void step();
-  /// Puts into the registers what the sensors show.
+  /// Puts into the registers of every point that the plant offers what its sensors show.
   void publish();
   bool ended() const { return model_.time() >= end_; }
 
  private:
   double write(const hal::Point& point, double value);
 
-  const Site& site_;
   sim::PlantModel& model_;
   hal::ModbusServer& server_;
   double speed_;

@@ -51,6 +51,7 @@ EngineApi open_engine(const std::string& file) {
   AIRSIDE_FIND(hour);
   AIRSIDE_FIND(zoneTimeStepNum);
   AIRSIDE_FIND(isRaining);
+  AIRSIDE_FIND(listAllAPIDataCSV);
 #undef AIRSIDE_FIND
   return api;
 }

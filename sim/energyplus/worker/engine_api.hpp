@@ -33,6 +33,7 @@ struct EngineApi {
   int (*hour)(EngineState);
   int (*zoneTimeStepNum)(EngineState);
   int (*isRaining)(EngineState);
+  char* (*listAllAPIDataCSV)(EngineState);
 };
 
 /// Opens the engine with RTLD_LOCAL: its exports include names as common as `data`, zlib's and expat's.

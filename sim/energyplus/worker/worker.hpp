@@ -1,15 +1,16 @@
 #pragma once
-// One EnergyPlus run, driven over a socket: the engine's callbacks wait for requests, step the room loops, act on
-// the model's schedules and answer with what the sensors show.
+// One EnergyPlus run, driven over a socket: the engine's callbacks wait for requests, let the driver act on
+// the model's schedules, and answer with what the sensors show.
 
-#include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "sim/energyplus/protocol.hpp"
-#include "sim/energyplus/rooms.hpp"
 #include "sim/energyplus/run_config.hpp"
 #include "sim/energyplus/worker/engine_api.hpp"
+#include "sim/energyplus/worker/engine_names.hpp"
+#include "sim/energyplus/worker/model_driver.hpp"
 
 namespace airside::sim {
 
@@ -26,24 +27,10 @@ class Worker {
   void end_step();    ///< callback: after a zone step has been reported
 
  private:
-  struct Handles {
-    std::vector<int> zone_temps, vav_on, dampers, fcu_on, occupancy;
-    int supply_setpoint = -1, supply_temp = -1, mau_temp = -1, outdoor_temp = -1;
-    int fan_energy = -1, plant_energy = -1;
-  };
-
-  void request_variables();
-  void find_handles();
-  int variable(const std::string& name, const std::string& key);
-  int schedule(const std::string& name);
-  int meter(const std::string& name);
-  void act(const RoomCommands& commands);
-  void read_truth();
   void sense();
   void serve();
   void branch(const WorkerRequest& request);
   void check_clock(CivilTime step_start) const;
-  double mean_room_temp() const;
   void send(const WorkerReply& reply) const;
   [[noreturn]] void fail(const std::string& text) const;
   [[noreturn]] void leave() const;
@@ -52,13 +39,11 @@ class Worker {
   EngineApi api_;
   int socket_;
   EngineState state_ = nullptr;
-  int vavs_, fcus_;
-  RoomLoops loops_;
-  Handles handles_;
+  std::unique_ptr<ModelDriver> driver_;
+  std::optional<EngineNames> engine_;  ///< once the engine has a state
   bool ready_ = false, running_ = false, greeted_ = false;
   CivilTime now_, until_;
   double setpoint_degc_;
-  std::vector<double> room_temps_, fcu_temps_;
   WorkerReply sensed_;
   int branch_pipe_ = -1;
 };

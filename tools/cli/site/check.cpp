@@ -93,7 +93,7 @@ std::string room_facts(const std::string& path, const hal::TopologyCounts& count
 struct CheckCommand {
   std::string site, topology = "5vav-5fcu-2power", points, twin, weather, room;
   std::vector<std::string> patches, logs, weights;
-  bool as_json = false, strict = false;
+  bool as_json = false, strict = false, try_site_twin = false;
 
   bool nothing_named() const {
     return points.empty() && twin.empty() && weather.empty() && room.empty() && patches.empty() && logs.empty() &&
@@ -103,7 +103,7 @@ struct CheckCommand {
   static void check_site_twin(Findings& out, const hal::SiteFile& file, const hal::TopologyCounts& counts) {
     const hal::TwinSection& named = *file.twin;
     const bool rc = named.model == "rc";
-    if (!rc) check_twin(out, named.model, named.patches, counts);
+    if (!rc) check_twin(out, named, counts);
     if (rc && !named.patches.empty()) {
       out.refuse("twin", file.path,
                  {file.path + ": twin.patches", "patches on model = \"rc\"", "an epJSON model to patch",
@@ -119,6 +119,17 @@ struct CheckCommand {
                                     "with EnergyPlus,") +
                    " is taken");
     }
+  }
+
+  /// What --twin without a file asks for.
+  static void try_twin_of(Findings& out, const hal::SiteFile& file) {
+    if (!file.twin || file.twin->model == "rc") {
+      out.refuse("twin", file.path,
+                 {"--twin", file.twin ? "model = \"rc\"" : "no [twin] in " + file.path,
+                  "an epJSON model to run a day of", "name it in [twin], or give --twin FILE"});
+      return;
+    }
+    if (out.failed() == 0) try_twin(out, load_site(file.path));
   }
 
   Findings look() const {
@@ -157,11 +168,15 @@ struct CheckCommand {
       out.check("keys", file->keys_dir, [&] { return hal::describe(hal::KeyRing::load(file->keys_dir)); });
       if (!file->history_log.empty()) check_log("history", file->history_log);
       if (file->twin) check_site_twin(out, *file, counts);
+      if (try_site_twin) try_twin_of(out, *file);
     }
     if (!points.empty()) check_points(points);
     for (const std::string& p : weights) check_blob(p);
     for (const std::string& p : logs) check_log("log", p);
-    check_twin(out, twin, patches, counts);
+    hal::TwinSection bare;
+    bare.model = twin;
+    bare.patches = patches;
+    check_twin(out, bare, counts);
     if (!weather.empty()) check_weather(out, weather, !twin.empty());
     if (!room.empty()) out.check("room", room, [&] { return room_facts(room, counts); });
     return out;
@@ -227,13 +242,17 @@ void add_check(CLI::App& app) {
   c->add_option("--points", self->points, "a point map");
   c->add_option("--weights", self->weights, "weight blobs")->allow_extra_args(false);
   c->add_option("--log", self->logs, "CSV logs, or folders of them")->allow_extra_args(false);
-  c->add_option("--twin", self->twin, "an epJSON model");
+  c->add_option("--twin", self->twin, "an epJSON model; without a file, the site's [twin] runs for a day")
+      ->expected(0, 1);
   c->add_option("--patch", self->patches, "merge patches on the model, in order")->allow_extra_args(false);
   c->add_option("--weather", self->weather, "an EPW file");
   c->add_option("--room-file", self->room, "a room of the RC plant (.json)");
   c->add_flag("--strict", self->strict, "exit code 1 for warnings too");
   c->add_flag("--json", self->as_json, "print one JSON object and nothing else on standard output");
-  c->callback([self] { self->run(); });
+  c->callback([self, c] {
+    self->try_site_twin = c->count("--twin") > 0 && self->twin.empty();
+    self->run();
+  });
 }
 
 }  // namespace airside::tools

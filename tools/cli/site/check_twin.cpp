@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "sim/energyplus/epjson_lint.hpp"
@@ -12,6 +15,8 @@
 #include "sim/json/json_file.hpp"
 #include "sim/json/merge_patch.hpp"
 #include "sim/weather/epw.hpp"
+#include "tools/run/plant_choice.hpp"
+#include "tools/run/twin_options.hpp"
 
 namespace airside::tools {
 
@@ -45,38 +50,38 @@ std::string lint(Findings& out, const std::string& what, const std::string& path
 }
 
 /// Whether the composed model has what a run drives and reads.
-std::string names_facts(Findings& out, const std::string& path, const json& model) {
-  refuse_all(out, "twin", path, sim::missing_names(model, sim::ModelNames{}, path));
-  return "all zones, schedules and nodes are there";
+std::string names_facts(Findings& out, const std::string& path, const json& model, const hal::TwinSection& twin) {
+  if (twin.control == hal::TwinControl::external) {
+    refuse_all(out, "twin", path, sim::missing_names(model, external_names(twin), path));
+    return "all zones, schedules and nodes are there";
+  }
+  refuse_all(out, "twin", path, sim::missing_own_names(model, own_names(*twin.names), path));
+  return fmt::format("its own controls; setpoint, nodes and {} zones are there (meters are known once it runs)",
+                     twin.names->zones.size());
 }
 
 /// Whether the plant takes the site's shape.
-void check_shape(Findings& out, const std::string& model_path, const hal::TopologyCounts& counts) {
-  const sim::ModelNames names;
-  if (counts.vavs == static_cast<int>(names.interior_zones.size()) &&
-      counts.fcus == static_cast<int>(names.perimeter_zones.size()) && counts.powers == 2) {
-    return;
-  }
-  out.refuse("twin", model_path,
-             {model_path, "an epJSON twin of a site of topology " + counts.name, "5vav-5fcu-2power",
-              "use model = \"rc\" for other shapes; the EnergyPlus twin is the method's room"});
+void check_shape(Findings& out, const hal::TwinSection& twin, const hal::TopologyCounts& counts) {
+  if (shape_fits(twin, counts)) return;
+  out.refuse("twin", twin.model,
+             {twin.model, "an epJSON twin of a site of topology " + counts.name, "5vav-5fcu-2power",
+              "use model = \"rc\" for other shapes, or give the model's names in [twin.names]"});
 }
 
 }  // namespace
 
-void check_twin(Findings& out, const std::string& model_path, const std::vector<std::string>& patch_paths,
-                const hal::TopologyCounts& counts) {
+void check_twin(Findings& out, const hal::TwinSection& twin, const hal::TopologyCounts& counts) {
   json model;
   const std::size_t failed_before = out.failed();
-  if (!model_path.empty()) {
-    check_shape(out, model_path, counts);
-    out.check("twin", model_path, [&] {
-      model = sim::read_model(model_path);
-      const std::string result = lint(out, "twin", model_path, model, sim::LintScope::whole);
+  if (!twin.model.empty()) {
+    check_shape(out, twin, counts);
+    out.check("twin", twin.model, [&] {
+      model = sim::read_model(twin.model);
+      const std::string result = lint(out, "twin", twin.model, model, sim::LintScope::whole);
       return fmt::format("{} objects of {} types; {}", objects_in(model), model.size(), result);
     });
   }
-  for (const std::string& path : patch_paths) {
+  for (const std::string& path : twin.patches) {
     out.check("patch", path, [&] {
       const json patch = sim::read_json(path);
       json base = model.is_object() ? model : json::object();
@@ -86,18 +91,67 @@ void check_twin(Findings& out, const std::string& model_path, const std::vector<
       return fmt::format("{} objects of {} types changed; {}", objects_in(patch), patch.size(), result);
     });
   }
-  if (model_path.empty() || out.failed() != failed_before) return;
-  const std::string whole = patch_paths.empty() ? model_path : model_path + " with its patches";
-  if (!patch_paths.empty()) {
+  if (twin.model.empty() || out.failed() != failed_before) return;
+  const std::string whole = twin.patches.empty() ? twin.model : twin.model + " with its patches";
+  if (!twin.patches.empty()) {
     out.check("twin", whole, [&] {
       const std::string result = lint(out, "twin", whole, model, sim::LintScope::whole);
       return fmt::format("{} objects; {}", objects_in(model), result);
     });
   }
-  out.check("twin", whole + ": names", [&] { return names_facts(out, whole, model); });
+  out.check("twin", whole + ": names", [&] { return names_facts(out, whole, model, twin); });
   if (!sim::have_energyplus()) {
-    out.warn("twin", model_path, "it cannot run on this machine: EnergyPlus is not installed; run tools/setup");
+    out.warn("twin", twin.model, "it cannot run on this machine: EnergyPlus is not installed; run tools/setup");
   }
+}
+
+namespace {
+
+/// The least and the most of what was seen.
+struct Span {
+  double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+  void see(double value) {
+    if (!std::isfinite(value)) return;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  std::string text(const char* unit) const {
+    return low > high ? std::string("none") : fmt::format("{:.1f} to {:.1f}{}", low, high, unit);
+  }
+};
+
+}  // namespace
+
+void try_twin(Findings& out, const Site& site) {
+  PlantChoice choice;
+  choice.twin = site.file.twin;
+  choice.site_twin = site.file.path;
+  choice.room = "twin";
+  choice.kind = "energyplus";
+  choice.model = site.file.twin->model;
+  choice.patches = site.file.twin->patches;
+  choice.weather = site.file.twin->weather;
+  out.check("twin", choice.model + ": a day", [&] {
+    const auto plant = make_plant(choice, site, 1);
+    Span rooms, dampers, powers, flow, off;
+    int hours_on = 0;
+    const CivilTime from = plant->time();
+    for (int hour = 1; hour <= 24; ++hour) {
+      plant->set_setpoint(expert_setpoint_degc(site.settings, plant->time()));
+      plant->advance_to({from.seconds + hour * std::int64_t{3600}});
+      const sim::Sensors& s = plant->sensors();
+      for (const double room : s.room_temp_degc) rooms.see(room);
+      for (const double damper : s.damper) dampers.see(damper);
+      for (const double power : s.power_kw) powers.see(power);
+      flow.see(s.supply_flow_m3s);
+      const bool runs = std::isnan(s.ahu_on) || s.ahu_on > 0.5;
+      hours_on += runs ? 1 : 0;
+      if (runs) off.see(std::abs(s.supply_temp_degc - s.setpoint_degc));
+    }
+    return fmt::format("rooms {}, supply {} off its setpoint, flow {}, dampers {}, meters {}, fan on in {} of 24 h",
+                       rooms.text(" degC"), off.text(" K"), flow.text(" m3/s"), dampers.text(""), powers.text(" kW"),
+                       hours_on);
+  });
 }
 
 void check_weather(Findings& out, const std::string& path, bool for_engine) {

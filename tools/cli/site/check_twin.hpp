@@ -1,20 +1,23 @@
 #pragma once
-// The twin that a site or a command line names: whether it could run, found out without running it.
+// The twin that a site or a command line names: whether it could run, found out without running it, or by a day.
 
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "hal/log/log_csv.hpp"
+#include "hal/site/twin_section.hpp"
 #include "tools/cli/site/findings.hpp"
+#include "tools/run/site.hpp"
 
 namespace airside::tools {
 
 /// Looks at an epJSON model and its patches: the engine's schema, and the names that airside drives and reads in it.
-/// `model_path` may be empty: then the patches are looked at alone. `counts`: of the site, whose shape the twin must
-/// have.
-void check_twin(Findings& out, const std::string& model_path, const std::vector<std::string>& patch_paths,
-                const hal::TopologyCounts& counts);
+/// `twin`: model and patches as a [twin] has them; an empty model: the patches are looked at alone. `counts`: of the
+/// site, whose shape the twin must have.
+void check_twin(Findings& out, const hal::TwinSection& twin, const hal::TopologyCounts& counts);
+
+/// Runs the twin of a site for a day of July under its schedule, and says what its sensors showed: what only the engine
+/// knows, such as meters, is then known too.  Cost: 1 to 10 s.
+void try_twin(Findings& out, const Site& site);
 
 /// An EPW file; `for_engine`: as EnergyPlus reads it, which takes more columns than the rc plant.
 void check_weather(Findings& out, const std::string& path, bool for_engine);

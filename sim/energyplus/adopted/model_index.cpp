@@ -1,0 +1,78 @@
+#include "sim/energyplus/adopted/model_index.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+namespace airside::sim {
+
+std::string engine_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return text;
+}
+
+std::string ModelObject::text(const char* field) const {
+  if (fields == nullptr || !fields->is_object()) return {};
+  const auto found = fields->find(field);
+  return found != fields->end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+ModelIndex::ModelIndex(const nlohmann::json& model) : model_(model) {
+  if (!model.is_object()) return;
+  for (const auto& [type, objects] : model.items()) {
+    if (!objects.is_object()) continue;
+    for (const auto& [name, fields] : objects.items()) objects_.emplace(engine_case(type), engine_case(name));
+  }
+  gather_texts(model);
+}
+
+bool ModelIndex::object(const std::string& type, const std::string& name) const {
+  return objects_.contains({engine_case(type), engine_case(name)});
+}
+
+std::vector<ModelObject> ModelIndex::of_type(std::string_view type) const {
+  const std::string sought = engine_case(std::string(type));
+  const bool begins = sought.empty() || sought.back() == ':';
+  std::vector<ModelObject> found;
+  if (!model_.is_object()) return found;
+  for (const auto& [known, objects] : model_.items()) {
+    if (!objects.is_object()) continue;
+    const std::string candidate = engine_case(known);
+    if (begins ? !candidate.starts_with(sought) : candidate != sought) continue;
+    for (const auto& [name, fields] : objects.items()) found.push_back({known, name, &fields});
+  }
+  return found;
+}
+
+ModelObject ModelIndex::find(std::string_view type, const std::string& name) const {
+  const std::string sought = engine_case(name);
+  for (ModelObject& object : of_type(type)) {
+    if (engine_case(object.name) == sought) return object;
+  }
+  return {};
+}
+
+std::vector<std::string> ModelIndex::names_of(std::string_view type) const {
+  std::vector<std::string> names;
+  for (ModelObject& object : of_type(type)) names.push_back(std::move(object.name));
+  return names;
+}
+
+std::vector<std::string> ModelIndex::nodes() const {
+  std::set<std::string> names;
+  for (const ModelObject& object : of_type("")) {
+    if (!object.fields->is_object()) continue;
+    for (const auto& [field, value] : object.fields->items()) {
+      if (value.is_string() && field.find("node") != std::string::npos) names.insert(value.get<std::string>());
+    }
+  }
+  return {names.begin(), names.end()};
+}
+
+void ModelIndex::gather_texts(const nlohmann::json& value) {
+  if (value.is_string()) texts_.insert(engine_case(value.get<std::string>()));
+  if (!value.is_structured()) return;
+  for (const auto& part : value) gather_texts(part);
+}
+
+}  // namespace airside::sim
