@@ -59,6 +59,11 @@ void read_own(TomlSection& table, const Counts& counts, TwinNames& out) {
 }
 
 void read_external(TomlSection& table, const Counts& counts, TwinNames& out) {
+  if (table.has("zones")) {
+    throw InputError(table.place("zones"), "`zones` with control = \"external\", which is the default",
+                     "zones for control = \"own\", interior_zones and perimeter_zones for \"external\"",
+                     "add control = \"own\" to [twin] where the model's own thermostats run");
+  }
   out.interior_zones = names(table, "interior_zones", counts.vavs, "VAV box", Blanks::refused);
   out.perimeter_zones = names(table, "perimeter_zones", counts.fcus, "fan coil", Blanks::refused);
   out.powers = names(table, "powers", counts.powers, "power point", Blanks::refused);
