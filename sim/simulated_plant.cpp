@@ -17,7 +17,8 @@ struct ManyPoints {
   std::vector<double> Sensors::*values;
   bool input = true;  ///< of the network
 };
-constexpr ManyPoints many_points[] = {{"room_temp_", &Sensors::room_temp_degc},
+constexpr std::string_view room_temp_stem = "room_temp_";  ///< a zone's sensors may have letters: room_temp_3a
+constexpr ManyPoints many_points[] = {{room_temp_stem, &Sensors::room_temp_degc},
                                       {"fcu_temp_", &Sensors::fcu_temp_degc},
                                       {"vav_on_", &Sensors::vav_on},
                                       {"fcu_on_", &Sensors::fcu_on},
@@ -55,7 +56,9 @@ std::optional<double> point_value(const Sensors& sensors, std::string_view point
     const std::string_view digits = point.substr(many.stem.size());
     int place = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), place);
-    if (error == std::errc{} && end == digits.data() + digits.size())
+    const std::string_view rest(end, static_cast<std::size_t>(digits.data() + digits.size() - end));
+    const bool one_of_several = many.stem == room_temp_stem && rest.size() == 1 && rest[0] >= 'a' && rest[0] <= 'z';
+    if (error == std::errc{} && (rest.empty() || one_of_several))
       return offered(at_place(sensors.*many.values, place), many.input);
   }
   return std::nullopt;

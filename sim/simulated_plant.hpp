@@ -11,6 +11,7 @@
 #include "hal/points/point_map.hpp"
 #include "hal/points/register_codec.hpp"
 #include "sim/plant_model.hpp"
+#include "sim/side_points.hpp"
 
 namespace airside::sim {
 
@@ -24,7 +25,8 @@ std::optional<double> point_value(const Sensors& sensors, std::string_view point
 template <Topology T>
 class SimulatedPlant {
  public:
-  SimulatedPlant(PlantModel& model, const hal::PointMap& points, const Shape& site = capacity_of<T>()) : model_(model) {
+  SimulatedPlant(PlantModel& model, const hal::PointMap& points, const Shape& site = capacity_of<T>())
+      : model_(model), sides_(points) {
     for (int i = 0; i < Layout<T>::signals; ++i) {
       if (!is_present<T>(site, i)) continue;
       points_[static_cast<std::size_t>(i)] = points.find(hal::point_name(signal_id<T>(i)));
@@ -43,6 +45,7 @@ class SimulatedPlant {
     }
     reading.setpoint_degc = hal::rounded(*setpoint_, sensors.setpoint_degc);
     if (supply_temp_ != nullptr) reading.supply_temp_degc = hal::rounded(*supply_temp_, sensors.supply_temp_degc);
+    sides_.fill(sensors, reading);
     return reading;
   }
 
@@ -55,6 +58,7 @@ class SimulatedPlant {
 
  private:
   PlantModel& model_;
+  SidePoints<T> sides_;
   std::array<const hal::Point*, static_cast<std::size_t>(Layout<T>::signals)>
       points_{};  ///< nullptr: the site has none
   const hal::Point* setpoint_;

@@ -27,9 +27,7 @@ powers = ["Fans:Electricity"]
 occupancy = ["Core_ZN"]
 )";
 
-SiteFile parse(const std::string& text) {
-  return parse_site_text(text, "room/site.toml", {{"5vav-5fcu-2power", "3vav-0fcu-1power"}, {}});
-}
+SiteFile parse(const std::string& text) { return parse_site_text(text, "room/site.toml", SiteRules{}); }
 
 TEST(TwinSection, ReadsTheNamesOfAModelWithControlsOfItsOwn) {
   const SiteFile site = parse(own_site);
