@@ -32,8 +32,8 @@ EnergyPlusOptions adopted(const std::string& name, const std::string& supply_nod
 }  // namespace
 
 fs::path reference_models() {
-  const char* named = std::getenv("AIRSIDE_REFERENCE_MODELS");
-  if (named != nullptr) return fs::is_directory(fs::path(named) / "model") ? named : "";
+  const char* named = std::getenv("AIRSIDE_FOREIGN_MODELS");
+  if (named != nullptr) return fs::is_directory(named) ? fs::path(named).parent_path() : fs::path();
   if (!have_energyplus()) return {};
   const fs::path packages = find_energyplus().folder.parent_path().parent_path();
   const fs::path data = packages / "pyenergyplus" / "data";

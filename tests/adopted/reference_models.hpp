@@ -12,14 +12,15 @@
 
 namespace airside::sim {
 
-/// The package's folder with `model` and `weather`: $AIRSIDE_REFERENCE_MODELS, else beside the engine's own package;
-/// empty where there is none.
+/// The package's folder with `model` and `weather`: that above $AIRSIDE_FOREIGN_MODELS, which names the former, else
+/// beside the engine's own package; empty where there is none.
 std::filesystem::path reference_models();
 
-#define AIRSIDE_NEEDS_REFERENCES()                                                                      \
-  if (!airside::sim::have_energyplus() || airside::sim::reference_models().empty())                     \
-  GTEST_SKIP() << "\n*** EnergyPlus or the reference buildings of pyenergyplus-lbnl are not installed " \
-                  "(AIRSIDE_REFERENCE_MODELS names their folder). This test checked nothing. ***"
+#define AIRSIDE_NEEDS_REFERENCES()                                                                             \
+  if (!airside::sim::have_energyplus() || airside::sim::reference_models().empty())                            \
+  GTEST_SKIP()                                                                                                 \
+      << "\n*** EnergyPlus or the reference buildings are not installed: run tools/setup --for test, or name " \
+         "their folder in AIRSIDE_FOREIGN_MODELS. This test checked nothing. ***"
 
 /// A building, converted to epJSON once a process.
 std::filesystem::path reference_model(const std::string& name);
