@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "tools/cli/command.hpp"
@@ -35,7 +37,8 @@ struct TransferCommand {
         fmt::format("airside transfer{} --log {} --steps {} --seed {}{}{}", from.empty() ? "" : " --from " + from, log,
                     options.steps, options.seed, command_text(site),
                     from.empty() ? "" : fmt::format(" (source digest {})", digest_text(source)));
-    const BlobBytes blob = fine_tune(s, source, rows.rows, options, show_progress(bar));
+    const Transferred made = transfer(s, source, rows.rows, options, show_progress(bar));
+    const BlobBytes& blob = made.blob;
     bar.finish();
     place.write(blob);
     if (json) {
@@ -46,6 +49,9 @@ struct TransferCommand {
                           {"rows", rows.rows.size()},
                           {"missing_rows", rows.summary.missing_rows},
                           {"steps", options.steps},
+                          {"source_kept", made.source_kept},
+                          {"source_error_k", made.source_error_k},
+                          {"tuned_error_k", made.tuned_error_k},
                           {"seeds", {options.seed}}};
       add_program_to(j);
       fmt::print("{}\n", j.dump());
@@ -54,6 +60,11 @@ struct TransferCommand {
     fmt::print("{} rows from {} to {}; weights: {} ({} bytes, digest {})\n", rows.rows.size(),
                hal::civil_text(rows.summary.first), hal::civil_text(rows.summary.last), out, blob.size(),
                digest_text(blob));
+    if (std::isfinite(made.tuned_error_k)) {
+      fmt::print(
+          "forecasts of the held-back rows err by {:.3f} K fine-tuned, by {:.3f} K with the source as it is: {}\n",
+          made.tuned_error_k, made.source_error_k, made.source_kept ? "the source is kept" : "fine-tuned on all rows");
+    }
     if (!rows.summary.gaps.empty()) {
       fmt::print("the log has {} gaps ({} rows missing); learning skipped them\n", rows.summary.gaps.size(),
                  rows.summary.missing_rows);
@@ -66,7 +77,11 @@ struct TransferCommand {
 
 void add_transfer(CLI::App& app) {
   auto self = std::make_shared<TransferCommand>();
-  CLI::App* c = app.add_subcommand("transfer", "fit a source room's weights to another room's log");
+  CLI::App* c = app.add_subcommand("transfer",
+                                   "fit a source room's weights to another room's log.\nThe last day of the log (its "
+                                   "last third, if it has less than "
+                                   "three days) is held back first: where the source foretells it better as "
+                                   "it is, it is kept as it is.");
   add_site_options(*c, self->site);
   c->add_option("--from", self->from, "source blob (none: train from scratch)");
   c->add_option("--log", self->log, "CSV log of the target room under the schedule, 5 days or so")->required();

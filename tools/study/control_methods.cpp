@@ -46,7 +46,7 @@ ControlRun run_ours(const Trial& trial, Prepared& prepared, const OurWeights& we
     options.steps = weights.steps;
     options.seed = trial.plant.seed;
     options.provenance = "fine-tuned in a trial: " + command_text(trial.plant, trial.site);
-    blob = fine_tune(trial.site, weights.blob, prepared.history, options);
+    blob = transfer(trial.site, weights.blob, prepared.history, options).blob;
   }
   return run_controller(trial.site, prepared.room(), blob, prepared.history, prepared.until, trial.site.file.seed,
                         progress);

@@ -114,8 +114,9 @@ class ControllerMemory {
     replay_.push(to_row<T, Scalar>(learning_.scaler, before, setpoint_degc, after));
   }
   /// Lets the room head learn from a history's row. Overlapping rows carry less news each: noise_factor > 1.
-  void remember_change(CivilTime t, const HeadFeatures& f, double moved_k, double noise_factor) {
-    learning_.head.update(settings_, t, f, moved_k, noise_factor);
+  /// Returns by how much its forecast of the row was wrong before, K.
+  double remember_change(CivilTime t, const HeadFeatures& f, double moved_k, double noise_factor) {
+    return learning_.head.update(settings_, t, f, moved_k, noise_factor);
   }
   /// One optimiser step on the replay; for a host that fine-tunes.  Returns the losses before the step.
   LossTerms train_step() {

@@ -64,8 +64,14 @@ class HistoryReader {
     const double moved = now.head(rooms_of<T>(site)).mean() - before.value.head(rooms_of<T>(site)).mean();
     // Where three rows share each cycle, each is worth a third of a sample.
     const double noise = starts_ == Starts::every_cycle ? 1.0 : std::sqrt(static_cast<double>(rows_per_cycle));
-    controller_.remember_change(before.time, f, moved, noise);
+    const double error_k = controller_.remember_change(before.time, f, moved, noise);
+    if (!std::isfinite(error_k)) return;
+    ++forecasts_;
+    error_sum_k2_ += error_k * error_k;
   }
+  /// Root mean square error of the head's forecasts one cycle ahead, each made before its row was learned, K; NaN if
+  /// there was none.
+  double forecast_error_k() const { return std::sqrt(error_sum_k2_ / forecasts_); }
   int transitions() const { return transitions_; }
   int refused() const { return refused_; }
 
@@ -77,6 +83,8 @@ class HistoryReader {
   Validator<T> validator_;
   int transitions_ = 0;
   int refused_ = 0;
+  int forecasts_ = 0;
+  double error_sum_k2_ = 0;
 };
 
 }  // namespace airside
