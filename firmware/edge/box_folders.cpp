@@ -5,7 +5,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "firmware/edge/say.hpp"
+#include "firmware/edge/report/say.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 

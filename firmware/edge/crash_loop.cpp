@@ -1,6 +1,6 @@
 #include "firmware/edge/crash_loop.hpp"
 
-#include "firmware/edge/say.hpp"
+#include "firmware/edge/report/say.hpp"
 #include "hal/modbus/wire.hpp"
 
 namespace airside::edge {
@@ -20,7 +20,7 @@ void CrashLoop::begin() { began_ns_ = hal::monotonic_ns(); }
 
 void CrashLoop::row() {
   if (limit_ <= 0) return;
-  if (recent_starts_ > 0 && hal::monotonic_ns() - began_ns_ >= hour_s * 1'000'000'000) {
+  if (recent_starts_ > 0 && hal::monotonic_ns() - began_ns_ >= seconds_per_hour * 1'000'000'000) {
     starts_.clear();
     recent_starts_ = 0;
   }

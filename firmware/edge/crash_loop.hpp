@@ -11,7 +11,7 @@ namespace airside::edge {
 /// Counts starts that had no orderly end, in the file `starts` of the state folder.
 class CrashLoop {
  public:
-  static constexpr std::int64_t window_s = 600, hour_s = 3600;
+  static constexpr std::int64_t window_s = 600;
 
   /// `limit`: this many starts within window_s are a loop; 0: never.
   CrashLoop(const std::string& state_dir, int limit, hal::Sync sync)

@@ -4,10 +4,11 @@
 #include <limits>
 
 #include "airside/topologies.hpp"
-#include "firmware/edge/row_status.hpp"
-#include "firmware/edge/say.hpp"
+#include "firmware/edge/report/row_status.hpp"
+#include "firmware/edge/report/say.hpp"
 #include "hal/modbus/wire.hpp"
 #include "hal/site/site_settings.hpp"
+#include "hal/weights/blob_file.hpp"
 
 namespace airside::edge {
 
@@ -113,7 +114,7 @@ void Daemon<T>::begin_control(CivilTime t) {
   crash_loop_.begin();
   controller_->tick(t);  // before it is known whether the clock has been set since the last row
   report_clock(t);
-  if (crash_loop_.is_met()) controller_->hold(Reason::crash_loop, t, CrashLoop::hour_s);
+  if (crash_loop_.is_met()) controller_->hold(Reason::crash_loop, t, seconds_per_hour);
   if (state_.state_lost()) controller_->hold(Reason::state_lost, t, 0);
   // Where it goes on, before the first row too.
   beats_ = next_.seconds > 0 && controller_->cycle().mode_arbiter.beats(t);

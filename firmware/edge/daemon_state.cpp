@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "airside/topologies.hpp"
-#include "firmware/edge/say.hpp"
+#include "firmware/edge/report/say.hpp"
 #include "hal/log/log_record.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/weights/blob_file.hpp"

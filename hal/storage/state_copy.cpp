@@ -98,4 +98,14 @@ StoreResult<void> StateCopy::load(std::span<std::byte> into, std::uint64_t diges
   return settled || !may_pass(staged.error()) ? settled : staged;
 }
 
+StoreResult<void> StateCopy::blocked() const {
+  const auto folder = StorageFile::open_existing_dir(dir_.c_str());
+  if (!folder) return {};  // of which the state itself complains
+  for (const char* name : {staged_name, settled_name}) {
+    const auto file = StorageFile::open_to_read(folder->descriptor(), name, "look at copy of state");
+    if (!file && file.error().fault == StoreFault::wrong_kind) return tl::make_unexpected(file.error());
+  }
+  return {};
+}
+
 }  // namespace airside::hal

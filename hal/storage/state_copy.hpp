@@ -28,6 +28,9 @@ class StateCopy {
   /// Reads the copy of this digest back. Errors: not_found; other_layout; wrong_size; io where its digest does not
   /// hold. `into` is then unspecified.
   StoreResult<void> load(std::span<std::byte> into, std::uint64_t digest) const;
+  /// Whether a copy can be written where one belongs. Errors: wrong_kind where something that is no file lies under one
+  /// of the two names. Cost: two files looked at, no heap.
+  StoreResult<void> blocked() const;
 
  private:
   StoreResult<void> load_from(const char* name, std::span<std::byte> into, std::uint64_t digest) const;

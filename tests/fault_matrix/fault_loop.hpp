@@ -13,7 +13,7 @@
 
 #include "airside/controller/cycle.hpp"
 #include "airside/controller/instances.hpp"
-#include "firmware/edge/weights_trial.hpp"
+#include "firmware/edge/weights/weights_trial.hpp"
 #include "sim/faults/faulty_model.hpp"
 #include "sim/rc/rc_plant.hpp"
 #include "sim/simulated_plant.hpp"

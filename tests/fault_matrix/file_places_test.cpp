@@ -71,7 +71,8 @@ class FilePlaces : public ::testing::Test {
 };
 
 TEST_F(FilePlaces, OfTheStateFolderAlarmAndAreUsedAgain) {
-  for (const char* name : {"lock", "row.a", "learning.b", "replay.a", "starts", "weights.blob.new"}) {
+  for (const char* name :
+       {"lock", "row.a", "learning.b", "replay.a", "starts", "weights.blob.new", "previous", "previous.new"}) {
     for (const bool pipe : {false, true}) expect_alarm_until_removed({bench.file("state") / name}, pipe);
   }
   for (const char* folder : {"state", "log"}) {

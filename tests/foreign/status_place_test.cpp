@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "airside/controller/instances.hpp"
-#include "firmware/edge/status_snapshot.hpp"
+#include "firmware/edge/report/status_snapshot.hpp"
 #include "support/bench.hpp"
 #include "support/test_folder.hpp"
 

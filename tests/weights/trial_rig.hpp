@@ -7,7 +7,7 @@
 #include <chrono>
 #include <fstream>
 
-#include "firmware/edge/weights_trial.hpp"
+#include "firmware/edge/weights/weights_trial.hpp"
 #include "support/blob_maker.hpp"
 #include "support/controller_rig.hpp"
 #include "support/test_folder.hpp"

@@ -1,4 +1,4 @@
-#include "firmware/edge/clock_report.hpp"
+#include "firmware/edge/report/clock_report.hpp"
 
 #include <algorithm>
 
@@ -15,10 +15,9 @@ void ClockReport::begin(CivilTime newest_row, bool is_simulated) {
 }
 
 bool ClockReport::is_set(CivilTime t) {
-  constexpr std::int64_t day_s = 86400;
   const bool possible = is_simulated_ || t >= built_after;
-  const bool behind = !is_simulated_ && t.seconds <= newest_row_.seconds - day_s;
-  if (is_behind_.lasts(possible && behind, t, day_s)) newest_row_ = t;
+  const bool behind = !is_simulated_ && t.seconds <= newest_row_.seconds - seconds_per_day;
+  if (is_behind_.lasts(possible && behind, t, seconds_per_day)) newest_row_ = t;
   const bool is_set = possible && (!behind || newest_row_ == t);
   if (is_set) newest_row_ = std::max(newest_row_, t);
   return is_set;

@@ -1,7 +1,7 @@
-#include "firmware/edge/row_report.hpp"
+#include "firmware/edge/report/row_report.hpp"
 
 #include "airside/civil_time.hpp"
-#include "firmware/edge/say.hpp"
+#include "firmware/edge/report/say.hpp"
 
 namespace airside::edge {
 

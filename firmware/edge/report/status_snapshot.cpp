@@ -1,4 +1,4 @@
-#include "firmware/edge/status_snapshot.hpp"
+#include "firmware/edge/report/status_snapshot.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "firmware/edge/say.hpp"
+#include "firmware/edge/report/say.hpp"
 #include "hal/storage/storage_file.hpp"
 #include "hal/text/civil_text.hpp"
 

@@ -1,9 +1,9 @@
-#include "firmware/edge/plant_clock_report.hpp"
+#include "firmware/edge/report/plant_clock_report.hpp"
 
 #include <algorithm>
 #include <array>
 
-#include "firmware/edge/say.hpp"
+#include "firmware/edge/report/say.hpp"
 #include "hal/text/civil_text.hpp"
 
 namespace airside::edge {

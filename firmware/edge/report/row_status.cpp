@@ -1,13 +1,9 @@
-#pragma once
-// The status of a row, as far as controller, AHU and link know it.
+#include "firmware/edge/report/row_status.hpp"
 
-#include "airside/controller/instances.hpp"
-#include "firmware/edge/status_snapshot.hpp"
-#include "hal/modbus/plant.hpp"
+#include <cstdint>
 
 namespace airside::edge {
 
-/// `sensed` and `controller` must outlive the snapshot. Cost: no heap.
 template <Topology T>
 StatusSnapshot row_status(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller,
                           const hal::ModbusPlant<T>& plant) {
@@ -37,5 +33,11 @@ StatusSnapshot row_status(CivilTime t, const Expected<Reading<T>>& sensed, const
   s.schedule_error_k = controller.cycle().shadow.schedule_k();
   return s;
 }
+
+#define AIRSIDE_INSTANTIATE(Tag)                                                                            \
+  template StatusSnapshot row_status<Tag>(CivilTime, const Expected<Reading<Tag>>&, const Controller<Tag>&, \
+                                          const hal::ModbusPlant<Tag>&);
+AIRSIDE_FOR_EACH_TOPOLOGY(AIRSIDE_INSTANTIATE)
+#undef AIRSIDE_INSTANTIATE
 
 }  // namespace airside::edge
