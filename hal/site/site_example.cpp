@@ -2,17 +2,9 @@
 
 namespace airside::hal {
 
-std::string example_site_text(const std::string& topology) {
-  return "# Site file of one room with its air handling unit. Paths are relative to this file.\n"
-         "# `airside check site.toml` says whether it is right.\n"
-         "\n"
-         "[site]\n"
-         "name = \"Room 301\"\n"
-         "topology = \"" +
-         topology +
-         "\"  # how many VAV boxes, fan coil units, power meters\n"
-         "scope = \"Room 301\"              # weight blobs for this scope are taken\n"
-         R"(
+namespace {
+
+constexpr const char* after_topology = R"(
 [target]
 room_temp_degc = 25.25   # mean of the rooms to hold, degC
 work_start = "07:00"     # local time; standard time unless daylight_saving is set
@@ -91,6 +83,20 @@ weekday_only = false     # true: it rests on Saturday and Sunday
 # patches = ["room301.json"]
 # weather = "site.epw"
 )";
+
+}  // namespace
+
+std::string example_site_text(const std::string& topology) {
+  return "# Site file of one room with its air handling unit. Paths are relative to this file.\n"
+         "# `airside check site.toml` says whether it is right.\n"
+         "\n"
+         "[site]\n"
+         "name = \"Room 301\"\n"
+         "topology = \"" +
+         topology +
+         "\"  # how many VAV boxes, fan coil units, power meters\n"
+         "scope = \"Room 301\"              # weight blobs for this scope are taken\n" +
+         after_topology;
 }
 
 }  // namespace airside::hal

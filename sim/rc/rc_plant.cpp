@@ -6,13 +6,12 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "hal/text/input_error.hpp"
+#include "sim/rc/rc_network.hpp"
 #include "sim/stateless_draw.hpp"
 
 namespace airside::sim {
 namespace {
 
-constexpr double air_j_m3k = 1.2 * 1006;  // heat capacity of a cubic metre of air
 constexpr double evaporation_kj_kg = 2500;
 constexpr double design_room_degc = 25.25;
 enum NoiseStream : std::uint64_t { noise_room = 51, noise_fcu, noise_power, noise_mau, noise_outdoor, noise_supply };
@@ -20,108 +19,6 @@ enum NoiseStream : std::uint64_t { noise_room = 51, noise_fcu, noise_power, nois
 double rounded(double value) { return std::round(value * 100) / 100; }
 
 }  // namespace
-
-struct RcPlant::Network {
-  struct Link {
-    std::size_t a, b;
-    double w_k;
-  };
-  struct Zone {
-    double air_j_k, mass_j_k, wall_j_k;
-    double mass_w_k, wall_w_k, window_w_k, neighbour_w_k, mau_w_k;
-    double infiltration_w_k_ach;  // per air change an hour
-    double door_w_k_ach;          // the same of an open door
-    double deep_j_k, deep_w_k;
-    std::array<double, facades> window_m2_shgc;  // times irradiance: W into the zone
-    std::array<double, facades> wall_m2_share;   // façade that the opaque wall faces, sum 1 or 0
-    double wall_sun_k_m2_w;                      // sol-air rise per irradiance
-  };
-  std::vector<Zone> zones;
-  std::vector<Link> links;
-  int inner_steps = 3;
-  double supply_share = 1;  // of the way to its target that the supply temperature goes in an inner step
-  double sensor_share = 1, duct_share = 1, wall_sun_share = 1, fcu_coil_share = 1;
-  double dt_s = 60;
-
-  explicit Network(const RcRoom& room);
-  void add_links(const RcRoom& room);
-};
-
-void RcPlant::Network::add_links(const RcRoom& room) {
-  const auto link = [&](int a, int b, double flow_m3_s) {
-    if (flow_m3_s > 0)
-      links.push_back({static_cast<std::size_t>(a), static_cast<std::size_t>(b), flow_m3_s * air_j_m3k});
-  };
-  for (int v = 0; v + 1 < room.vavs; ++v) link(v, v + 1, room.mixing_interior_m3_s);
-  for (int f = 0; f + 1 < room.fcus; ++f) link(room.vavs + f, room.vavs + f + 1, room.mixing_perimeter_m3_s);
-  // The longer row decides how many openings there are between the two rows.
-  for (int i = 0; i < std::max(room.vavs, room.fcus) && room.fcus > 0; ++i) {
-    const int rows = std::max(room.vavs, room.fcus);
-    link(i * room.vavs / rows, room.vavs + i * room.fcus / rows, room.mixing_across_m3_s);
-  }
-}
-
-RcPlant::Network::Network(const RcRoom& room) {
-  const auto n = static_cast<std::size_t>(room.zones());
-  zones.resize(n);
-  for (std::size_t z = 0; z < n; ++z) {
-    Zone& zone = zones[z];
-    const double air = room.volume_m3[z] * air_j_m3k;
-    zone.air_j_k = air * room.air_capacity_factor[z] * room.capacity_factor;
-    zone.mass_j_k = 1000 * room.mass_kj_k[z] * room.capacity_factor;
-    zone.wall_j_k = 1000 * room.wall_kj_k[z] * room.capacity_factor;
-    zone.mass_w_k = room.mass_ua_w_k[z];
-    zone.wall_w_k = 2 * room.wall_ua_w_k[z] * room.envelope_factor;
-    const std::array<double, facades> glass = {room.window_north_m2[z], room.window_east_m2[z], room.window_south_m2[z],
-                                               room.window_west_m2[z]};
-    const double glass_sum = std::accumulate(glass.begin(), glass.end(), 0.0);
-    zone.window_w_k = room.window_u_w_m2k * room.envelope_factor * glass_sum;
-    for (std::size_t f = 0; f < facades; ++f) {
-      zone.window_m2_shgc[f] = glass[f] * room.shgc;
-      zone.wall_m2_share[f] = glass_sum > 0 ? glass[f] / glass_sum : 0.25;
-    }
-    zone.wall_sun_k_m2_w = room.wall_area_m2[z] > 0 ? room.wall_absorptance / room.wall_film_w_m2k : 0;
-    zone.neighbour_w_k = room.neighbour_ua_w_k[z];
-    zone.mau_w_k = room.outdoor_air_m3_s * room.mau_room_share * air_j_m3k / static_cast<double>(n);
-    zone.infiltration_w_k_ach = air / 3600 * room.infiltration_share[z];
-    zone.door_w_k_ach = air / 3600;
-    zone.deep_j_k = 1000 * room.deep_kj_k[z] * room.capacity_factor;
-    zone.deep_w_k = room.deep_ua_w_k[z];
-  }
-  add_links(room);
-
-  // Explicit steps are stable and free of overshoot while dt * sum(G) / C < 1; stay below a half.
-  double fastest_per_s = 0;
-  for (std::size_t z = 0; z < n; ++z) {
-    const Zone& zone = zones[z];
-    const double gusty_ach =
-        room.infiltration_ach + room.infiltration_wind_ach_s_m * 30 + room.infiltration_stack_ach_k * 40;
-    double w_k = zone.mass_w_k + zone.wall_w_k + zone.window_w_k + zone.neighbour_w_k + zone.mau_w_k +
-                 zone.infiltration_w_k_ach * gusty_ach + zone.door_w_k_ach * room.door_ach[z];
-    for (const Link& link : links) w_k += link.a == z || link.b == z ? link.w_k : 0;
-    if (z < static_cast<std::size_t>(room.vavs))
-      w_k += room.vav_flow_m3_s[z] * room.vav_flow_calibration[z] * air_j_m3k;
-    else {
-      const std::size_t f = z - static_cast<std::size_t>(room.vavs);
-      w_k += room.fcu_flow_m3_s[f] * room.fcu_capacity_factor[f] * air_j_m3k;
-    }
-    fastest_per_s = std::max({fastest_per_s, w_k / zone.air_j_k, (zone.mass_w_k + zone.deep_w_k) / zone.mass_j_k,
-                              2 * zone.wall_w_k / zone.wall_j_k, zone.deep_w_k / zone.deep_j_k});
-  }
-  inner_steps = std::max(3, static_cast<int>(std::ceil(step_s * fastest_per_s / 0.5)));
-  if (inner_steps > step_s) {
-    throw hal::InputError("room " + room.name,
-                          "a zone that follows its surroundings within " + std::to_string(1 / fastest_per_s) + " s",
-                          "2 s or more", "raise its heat capacity or lower its flows");
-  }
-  dt_s = static_cast<double>(step_s) / inner_steps;
-  supply_share = 1 - std::exp(-dt_s / room.supply_lag_s);
-  const auto share_of = [this](double lag_s) { return lag_s > 0 ? 1 - std::exp(-dt_s / lag_s) : 1; };
-  sensor_share = share_of(room.room_sensor_lag_s);
-  duct_share = share_of(room.duct_lag_s);
-  wall_sun_share = share_of(room.wall_sun_lag_s);
-  fcu_coil_share = share_of(room.fcu_coil_lag_s);
-}
 
 RcPlant::RcPlant(RcRoom room, std::shared_ptr<const Weather> weather, CivilTime start, std::uint64_t seed,
                  double setpoint_degc)
@@ -135,7 +32,7 @@ RcPlant::RcPlant(RcRoom room, std::shared_ptr<const Weather> weather, CivilTime 
       duct_degc_(setpoint_degc) {
   check_room(room, "room " + room.name);
   room_ = std::make_shared<const RcRoom>(std::move(room));
-  network_ = std::make_shared<const Network>(*room_);
+  network_ = std::make_shared<const RcNetwork>(*room_);
   const auto zones = static_cast<std::size_t>(room_->zones());
   air_degc_.assign(zones, 25.0);
   mass_degc_.assign(zones, 25.0);
@@ -170,7 +67,7 @@ void RcPlant::update_disturbance() {
   const RcRoom& room = *room_;
   const double outdoor = disturbance_.weather.outdoor_temp_degc;
   water_drift_k_ = room.chilled_water_drift_k_k * std::max(0.0, outdoor - 26);
-  const double mau_w_k = room.outdoor_air_m3_s * air_j_m3k;
+  const double mau_w_k = room.outdoor_air_m3_s * RcNetwork::air_j_m3k;
   mau_degc_ = std::min(disturbance_.mau_setpoint_degc, outdoor);
   if (mau_w_k <= 0) {
     mau_load_kw_ = 0;
@@ -230,52 +127,63 @@ void RcPlant::update_airflow() {
   const RcRoom& room = *room_;
   double flow_w_k = 0;
   for (std::size_t v = 0; v < vav_w_k_.size(); ++v) {
-    const double w_k = damper(v) * room.vav_flow_m3_s[v] * room.vav_flow_calibration[v] * air_j_m3k;
+    const double w_k = damper(v) * room.vav_flow_m3_s[v] * room.vav_flow_calibration[v] * RcNetwork::air_j_m3k;
     flow_w_k += w_k;
     vav_w_k_[v] = w_k * (1 - room.duct_leak_share);
   }
   ahu_w_k_ = flow_w_k;
 }
 
+/// The AHU: return air and its share of make-up air, warmed by the fan, then the coil; no heating.
+void RcPlant::cool_supply() {
+  if (ahu_w_k_ <= 1) return;
+  const RcRoom& room = *room_;
+  const RcNetwork& network = *network_;
+  const std::size_t vavs = vav_w_k_.size();
+  double returned = 0;
+  for (std::size_t v = 0; v < vavs; ++v) returned += vav_w_k_[v] * air_degc_[v];
+  returned /= ahu_w_k_ * (1 - room.duct_leak_share);
+  for (std::size_t v = 0; v < vavs; ++v) returned += room.plenum_gain_share * disturbance_.gain_w[v] / ahu_w_k_;
+  const double oa_w_k = std::min(ahu_w_k_, room.outdoor_air_m3_s * (1 - room.mau_room_share) * RcNetwork::air_j_m3k);
+  const double mixed =
+      returned + oa_w_k / ahu_w_k_ * (mau_degc_ - returned) + 1000 * fan_kw_ * room.fan_heat_share / ahu_w_k_;
+  const double flow_m3_s = ahu_w_k_ / RcNetwork::air_j_m3k;
+  const double wet_g_kg = std::max(0.0, 0.75 * (15.5 - supply_degc_));  // below the room's dew point the coil drips
+  const double latent_kw = room.coil_latent_w_per_gkg_m3s * wet_g_kg * flow_m3_s / 1000;
+  const double sensible_kw = std::max(0.1, room.coil_capacity_kw * (1 - room.coil_fouling) - latent_kw);
+  const double coldest =
+      std::max(room.chilled_water_degc + room.coil_approach_k + water_drift_k_, mixed - 1000 * sensible_kw / ahu_w_k_);
+  const double wanted = setpoint_degc_ - room.supply_sensor_offset_k;
+  const double target = std::min(std::max(wanted, coldest), mixed);
+  supply_degc_ += network.supply_share * (target - supply_degc_);
+  coil_load_kw_ += (std::max(0.0, ahu_w_k_ * (mixed - supply_degc_) / 1000) + latent_kw) / network.inner_steps;
+}
+
+/// Flows between zones.
+void RcPlant::mix_zones() {
+  std::fill(flux_w_.begin(), flux_w_.end(), 0.0);
+  for (const auto& link : network_->links) {
+    const double w = link.w_k * (air_degc_[link.b] - air_degc_[link.a]);
+    flux_w_[link.a] += w;
+    flux_w_[link.b] -= w;
+  }
+}
+
 void RcPlant::inner_step(double dt_s) {
   const RcRoom& room = *room_;
-  const Network& network = *network_;
+  const RcNetwork& network = *network_;
   const std::size_t zones = air_degc_.size(), vavs = vav_w_k_.size();
   const WeatherRecord& weather = disturbance_.weather;
   const double outdoor = weather.outdoor_temp_degc;
   const double to_kj = dt_s / 1000;
 
-  // AHU: return air and its share of make-up air, warmed by the fan, then the coil; no heating.
-  if (ahu_w_k_ > 1) {
-    double returned = 0;
-    for (std::size_t v = 0; v < vavs; ++v) returned += vav_w_k_[v] * air_degc_[v];
-    returned /= ahu_w_k_ * (1 - room.duct_leak_share);
-    for (std::size_t v = 0; v < vavs; ++v) returned += room.plenum_gain_share * disturbance_.gain_w[v] / ahu_w_k_;
-    const double oa_w_k = std::min(ahu_w_k_, room.outdoor_air_m3_s * (1 - room.mau_room_share) * air_j_m3k);
-    const double mixed =
-        returned + oa_w_k / ahu_w_k_ * (mau_degc_ - returned) + 1000 * fan_kw_ * room.fan_heat_share / ahu_w_k_;
-    const double flow_m3_s = ahu_w_k_ / air_j_m3k;
-    const double wet_g_kg = std::max(0.0, 0.75 * (15.5 - supply_degc_));  // below the room's dew point the coil drips
-    const double latent_kw = room.coil_latent_w_per_gkg_m3s * wet_g_kg * flow_m3_s / 1000;
-    const double sensible_kw = std::max(0.1, room.coil_capacity_kw * (1 - room.coil_fouling) - latent_kw);
-    const double coldest = std::max(room.chilled_water_degc + room.coil_approach_k + water_drift_k_,
-                                    mixed - 1000 * sensible_kw / ahu_w_k_);
-    const double wanted = setpoint_degc_ - room.supply_sensor_offset_k;
-    const double target = std::min(std::max(wanted, coldest), mixed);
-    supply_degc_ += network.supply_share * (target - supply_degc_);
-    coil_load_kw_ += (std::max(0.0, ahu_w_k_ * (mixed - supply_degc_) / 1000) + latent_kw) / network.inner_steps;
-  }
+  cool_supply();
   duct_degc_ += network.duct_share * (supply_degc_ - duct_degc_);
   const double blown_degc = duct_degc_ + room.duct_gain_k;
 
-  for (std::size_t z = 0; z < zones; ++z) flux_w_[z] = 0;
-  for (const auto& link : network.links) {
-    const double w = link.w_k * (air_degc_[link.b] - air_degc_[link.a]);
-    flux_w_[link.a] += w;
-    flux_w_[link.b] -= w;
-  }
+  mix_zones();
   for (std::size_t z = 0; z < zones; ++z) {
-    const Network::Zone& zone = network.zones[z];
+    const RcNetwork::Zone& zone = network.zones[z];
     const double air = air_degc_[z];
     const double ach = room.infiltration_ach + room.infiltration_wind_ach_s_m * std::min(30.0, weather.wind_speed_m_s) +
                        room.infiltration_stack_ach_k * std::min(40.0, std::fabs(outdoor - air));
@@ -307,7 +215,7 @@ void RcPlant::inner_step(double dt_s) {
       const std::size_t f = z - vavs;
       const double runs = room.fcu_forced[f] > 0 ? 1 : room.fcu_forced[f] < 0 ? 0 : fcu_on_[f];
       fcu_cold_[f] = network.fcu_coil_share < 1 ? fcu_cold_[f] + network.fcu_coil_share * (runs - fcu_cold_[f]) : runs;
-      cooled_w = -fcu_cold_[f] * room.fcu_flow_m3_s[f] * room.fcu_capacity_factor[f] * air_j_m3k *
+      cooled_w = -fcu_cold_[f] * room.fcu_flow_m3_s[f] * room.fcu_capacity_factor[f] * RcNetwork::air_j_m3k *
                  std::max(0.0, air - (room.fcu_supply_degc + water_drift_k_));
       fcu_duty_[f] += runs / network.inner_steps;
       fcu_load_kw_ -= cooled_w / 1000 / network.inner_steps;
@@ -342,7 +250,7 @@ void RcPlant::update_power() {
   const RcRoom& room = *room_;
   double nominal_w_k = 0;
   for (std::size_t v = 0; v < vav_w_k_.size(); ++v)
-    nominal_w_k += room.vav_flow_m3_s[v] * room.vav_damper[v] * air_j_m3k;
+    nominal_w_k += room.vav_flow_m3_s[v] * room.vav_damper[v] * RcNetwork::air_j_m3k;
   const double load = nominal_w_k > 0 ? ahu_w_k_ / nominal_w_k : 0;
   fan_kw_ = room.ahu_fan_kw * load * load;
   const double fcu_fans_kw = room.fcu_fan_kw * std::accumulate(fcu_duty_.begin(), fcu_duty_.end(), 0.0);

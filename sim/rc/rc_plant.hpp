@@ -16,6 +16,8 @@
 
 namespace airside::sim {
 
+struct RcNetwork;
+
 /// Heat since the start of the run, each positive into the room's nodes.  kJ.
 /// stored = sum of the others, to rounding.
 struct RcEnergy {
@@ -89,9 +91,10 @@ class RcPlant final : public PlantModel {
 
  private:
   enum class Future { actual, frozen, expected };
-  struct Network;  // what is constant over a run, shared by copies
 
   void step();
+  void cool_supply();
+  void mix_zones();
   void inner_step(double dt_s);
   void update_disturbance();
   void obey_recording();
@@ -106,7 +109,7 @@ class RcPlant final : public PlantModel {
 
   std::shared_ptr<const RcRoom> room_;
   std::shared_ptr<const Weather> weather_;
-  std::shared_ptr<const Network> network_;
+  std::shared_ptr<const RcNetwork> network_;  // shared by copies
   std::shared_ptr<const Recording> recording_;
   bool own_thermostats_ = true, exact_ = false;
   std::uint64_t seed_;

@@ -49,6 +49,28 @@ Eigen::MatrixXd known(const Eigen::MatrixXd& x, const Eigen::MatrixXd& measured)
   return (measured.array().isFinite()).select(x, std::numeric_limits<double>::quiet_NaN());
 }
 
+/// Of innovations, shrunk towards none: few days, many channels. `duties`: the channel where they begin.
+Eigen::MatrixXd innovation_correlation(const Eigen::MatrixXd& innovation, Eigen::Index duties) {
+  const Eigen::Index n = innovation.rows(), width = innovation.cols();
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(width, width);
+  for (Eigen::Index i = 0; i < width; ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      // A duty's means are rare; what the other channels say at other times must not be counted twice.
+      if ((i < duties) != (j < duties)) continue;
+      double sum = 0;
+      int count = 0;
+      for (Eigen::Index t = NoiseModel::order; t < n; ++t) {
+        const double product = innovation(t, i) * innovation(t, j);
+        if (!std::isfinite(product)) continue;
+        sum += product;
+        ++count;
+      }
+      if (count > 0) correlation(i, j) = correlation(j, i) = std::clamp(0.8 * sum / count, -0.9, 0.9);
+    }
+  }
+  return correlation;
+}
+
 }  // namespace
 
 Eigen::MatrixXd binned(const sim::ChannelTable& table) {
@@ -128,23 +150,7 @@ NoiseModel NoiseModel::fit(const Eigen::MatrixXd& all, const sim::Channels& chan
     for (Eigen::Index t = order; t < n; ++t)
       innovation(t, c) /= model.scale_(c, static_cast<Eigen::Index>(block_of(t)));
   }
-  // Correlation of innovations, shrunk towards none: few days, many channels.
-  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(width, width);
-  for (Eigen::Index i = 0; i < width; ++i) {
-    for (Eigen::Index j = 0; j < i; ++j) {
-      // A duty's means are rare; what the other channels say at other times must not be counted twice.
-      if ((i < model.duties_) != (j < model.duties_)) continue;
-      double sum = 0;
-      int count = 0;
-      for (Eigen::Index t = order; t < n; ++t) {
-        const double product = innovation(t, i) * innovation(t, j);
-        if (!std::isfinite(product)) continue;
-        sum += product;
-        ++count;
-      }
-      if (count > 0) correlation(i, j) = correlation(j, i) = std::clamp(0.8 * sum / count, -0.9, 0.9);
-    }
-  }
+  Eigen::MatrixXd correlation = innovation_correlation(innovation, model.duties_);
   correlation.diagonal().array() += 0.02;
   Eigen::LLT<Eigen::MatrixXd> factor(correlation);
   if (factor.info() != Eigen::Success) factor.compute(Eigen::MatrixXd::Identity(width, width));
