@@ -55,7 +55,7 @@ double Tangent::distance(const Eigen::VectorXd& r, const Eigen::VectorXd& moved)
 }
 
 Refitter::Refitter(const Engine& engine, const Window& window, const Responses& responses, const ReferenceFit& fit,
-                   const Nuisance& sizes, std::vector<bool> kept, int jobs)
+                   const Nuisance& sizes, std::vector<bool> kept, int jobs, Start start)
     : engine_(engine),
       window_(window),
       responses_(responses),
@@ -66,9 +66,16 @@ Refitter::Refitter(const Engine& engine, const Window& window, const Responses& 
       all_(counted_bins(window.measured.rows())),
       structural_(fit.structural(responses)),
       z_(whitened_candidates()),
-      tangent_(tangent_with(engine.spares_runs()
-                                ? responses.parameters
-                                : parameters_at({}, Eigen::VectorXd::Zero(std::ssize(responses.parameters))))) {}
+      tangent_(
+          tangent_with(start == Start::twin || engine.spares_runs() ? responses.parameters : parameters_at_fit())) {}
+
+void Refitter::simulate_tangent() {
+  if (!engine_.spares_runs()) tangent_ = tangent_with(parameters_at_fit());
+}
+
+std::vector<Parameter> Refitter::parameters_at_fit() const {
+  return parameters_at({}, Eigen::VectorXd::Zero(std::ssize(responses_.parameters)));
+}
 
 std::shared_ptr<const Eigen::MatrixXd> Refitter::whitened_candidates() const {
   const auto& candidates = responses_.candidates;

@@ -64,11 +64,16 @@ struct Predicted {
 /// that spares runs: there responses about the twin itself do for all models.
 class Refitter {
  public:
+  /// About the reference's fit, or, without a simulation, about the twin itself.
+  enum class Start { reference, twin };
+
   /// `kept`: bins that are fitted.  The references are kept.
   Refitter(const Engine& engine, const Window& window, const Responses& responses, const ReferenceFit& fit,
-           const Nuisance& sizes, std::vector<bool> kept, int jobs);
+           const Nuisance& sizes, std::vector<bool> kept, int jobs, Start start = Start::reference);
+  /// What Start::twin has put off.
+  void simulate_tangent();
 
-  /// About the reference's fit.
+  /// About the reference's fit, or where it started.
   const std::shared_ptr<const Tangent>& tangent() const { return tangent_; }
   /// Simulated, not fitted.
   Refit at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved,
@@ -105,6 +110,7 @@ class Refitter {
   NuisanceResponses nuisance_of(const std::vector<Parameter>& parameters, const std::vector<bool>& bins) const;
   std::shared_ptr<const Tangent> tangent_with(std::vector<Parameter> parameters) const;
   std::vector<Parameter> parameters_at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const;
+  std::vector<Parameter> parameters_at_fit() const;
   Changes changes_of(const std::vector<Chosen>& chosen) const;
   void judge(Refit& at) const;
   bool bends(std::size_t candidate) const;

@@ -110,12 +110,14 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   };
   run.responses = {responses(data.reference), responses(data.test)};
   progress.enter(GapStage::fitting);
-  run.verdict = analyse(engine, data, run.responses, run.rules, request.jobs, [&](double over_limit) {
-    progress.expect(GapStage::searching, stages.search(over_limit));
-    progress.expect(GapStage::explaining, stages.explanation(over_limit));
-    progress.enter(GapStage::searching);
+  run.verdict = analyse(engine, data, run.responses, run.rules, request.jobs, [&](const Outlook& outlook) {
+    progress.expect(GapStage::searching, stages.search(outlook));
+    progress.expect(GapStage::explaining, stages.explanation(outlook));
+    if (outlook.searching && outlook.found == 0) progress.enter(GapStage::searching);
   });
-  progress.expect(GapStage::explaining, stages.explanation(run.verdict.kind));
+  const std::vector<Finding>& findings = run.verdict.findings;
+  const bool has_rivals = !findings.empty() && !findings.front().cannot_tell_from.empty();
+  progress.expect(GapStage::explaining, stages.explanation(run.verdict.kind, has_rivals));
   progress.enter(GapStage::explaining);
   simulate_curves(run, engine);
   explain(run, engine);

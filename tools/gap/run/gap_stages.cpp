@@ -8,19 +8,18 @@ namespace airside::tools::gap {
 
 namespace {
 
-constexpr double serial_fit = 18;     // six of the reference, two tangents, iterations of the model without effects
-constexpr double serial_search = 50;  // of one effect: trials, its refit, its rivals
+constexpr double serial_fit = 18;  // six of the reference, two tangents, iterations of the model without effects
+// Of n effects: trials, refits and rivals of each beside the others; a tangent of each model, and of each without one
+// of its effects.
+constexpr double serial_search = 12.5, search_algebra = 32;
 constexpr double search_of_nothing = 8;
 // Tests on site: runs of plans and of the finalists' parameters, and the days of each.
 constexpr double test_runs = 100, test_days = 5;
 constexpr double heat_part = 0.6;  // of the window, that a pulse of heat is lived through
 // Linear algebra, which runs alone, in replays of an RC room.
-constexpr double fit_algebra = 60, test_algebra = 80, heat_algebra = 150;
-
-/// Of steps one after another and others side by side.
-double weight_of(double serial, double parallel, int jobs) {
-  return (serial + parallel / jobs) / std::max(1.0, serial + parallel);
-}
+constexpr double fit_algebra = 30, test_algebra = 25, heat_algebra = 150;
+// Before anything is known: shares of a search for one effect, and of the test that tells it from another.
+constexpr double search_share = 0.7, test_share = 0.3;
 
 }  // namespace
 
@@ -37,16 +36,23 @@ std::vector<Stage> GapStages::stages() const {
   const double fit_cost = serial_fit + fit_parallel / jobs_ + (spares_ ? 0 : fit_algebra);
   return {{"simulating every effect", responses_, 1.0 / jobs_},
           {"fitting", fit_steps, fit_cost / fit_steps},
-          search_of(0.8),
-          explanation_of(0.4 * test_runs, 0.4 * test_runs * test_days / days_, 0.4 * test_algebra)};
+          search_of(1, search_share),
+          tests(test_share)};
 }
 
-Stage GapStages::search_of(double effects) const {
-  return {"searching", effects * (serial_search + parameters_), weight_of(serial_search, parameters_, jobs_)};
+Stage GapStages::search_of(int effects, double share) const {
+  const double serial = serial_search * effects * (effects + 1), parallel = (2 * effects - 1) * parameters_;
+  const double cost = serial + parallel / jobs_ + (spares_ ? 0 : search_algebra * effects);
+  return {"searching", share * (serial + parallel), cost / (serial + parallel)};
 }
 
-Stage GapStages::search(double over_limit) const {
-  return over_limit > 1 ? search_of(1.3) : Stage{"searching", search_of_nothing, 1.0};
+Stage GapStages::tests(double share) const {
+  return explanation_of(share * test_runs, share * test_runs * test_days / days_, share * test_algebra);
+}
+
+Stage GapStages::search(const Outlook& outlook) const {
+  const int effects = outlook.found + outlook.more;
+  return effects > 0 ? search_of(effects) : Stage{"searching", search_of_nothing, 1.0};
 }
 
 Stage GapStages::explanation_of(double steps, double replays, double algebra) const {
@@ -54,16 +60,16 @@ Stage GapStages::explanation_of(double steps, double replays, double algebra) co
   return {"explaining", 2 + steps, (2 + cost) / (2 + steps), false};
 }
 
-Stage GapStages::explanation(double over_limit) const {
-  const double part = over_limit > 1 ? 0.5 : 0;
-  return explanation_of(part * test_runs, part * test_runs * test_days / days_, part * test_algebra);
+Stage GapStages::explanation(const Outlook& outlook) const {
+  if (outlook.unknown) return explanation(VerdictKind::unknown, false);
+  return tests(outlook.found + outlook.more != 1 ? 0 : outlook.alike ? 0.5 : 0.25);
 }
 
-Stage GapStages::explanation(VerdictKind verdict) const {
+Stage GapStages::explanation(VerdictKind verdict, bool has_rivals) const {
   const HeatRules rules;
   const double pulses = zones_ * static_cast<double>(rules.pulse_hours.size());
   switch (verdict) {
-    case VerdictKind::ambiguous: return explanation_of(test_runs, test_runs * test_days / days_, test_algebra);
+    case VerdictKind::ambiguous: return tests(has_rivals ? 1 : 0);
     case VerdictKind::unknown:
       return explanation_of(pulses + rules.refinements, heat_part * pulses + rules.refinements * jobs_, heat_algebra);
     case VerdictKind::named:

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tools/gap/model/responses.hpp"
+#include "tools/gap/verdict/outlook.hpp"
 #include "tools/gap/verdict/verdict.hpp"
 #include "tools/run/progress/stage_clock.hpp"
 
@@ -24,15 +25,17 @@ class GapStages {
 
   /// Before anything is known: something will be found or not.
   std::vector<Stage> stages() const;
-  /// The search, once it is known how far the best effect is over its limit at first sight.
-  Stage search(double over_limit) const;
-  /// What follows the verdict; before there is one, a part of what an ambiguous one asks for if something will be
-  /// found.
-  Stage explanation(double over_limit) const;
-  Stage explanation(VerdictKind verdict) const;
+  /// The search, as far as it can be seen.
+  Stage search(const Outlook& outlook) const;
+  /// What follows the verdict, and before there is one, what it probably asks for.
+  Stage explanation(const Outlook& outlook) const;
+  Stage explanation(VerdictKind verdict, bool has_rivals) const;
 
  private:
-  Stage search_of(double effects) const;
+  /// `share`: of it, where it is not known whether there is an effect at all.
+  Stage search_of(int effects, double share = 1) const;
+  /// That tell an effect from its rivals.
+  Stage tests(double share) const;
   /// `replays`: of the whole window in parallel, and linear algebra as long as `algebra` replays of an RC room.
   Stage explanation_of(double steps, double replays, double algebra) const;
 

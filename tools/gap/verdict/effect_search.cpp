@@ -1,7 +1,6 @@
 #include "tools/gap/verdict/effect_search.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace airside::tools::gap {
 
@@ -29,13 +28,14 @@ const Refit& EffectSearch::without(const Refit& now, std::size_t left_out) const
   return refit(c_.refitter.at(fewer, now.moved, now.tangent));
 }
 
-Refit EffectSearch::forward(std::optional<TooSmall>& too_small) const {
+Refit EffectSearch::forward(std::optional<TooSmall>& too_small, const std::function<void(const Refit&)>& look) const {
   Refit now = unpatched();
   // Backward deletion may give back what forward selection took: the rounds are counted.
   for (int round = 0; round < 2 * c_.rules.most_effects && std::ssize(now.chosen) < c_.rules.most_effects; ++round) {
     const auto next = better(now, too_small);
     if (!next) break;
     now = *next;
+    if (look) look(now);
   }
   return now;
 }
@@ -62,7 +62,8 @@ EffectSearch::Trials EffectSearch::tried_out(const Refit& now) const {
   int tried = 0;
   double first_ratio = 0;
   for (const Score& score : beside(now, now.chosen.size()).scores(c_.refitter.effective(now))) {
-    const double least = c_.limit(score.candidate) + shape_error(now, score.candidate);
+    const double least =
+        c_.limit(score.candidate) + shape_error(c_.rules, *now.tangent, now.chosen, explained(now), score.candidate);
     if (score.log_likelihood_ratio < least || c_.already(now, score.candidate)) continue;
     if (tried == 0) first_ratio = score.log_likelihood_ratio;
     if (tried >= c_.rules.first_looks || score.log_likelihood_ratio < c_.rules.first_look_share * first_ratio) break;
@@ -84,25 +85,6 @@ Refit EffectSearch::without_superfluous(const Refit& now) const {
     if (fewer.cost - now.cost < c_.limit(now.chosen[i].candidate)) return fewer;
   }
   return now;
-}
-
-/// What the chosen effects' own wrong shape may look like: a share of what they explain, as far as they show in the
-/// channels in which the candidate shows.
-double EffectSearch::shape_error(const Refit& now, std::size_t candidate) const {
-  const Eigen::VectorXd own = channel_norms(now, candidate);
-  double overlap = 0;
-  for (const Chosen& c : now.chosen) {
-    const Eigen::VectorXd other = channel_norms(now, c.candidate);
-    const double norms = own.norm() * other.norm();
-    if (norms > 0) overlap = std::max(overlap, own.dot(other) / norms);
-  }
-  return c_.rules.further_share * overlap * overlap * std::max(0.0, explained(now));
-}
-
-Eigen::VectorXd EffectSearch::channel_norms(const Refit& now, std::size_t candidate) const {
-  const Eigen::Index width = c_.data.test.measured.cols();
-  const Eigen::VectorXd z = now.tangent->evidence().response(candidate);
-  return Eigen::Map<const Eigen::MatrixXd>(z.data(), width, z.size() / width).rowwise().norm();
 }
 
 }  // namespace airside::tools::gap

@@ -2,6 +2,7 @@
 // The search for what is missing: one effect after another, each by real simulation, and back where one has become
 // superfluous.
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -27,7 +28,8 @@ class EffectSearch {
   /// Without one of its effects.
   const Refit& without(const Refit& now, std::size_t left_out) const;
   /// With as many effects as the rules allow and the data ask for. `too_small`: what was left out where none got in.
-  Refit forward(std::optional<TooSmall>& too_small) const;
+  /// `look`: called with the model after each effect.
+  Refit forward(std::optional<TooSmall>& too_small, const std::function<void(const Refit&)>& look = {}) const;
   /// The model with one more effect, the best of the few most likely ones by real simulation. One that its own limit
   /// keeps out is no candidate here, but stays a rival of whatever gets in.
   std::optional<Refit> better(const Refit& now) const;
@@ -45,8 +47,6 @@ class EffectSearch {
   Trials tried_out(const Refit& now) const;
   Refit without_superfluous(const Refit& now) const;
   const Refit& refit(const Refit& near) const;
-  double shape_error(const Refit& now, std::size_t candidate) const;
-  Eigen::VectorXd channel_norms(const Refit& now, std::size_t candidate) const;
 
   const FittedCase& c_;
   mutable std::map<std::vector<std::size_t>, Refit> refits_;  // by candidates, in the order in which they were found

@@ -13,9 +13,16 @@ std::vector<bool> fitted_bins(const Rules& rules, Eigen::Index bins) {
   return kept;
 }
 
+Eigen::VectorXd channel_norms(const Tangent& tangent, std::size_t candidate) {
+  const Eigen::VectorXd z = tangent.evidence().response(candidate);
+  const Eigen::Index width = tangent.responses().front().response.cols();
+  return Eigen::Map<const Eigen::MatrixXd>(z.data(), width, z.size() / width).rowwise().norm();
+}
+
 }  // namespace
 
-FittedCase::FittedCase(const Engine& with, const CaseData& of, const WindowResponses& shown, const Rules& by, int jobs)
+FittedCase::FittedCase(const Engine& with, const CaseData& of, const WindowResponses& shown, const Rules& by, int jobs,
+                       Refitter::Start start)
     : engine(with),
       data{evidence_of(of.reference, with.channels()), evidence_of(of.test, with.channels())},
       responses(shown),
@@ -23,7 +30,7 @@ FittedCase::FittedCase(const Engine& with, const CaseData& of, const WindowRespo
       fit(fit_reference(with, shown.reference, data.reference, jobs)),
       kept(fitted_bins(by, data.test.measured.rows())),
       nulls(null_blocks(fit, shown.reference, data.reference)),
-      refitter(with, data.test, shown.test, fit, nulls.nuisance, kept, jobs) {}
+      refitter(with, data.test, shown.test, fit, nulls.nuisance, kept, jobs, start) {}
 
 bool FittedCase::plausible(const Refit& at) const {
   const Chosen& last = at.chosen.back();
@@ -51,6 +58,18 @@ Selection beside(const Refit& now, std::size_t left_out) {
     if (i != left_out) others.push_back(now.chosen[i].candidate);
   }
   return Selection(now.tangent->evidence(), others);
+}
+
+double shape_error(const Rules& rules, const Tangent& tangent, const std::vector<Chosen>& chosen, double explained,
+                   std::size_t candidate) {
+  const Eigen::VectorXd own = channel_norms(tangent, candidate);
+  double overlap = 0;
+  for (const Chosen& c : chosen) {
+    const Eigen::VectorXd other = channel_norms(tangent, c.candidate);
+    const double norms = own.norm() * other.norm();
+    if (norms > 0) overlap = std::max(overlap, own.dot(other) / norms);
+  }
+  return rules.further_share * overlap * overlap * std::max(0.0, explained);
 }
 
 }  // namespace airside::tools::gap

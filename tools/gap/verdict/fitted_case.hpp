@@ -12,8 +12,8 @@ namespace airside::tools::gap {
 /// Parts refer to each other, so it stays where it was made; the arguments are kept by reference.
 /// Errors: as Engine::simulate.  Cost: as fit_reference(), null_blocks() and a Refitter.
 struct FittedCase {
-  FittedCase(const Engine& engine, const CaseData& data, const WindowResponses& responses, const Rules& rules,
-             int jobs);
+  FittedCase(const Engine& engine, const CaseData& data, const WindowResponses& responses, const Rules& rules, int jobs,
+             Refitter::Start start = Refitter::Start::reference);
   FittedCase(const FittedCase&) = delete;
   FittedCase& operator=(const FittedCase&) = delete;
 
@@ -24,7 +24,7 @@ struct FittedCase {
   const ReferenceFit fit;
   const std::vector<bool> kept;  ///< bins of the measured window that are fitted: neither the first day nor locked ones
   const NullBlocks nulls;
-  const Refitter refitter;
+  Refitter refitter;
 
   Eigen::Index bins() const { return data.test.measured.rows(); }
   const Candidate& candidate(const Chosen& c) const { return responses.test.candidates[c.candidate]; }
@@ -42,5 +42,10 @@ struct FittedCase {
 
 /// The chosen effects' magnitudes are free, but for number `left_out`.
 Selection beside(const Refit& now, std::size_t left_out);
+
+/// What the wrong shape of chosen effects may look like: a share of the 2 ln likelihood that they explain, as far as
+/// they show in the channels in which the candidate shows.
+double shape_error(const Rules& rules, const Tangent& tangent, const std::vector<Chosen>& chosen, double explained,
+                   std::size_t candidate);
 
 }  // namespace airside::tools::gap

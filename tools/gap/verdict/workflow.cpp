@@ -19,7 +19,7 @@ class Analysis {
  public:
   Analysis(const FittedCase& c, const EffectSearch& search) : c_(c), search_(search), now_(search.unpatched()) {}
 
-  Verdict run(const std::function<void(double)>& first_look) {
+  Verdict run(const std::function<void(const Outlook&)>& look) {
     v_.fit = c_.fit;
     v_.nulls = c_.nulls;
     v_.residual_before = v_.residual_after = c_.refitter.unmoved_residual({});
@@ -28,9 +28,17 @@ class Analysis {
       v_.best_log_likelihood_ratio = v_.ranking.front().log_likelihood_ratio;
       v_.log_likelihood_limit = c_.limit(v_.ranking.front().candidate);
     }
-    if (first_look) first_look(over_limit());
+    const auto look_ahead = [&](const Refit& now) {
+      if (!look) return;
+      Outlook outlook = outlook_of(c_, now, search_.explained(now));
+      outlook.searching = true;
+      if (now.chosen.empty()) alike_ = outlook.alike;
+      outlook.alike = alike_;
+      look(outlook);
+    };
+    look_ahead(now_);
     std::optional<TooSmall> too_small;
-    now_ = search_.forward(too_small);
+    now_ = search_.forward(too_small, look_ahead);
     v_.findings = findings_of(c_, search_, now_);
     drop_weak_findings();
     set_residual_ratio();
@@ -239,6 +247,7 @@ class Analysis {
   const EffectSearch& search_;
   Refit now_;  // the model with the findings
   Verdict v_;
+  bool alike_ = false;  ///< the best effect had a rival at first sight
 };
 
 }  // namespace
@@ -249,10 +258,14 @@ const char* text_of(VerdictKind kind) {
 }
 
 Verdict analyse(const Engine& engine, const CaseData& data, const WindowResponses& responses, const Rules& rules,
-                int jobs, const std::function<void(double)>& first_look) {
-  const FittedCase c(engine, data, responses, rules, jobs);
+                int jobs, const std::function<void(const Outlook&)>& look) {
+  FittedCase c(engine, data, responses, rules, jobs, look ? Refitter::Start::twin : Refitter::Start::reference);
+  if (look) {
+    look(first_outlook(c));
+    c.refitter.simulate_tangent();
+  }
   const EffectSearch search(c);
-  return Analysis(c, search).run(first_look);
+  return Analysis(c, search).run(look);
 }
 
 }  // namespace airside::tools::gap

@@ -4,14 +4,16 @@
 
 #include <functional>
 
+#include "tools/gap/verdict/outlook.hpp"
 #include "tools/gap/verdict/verdict.hpp"
 
 namespace airside::tools::gap {
 
 /// Cost: some 12 simulations and three for each parameter; as many as half of that for each effect found.
-/// `first_look`: called once the search begins, with the gain of the best effect over its limit.
+/// `look`: called whenever it is known better what the search will come to: before the measured window is fitted, when
+/// the search begins, and after each effect.
 /// Errors: as Engine::simulate.
 Verdict analyse(const Engine& engine, const CaseData& data, const WindowResponses& responses, const Rules& rules = {},
-                int jobs = 1, const std::function<void(double)>& first_look = {});
+                int jobs = 1, const std::function<void(const Outlook&)>& look = {});
 
 }  // namespace airside::tools::gap
