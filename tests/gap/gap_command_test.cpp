@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <csignal>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/rc/rc_room_file.hpp"
+#include "support/child.hpp"
 #include "tools/gap/model/patched_model.hpp"
 
 namespace airside::tools::gap {
@@ -87,8 +89,46 @@ TEST(GapCommand, NamesWhatIsHiddenReportsPatchesTheRoomAndTakesThePatchBack) {
   EXPECT_FALSE(fs::exists(desk.path("x.json")));
 }
 
+/// Names in the folder of the command that are of its output.
+std::set<std::string> outputs(const GapDesk& desk) {
+  std::set<std::string> found = desk.names();
+  std::erase_if(found, [](const std::string& name) { return !name.starts_with("out"); });
+  return found;
+}
+
+TEST(GapCommand, LeavesItsFolderWholeOrNotAtAllWhereItIsInterrupted) {
+  const GapDesk desk;
+  const TemporaryFolder said;
+  const std::set<std::string> whole{"out", "out/gap.json", "out/index.html", "out/ledger.json", "out/twin-patch.json"};
+  for (const int number : {SIGINT, SIGTERM, SIGKILL}) {
+    fs::remove_all(desk.path("out"));
+    closed_loop::Child run(
+        {"/bin/sh", "-c",
+         "cd " + desk.path("").string() + " && exec " AIRSIDE_BIN_DIR "/airside gap " + usual_words + " --out out"},
+        said.path() / "said");
+    const auto has_begun = [&] {
+      const auto entries = fs::directory_iterator(desk.path(""));
+      return std::any_of(begin(entries), end(entries),
+                         [](const auto& entry) { return entry.path().filename().string().starts_with("out"); });
+    };
+    while (run.running() && !has_begun()) closed_loop::sleep_s(0.0005);
+    run.signal(number);
+    run.wait(60);
+    const std::set<std::string> left = outputs(desk);
+    if (fs::exists(desk.path("out"))) {
+      EXPECT_EQ(left, whole) << number << run.said();
+    } else {
+      EXPECT_TRUE(left.empty() || number == SIGKILL) << *left.begin();
+    }
+  }
+  ASSERT_EQ(desk.run(std::string(usual_words) + " --out out").code, 0);
+  EXPECT_EQ(outputs(desk), whole) << "what the killed one has left is removed";
+}
+
 TEST(GapCommand, LeavesTheTwinAloneWhereNothingIsMissing) {
   const GapDesk desk(6);
+  fs::create_directory(desk.path("out"));
+  for (const char* name : {"out/twin-patch.json", "out/notes.txt"}) desk.write(name, "of before");
   // The first days of the reference log are the reference: nothing is hidden in the days after them.
   const Outcome o = desk.run(
       "run --site site.toml --measured reference.csv --reference-days 3 --effects effects --out out --apply p.json");
@@ -97,7 +137,8 @@ TEST(GapCommand, LeavesTheTwinAloneWhereNothingIsMissing) {
   EXPECT_EQ(complaint_in(o.err).place, "airside: --apply p.json") << o.err;
   EXPECT_NE(complaint_in(o.err).remedy.find("left as it is"), std::string::npos);
   EXPECT_FALSE(fs::exists(desk.path("p.json")));
-  EXPECT_FALSE(fs::exists(desk.path("out/twin-patch.json")));
+  EXPECT_FALSE(fs::exists(desk.path("out/twin-patch.json"))) << "of an earlier run, which found something";
+  EXPECT_TRUE(fs::exists(desk.path("out/notes.txt")));
   EXPECT_NE(desk.read("out/gap.json")["verdict"], "named");
 }
 

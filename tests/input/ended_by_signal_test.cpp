@@ -175,6 +175,47 @@ TEST_P(EndedInAFile, WhatIsFinishedStays) {
 INSTANTIATE_TEST_SUITE_P(Signals, EndedInAFile, testing::Values(SIGINT, SIGTERM),
                          [](const auto& test) { return std::string(sigabbrev_np(test.param)); });
 
+TEST(StagedFolder, RemovesWhatAKilledRunHasLeftAndNothingElse) {
+  for (const bool there : {false, true}) {
+    TemporaryFolder folder;
+    const fs::path target = folder.path() / "rep";
+    if (there) fs::create_directory(target);
+    const int code = ended_in(SIGKILL, [&] {
+      hal::StagedFolder staged(target);
+      std::ofstream(staged.path() / "gap.json") << "half";
+      ::raise(SIGKILL);
+    });
+    ASSERT_EQ(code, 128 + SIGKILL);
+    EXPECT_EQ(std::ssize(names_in(folder.path())), there ? 3 : 2) << "its part, with what lies in it";
+    const fs::path other =
+        (there ? target / "." : folder.path() / "rep.").string() + std::to_string(::getppid()) + ".part";
+    fs::create_directory(other);
+    for (const char* kept : {"rep.part", "rep.0x1.part", "rep.1.parts"}) std::ofstream(folder.path() / kept) << "mine";
+    {
+      hal::StagedFolder staged(target);
+      std::ofstream(staged.path() / "index.html") << "whole";
+      staged.commit("index.html");
+    }
+    EXPECT_TRUE(fs::exists(other)) << "of a process that runs";
+    fs::remove(other);
+    EXPECT_EQ(names_in(folder.path()),
+              (std::set<std::string>{"rep", "rep/index.html", "rep.part", "rep.0x1.part", "rep.1.parts"}));
+  }
+}
+
+TEST(StagedFolder, ReplacesAnEarlierResultAndKeepsWhatIsNotOfIt) {
+  TemporaryFolder folder;
+  const fs::path target = folder.path() / "rep";
+  fs::create_directories(target / "runs");
+  for (const char* name : {"index.html", "patch.json", "gap.json", "notes.txt"}) std::ofstream(target / name) << "old";
+  hal::StagedFolder staged(target);
+  for (const char* name : {"index.html", "gap.json"}) std::ofstream(staged.path() / name) << "new";
+  staged.commit("index.html", {"patch.json", "gap.json", "never.json"});
+  EXPECT_EQ(names_in(target), (std::set<std::string>{"index.html", "gap.json", "notes.txt", "runs"}));
+  EXPECT_EQ(text_of_file(target / "index.html") + text_of_file(target / "gap.json"), "newnew");
+  EXPECT_EQ(text_of_file(target / "notes.txt"), "old");
+}
+
 TEST(CleanUpOnSignals, AnIgnoredSignalStaysIgnored) {
   TemporaryFolder folder;
   const pid_t pid = ::fork();

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "hal/text/input_error.hpp"
+#include "hal/text/staged_folder.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/gap/gap.hpp"
 #include "tools/gap/report/gap_report.hpp"
@@ -229,47 +230,54 @@ struct SiteCommand : GapOptions {
     }
   }
 
-  void finish(gap::GapRun run) const {
-    const RunFacts facts =
-        run_facts(run.request.source.engine == "energyplus", weather_file_text(run.request.source.weather));
+  /// The output folder, whole or not at all; what --json prints.
+  nlohmann::json write_folder(const gap::GapRun& run, const RunFacts& facts, bool patched_room) const {
     const fs::path folder = out;
+    hal::StagedFolder staged(folder);
     nlohmann::json j;
     j["report"] = (folder / "index.html").string();
     std::vector<std::string> files{j["report"], (folder / "gap.json").string()};
-    fs::path patched_file = folder / "twin-patch.json";
     if (run.patched) {
-      const std::string ledger = gap::ledger_of(run).dump(1) + "\n";
-      const auto write = [&files](const fs::path& file, const std::string& text) {
-        gap::write_whole_file(file, text);
-        files.push_back(file.string());
-        return file.string();
+      const auto write = [&](const char* name, const nlohmann::json& content) {
+        gap::write_whole_file(staged.path() / name, content.dump(1) + "\n");
+        files.push_back((folder / name).string());
+        return files.back();
       };
-      j["patch"] = write(folder / "twin-patch.json", run.patched->patch.dump(1) + "\n");
-      j["ledger"] = write(folder / "ledger.json", ledger);
+      j["patch"] = write("twin-patch.json", run.patched->patch);
+      j["ledger"] = write("ledger.json", gap::ledger_of(run));
       if (!apply.empty()) {
-        j["applied"] = write(apply, run.patched->after.dump(1) + "\n");
-        write(apply + ".ledger.json", ledger);
+        j["applied"] = apply;
+        files.insert(files.end(), {apply, apply + ".ledger.json"});
       }
-      if (retrain && run.request.source.engine == "rc") {
-        patched_file = apply;
-        if (apply.empty()) patched_file = write(folder / "patched-room.json", run.patched->after.dump(1) + "\n");
-      }
+      if (patched_room) write("patched-room.json", run.patched->after);
     }
-    if (!keep_run.empty()) gap::keep_patched_run(run, keep_run);
     j["files"] = files;
-    const auto write_findings = [&] {
-      j.update(gap::json_of(run));
-      tools::add_to(j, facts);
-      gap::write_whole_file(folder / "gap.json", gap::readable_text(j));
-      write_report(folder / "index.html", make_gap_report(run));
-    };
-    write_findings();
+    j.update(gap::json_of(run));
+    tools::add_to(j, facts);
+    gap::write_whole_file(staged.path() / "gap.json", gap::readable_text(j));
+    write_report(staged.path() / "index.html", make_gap_report(run));
+    staged.commit("index.html", {"twin-patch.json", "ledger.json", "patched-room.json"});
+    return j;
+  }
+
+  void finish(gap::GapRun run) const {
+    const RunFacts facts =
+        run_facts(run.request.source.engine == "energyplus", weather_file_text(run.request.source.weather));
+    if (!keep_run.empty()) gap::keep_patched_run(run, keep_run);
+    const bool patched_room = retrain && run.request.source.engine == "rc" && apply.empty();
+    nlohmann::json j = write_folder(run, facts, patched_room);
+    if (run.patched && !apply.empty()) {
+      gap::write_whole_file(apply, run.patched->after.dump(1) + "\n");
+      gap::write_whole_file(apply + ".ledger.json", gap::ledger_of(run).dump(1) + "\n");
+    }
     if (retrain && run.patched) {  // a pretraining that dies leaves the verdict
       gap::RetrainRequest r = retrain_request();
-      r.patched_file = std::move(patched_file);
+      r.patched_file = run.request.source.engine != "rc" ? fs::path(out) / "twin-patch.json"
+                       : patched_room                    ? fs::path(out) / "patched-room.json"
+                                                         : fs::path(apply);
       StagedProgress progress(stderr);
       gap::retrain_patched(run, r, progress);
-      write_findings();
+      j = write_folder(run, facts, patched_room);
     }
     if (json)
       fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
