@@ -19,25 +19,27 @@ endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/sim/models/ DESTINATION ${CMAKE_INSTALL_DATADIR}/airside/models COMPONENT host)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/sim/effects/library DESTINATION ${CMAKE_INSTALL_DATADIR}/airside/effects COMPONENT host)
 
-# Man pages from --help, and completion from the options that `airside` really has: the built programs are run for both.
+# Man pages from --help, and completion from the options that the programs really have: they are run for both.
 find_package(Python3 COMPONENTS Interpreter)
 if(CMAKE_CROSSCOMPILING OR NOT Python3_FOUND OR CMAKE_CXX_FLAGS MATCHES "-fsanitize" OR AIRSIDE_COVERAGE)
   message(STATUS "no man pages and no completion: they take programs that run here, without sanitizers, and python3")
   return()
 endif()
 set(words_dir ${PROJECT_BINARY_DIR}/words)
-set(words_programs $<TARGET_FILE:airside> $<TARGET_FILE:airsided>)
+set(plain_programs $<TARGET_FILE:airsided>)
 if(TARGET airside-page)
-  list(APPEND words_programs $<TARGET_FILE:airside-page>)
+  list(APPEND plain_programs $<TARGET_FILE:airside-page>)
 endif()
+set(words_programs $<TARGET_FILE:airside> ${plain_programs})
 add_custom_command(
   OUTPUT ${words_dir}/stamp
   COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/man_pages ${words_dir}/man/man1 ${words_programs}
   COMMAND ${CMAKE_COMMAND} -E make_directory ${words_dir}/bash ${words_dir}/zsh
   COMMAND airside completion bash -o ${words_dir}/bash/airside
   COMMAND airside completion zsh -o ${words_dir}/zsh/_airside
+  COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/plain_completion ${words_dir}/bash ${words_dir}/zsh ${plain_programs}
   COMMAND ${CMAKE_COMMAND} -E touch ${words_dir}/stamp
-  DEPENDS ${PROJECT_SOURCE_DIR}/tools/man_pages ${words_programs}
+  DEPENDS ${PROJECT_SOURCE_DIR}/tools/man_pages ${PROJECT_SOURCE_DIR}/tools/plain_completion ${words_programs}
   COMMENT "Man pages and completion"
   VERBATIM)
 add_custom_target(airside_words ALL DEPENDS ${words_dir}/stamp)
