@@ -25,27 +25,22 @@ constexpr double worse_margin_degc = 0.02;
 /// What `product` is compared with day by day.
 constexpr const char* rival = "integral-tuned";
 
-struct StudyCommand {
-  std::string kind = "auto", out, twin_room;
+struct StudyCommand : StudyOptions {
+  std::string out, twin_room;
   std::vector<std::string> rooms, methods;
-  int room_count = 12, seeds = 5, first_seed = 1, pretrain_days = 31, expert_days = 5, days = 14, updates = 0,
-      steps = 3000, jobs = 2;
-  bool json = false, no_paper = false;
+  int room_count = 12, first_seed = 1, pretrain_days = 31, updates = 0, steps = 3000;
+  bool no_paper = false;
   RunFacts facts;
+
+  StudyCommand() {
+    seeds = 5;
+    days = 14;
+  }
 
   struct Job {
     std::string room;
     std::uint64_t seed;
   };
-
-  PlantChoice choice(const std::string& room, std::uint64_t seed, const std::string& start) const {
-    PlantChoice c;
-    c.kind = kind;
-    c.room = room;
-    c.seed = seed;
-    c.start = start;
-    return c;
-  }
 
   /// The twin's room of "401-real" is 401; a generated room's is rc's own.
   std::string twin_of(const std::string& room) const {
@@ -213,6 +208,28 @@ struct StudyCommand {
 
 }  // namespace
 
+void StudyOptions::add_to(CLI::App& c, const char* days_text) {
+  c.add_option("--plant", kind, "rc, energyplus, or auto")
+      ->check(CLI::IsMember({"auto", "rc", "energyplus"}))
+      ->capture_default_str();
+  c.add_option("--seeds", seeds, "seeds a room")->check(CLI::Range(1, 100))->capture_default_str();
+  c.add_option("--expert-days", expert_days, "days under the schedule before")
+      ->check(CLI::Range(1, 60))
+      ->capture_default_str();
+  c.add_option("--days", days, days_text)->check(CLI::Range(1, 300))->capture_default_str();
+  c.add_option("--jobs", jobs, "child processes at a time")->check(CLI::Range(1, 256))->capture_default_str();
+  c.add_flag("--json", json, "print one JSON object and nothing else on standard output");
+}
+
+PlantChoice StudyOptions::choice(const std::string& room, std::uint64_t seed, const std::string& start) const {
+  PlantChoice c;
+  c.kind = kind;
+  c.room = room;
+  c.seed = seed;
+  c.start = start;
+  return c;
+}
+
 void add_study(CLI::App& app) {
   CLI::App* study = app.add_subcommand("study", "tables over several rooms and seeds");
   study->require_subcommand(1);
@@ -225,14 +242,11 @@ void add_study(CLI::App& app) {
       "arx-*,\n"
       "have the gains that `airside study tune` found on rooms and days that are not scored here.\n"
       "The table ends with the days on which ours-product was more than 0.02 °C worse than integral-tuned.");
-  c->add_option("--plant", self->kind, "rc, energyplus, or auto")
-      ->check(CLI::IsMember({"auto", "rc", "energyplus"}))
-      ->capture_default_str();
+  self->add_to(*c, "controlled days");
   c->add_option("--rooms", self->rooms,
                 "rooms, comma-separated (default: the five counterparts; rc: and study rooms up to --count)")
       ->delimiter(',');
   c->add_option("--count", self->room_count, "how many rc rooms")->check(CLI::Range(1, 200))->capture_default_str();
-  c->add_option("--seeds", self->seeds, "seeds a room")->check(CLI::Range(1, 100))->capture_default_str();
   c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
   c->add_option("--twin-room", self->twin_room, "room to pretrain on (default: the twin of each)");
   c->add_option("--pretrain-days", self->pretrain_days, "days of pretraining")
@@ -243,16 +257,10 @@ void add_study(CLI::App& app) {
   c->add_option("--steps", self->steps, "optimiser steps of the transfer")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
-  c->add_option("--expert-days", self->expert_days, "days under the schedule before")
-      ->check(CLI::Range(1, 60))
-      ->capture_default_str();
-  c->add_option("--days", self->days, "controlled days")->check(CLI::Range(1, 300))->capture_default_str();
   c->add_option("--methods", self->methods, "peers and floors, comma-separated (default: all of docs/results.md)")
       ->delimiter(',');
-  c->add_option("--jobs", self->jobs, "child processes at a time")->check(CLI::Range(1, 256))->capture_default_str();
   c->add_option("-o,--out", self->out, "JSON file with every run");
   c->add_flag("--no-paper", self->no_paper, "leave the preset `paper` out; it takes most of the time");
-  c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
   c->callback([self] { self->run(); });
 }
 

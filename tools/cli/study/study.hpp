@@ -1,9 +1,24 @@
 #pragma once
-// The subcommands of `airside study`.
+// The subcommands of `airside study`, and what all of them ask for.
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+
+#include "tools/run/plant_choice.hpp"
 
 namespace airside::tools {
+
+/// Many runs on several rooms and seeds.
+struct StudyOptions {
+  std::string kind = "auto";
+  int seeds = 1, expert_days = 5, days = 7, jobs = 2;
+  bool json = false;
+
+  /// `days_text`: what the days are for.
+  void add_to(CLI::App& c, const char* days_text);
+  PlantChoice choice(const std::string& room, std::uint64_t seed, const std::string& start) const;
+};
 
 void add_study_tune(CLI::App& study);
 

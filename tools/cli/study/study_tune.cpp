@@ -19,28 +19,17 @@ namespace {
 
 constexpr std::array<const char*, 3> tuned_figures = {"dae_degc", "me_degc", "darv_degc"};
 
-struct TuneCommand {
-  std::string kind = "auto", start = "2021-07-10", search = "descent";
+struct TuneCommand : StudyOptions {
+  std::string start = "2021-07-10", search = "descent";
   std::vector<std::string> rooms, methods;
-  int seeds = 1, expert_days = 5, days = 7, jobs = 2;
-  bool json = false;
 
   struct Figures {
     std::array<double, tuned_figures.size()> mean{};
   };
 
-  PlantChoice choice(const std::string& room, std::uint64_t seed) const {
-    PlantChoice c;
-    c.kind = kind;
-    c.room = room;
-    c.seed = seed;
-    c.start = start;
-    return c;
-  }
-
   std::string run_one(const TunablePeer& peer, const std::vector<double>& gains, const std::string& room,
                       std::uint64_t seed) const {
-    const Trial trial{built_in_site(), choice(room, seed), expert_days, days};
+    const Trial trial{built_in_site(), choice(room, seed, start), expert_days, days};
     Prepared prepared = prepare(trial);
     const auto baseline = peer.make(trial.site.settings, gains);
     const nlohmann::json all = json_of(
@@ -136,7 +125,7 @@ struct TuneCommand {
   }
 
   void run() {
-    RunFacts facts = run_facts(choice("301", 1), built_in_site());
+    RunFacts facts = run_facts(choice("301", 1, start), built_in_site());
     kind = facts.plant;
     if (kind == "rc") facts.weather = "another made-up year for each room and seed";
     if (rooms.empty()) {
@@ -159,7 +148,7 @@ struct TuneCommand {
         throw hal::InputError("--rooms", room, "rooms that no table scores",
                               "choose tuning-0 .. tuning-199 (rc), or 301, 401, 402, 701, 702");
       }
-      (void)make_plant(choice(room, 1), built_in_site(), 1);
+      (void)make_plant(choice(room, 1, start), built_in_site(), 1);
     }
     nlohmann::json j{
         {"plant", kind}, {"rooms", rooms},  {"seeds", seeds}, {"start", start}, {"expert_days", expert_days},
@@ -186,26 +175,17 @@ void add_study_tune(CLI::App& study) {
       "tune",
       "find the gains of the tuned peers by mean DAE, on rooms and days that no table scores.\n"
       "What it finds is frozen in tools/baselines/tuned.hpp, plant by plant; it prints the frozen gains beside it.");
-  c->add_option("--plant", self->kind, "rc, energyplus, or auto")
-      ->check(CLI::IsMember({"auto", "rc", "energyplus"}))
-      ->capture_default_str();
+  self->add_to(*c, "days that are judged");
   c->add_option("--methods", self->methods,
                 "peers to tune, comma-separated (default: pid-tuned, integral-tuned, arx-2, arx-rls, mpc)")
       ->delimiter(',');
   c->add_option("--rooms", self->rooms,
                 "rooms, comma-separated (default: tuning-0 .. tuning-7; energyplus: the five twins)")
       ->delimiter(',');
-  c->add_option("--seeds", self->seeds, "seeds a room")->check(CLI::Range(1, 100))->capture_default_str();
   c->add_option("--start", self->start, "first day; the tables begin on 2021-08-01")->capture_default_str();
-  c->add_option("--expert-days", self->expert_days, "days under the schedule before")
-      ->check(CLI::Range(1, 60))
-      ->capture_default_str();
-  c->add_option("--days", self->days, "days that are judged")->check(CLI::Range(1, 300))->capture_default_str();
   c->add_option("--search", self->search, "descent: downhill from the frozen gains; grid: every point (PID: 2816)")
       ->check(CLI::IsMember({"descent", "grid"}))
       ->capture_default_str();
-  c->add_option("--jobs", self->jobs, "child processes at a time")->check(CLI::Range(1, 256))->capture_default_str();
-  c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
   c->callback([self] { self->run(); });
 }
 
