@@ -24,7 +24,7 @@ RcRoom expected_room(RcRoom room) {
 template <class Row>
 void live_through(const RcRoom& room, const std::shared_ptr<const Recording>& recording,
                   const std::shared_ptr<const Weather>& weather, bool thermostats, bool rounded, Row&& row) {
-  const CivilTime begin{recording->from.seconds - lead_days * std::int64_t{86400}};
+  const CivilTime begin{recording->from.seconds - lead_days * seconds_per_day};
   RcPlant plant(room, weather, begin, 0, recording->at(begin).setpoint_degc);
   if (!rounded) plant.show_exact_values();
   plant.follow(recording, thermostats);

@@ -7,11 +7,9 @@ namespace airside::sim {
 
 namespace {
 
-constexpr std::int64_t day_s = 86400;
-
 /// t, moved by whole days into the first recorded day if it lies before.
 CivilTime repeated(const Recording& recording, CivilTime t) {
-  while (t < recording.from) t.seconds += day_s;
+  while (t < recording.from) t.seconds += seconds_per_day;
   return t;
 }
 
@@ -40,7 +38,7 @@ const char* Channels::unit(int column) const { return column < power() ? "K" : c
 
 std::shared_ptr<const Weather> measured_weather(const Recording& recording) {
   constexpr int interval_s = 180;
-  const CivilTime begin{recording.from.seconds - lead_days * day_s};
+  const CivilTime begin{recording.from.seconds - lead_days * seconds_per_day};
   std::vector<WeatherRecord> records;
   // A record's temperature holds at its end: an instant's value is the mean of the rows around it.
   for (CivilTime end{begin.seconds + interval_s}; end <= recording.to(); end.seconds += interval_s) {

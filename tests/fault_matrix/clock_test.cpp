@@ -46,7 +46,6 @@ class ClockDesk : public ::testing::Test {
   }
 
   static constexpr CivilTime now{1'795'000'320 / 86400 * 86400};  // a midnight of November 2026
-  static constexpr std::int64_t day_s = 86400;
   Bench bench{{.name = "clock", .plant = closed_loop::rc_room(), .expert_days = 1, .days = 1}};
   std::unique_ptr<edge::AnyDaemon> daemon;
 };
@@ -70,7 +69,7 @@ TEST_F(ClockDesk, Row28AnHourBackOrForthIsFollowed) {
 }
 
 TEST_F(ClockDesk, Row28AClockThatWasFarAheadIsBelievedADayAfterItWasSetRight) {
-  EXPECT_TRUE(believed({now.seconds + 1000 * day_s})) << "nobody can know";
+  EXPECT_TRUE(believed({now.seconds + 1000 * seconds_per_day})) << "nobody can know";
   int doubted = 0;
   for (int row = 0; row < 2 * rows_per_day; ++row) doubted += !believed({now.seconds + row * row_s});
   EXPECT_EQ(doubted, rows_per_day);

@@ -74,7 +74,7 @@ struct AlikeCase {
       return window_of(measure(lived, weather, how), engine.channels(), weather, "test");
     };
     reference = window(room, run);
-    run.start.seconds += run.days * std::int64_t{86400};
+    run.start.seconds += run.days * seconds_per_day;
     ++run.seed;
     room = hide(room, {hidden}, all_effects());
     test = window(room, run);

@@ -44,8 +44,8 @@ std::vector<double> nothing(CivilTime, const sim::Sensors&) { return std::vector
 std::vector<hal::LogRow> measure_heated(const sim::RcRoom& room, const std::shared_ptr<const sim::Weather>& weather,
                                         const MeasuredRun& run, const HiddenHeat& heat) {
   const hal::TopologyCounts counts{"", room.vavs, room.fcus, room.powers};
-  sim::RcPlant plant(room, weather, {run.start.seconds - 3 * std::int64_t{86400}}, run.seed);
-  const CivilTime end{run.start.seconds + run.days * std::int64_t{86400}};
+  sim::RcPlant plant(room, weather, {run.start.seconds - 3 * seconds_per_day}, run.seed);
+  const CivilTime end{run.start.seconds + run.days * seconds_per_day};
   std::vector<hal::LogRow> rows;
   double setpoint = 23;
   for (; plant.time() < end; plant.advance_to({plant.time().seconds + row_s})) {
@@ -91,7 +91,7 @@ struct HeatCase {
       return window_of(measure_heated(room, weather, run, heat), engine.channels(), weather, "test");
     };
     const Window reference = window(nothing);
-    run.start.seconds += run.days * std::int64_t{86400};
+    run.start.seconds += run.days * seconds_per_day;
     ++run.seed;
     test = window(hidden);
     static const std::vector<sim::Effect> effects = sim::load_effects(sim::find_effects());

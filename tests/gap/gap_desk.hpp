@@ -42,7 +42,7 @@ class GapDesk {
     }
     const MeasuredRun before{sim::civil_midnight(2021, 7, 1), days, 5, false, 0.001};
     MeasuredRun after = before;
-    after.start.seconds += days * std::int64_t{86400};
+    after.start.seconds += days * seconds_per_day;
     after.seed = 6;
     log("reference.csv", measure(small_room(), weather_, before));
     const std::vector<Hidden> hidden{{"vav_flow", 1, 0.5}};

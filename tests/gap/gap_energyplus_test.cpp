@@ -35,7 +35,7 @@ class EngineDesk {
     const EnergyPlusRoom room = energyplus_measured_room("301", 3, false);
     MeasuredRun run{sim::civil_midnight(2021, 7, 6), days, 4, false, 0};
     log("reference.csv", measure(room, path("w.epw"), run));
-    run.start.seconds += days * std::int64_t{86400};
+    run.start.seconds += days * seconds_per_day;
     log("measured.csv", measure(hide(room, {{"gain_base", 0, 12}}, effects_, 4), path("w.epw"), run));
   }
 

@@ -186,9 +186,8 @@ TEST(TwinHouse, NothingIsNamedInAHouseAgainstItsOwnReference) {
     constexpr int lead = 4;
     for (const int days : {8, 10}) {
       for (int first = 14; first + days <= 30; ++first) {
-        const CivilTime start = day_of(9, first), end{start.seconds + days * std::int64_t{86400}};
-        const CaseData data{own.reference,
-                            house_window(own.log, {start.seconds - lead * std::int64_t{86400}}, start, end)};
+        const CivilTime start = day_of(9, first), end{start.seconds + days * seconds_per_day};
+        const CaseData data{own.reference, house_window(own.log, {start.seconds - lead * seconds_per_day}, start, end)};
         WindowResponses responses;
         responses.reference = own.responses;
         responses.test = simulate_responses(own.house.engine, own.library, data.test.recording, true, 2);

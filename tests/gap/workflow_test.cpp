@@ -21,7 +21,6 @@
 namespace airside::tools::gap {
 namespace {
 
-constexpr std::int64_t day_s = 86400;
 constexpr std::uint64_t room_seed = 4;
 
 /// A part of the library, to be quick.
@@ -58,7 +57,7 @@ struct Stage {
   }
   MeasuredRun after() const {
     MeasuredRun run = reference;
-    run.start.seconds += run.days * day_s;
+    run.start.seconds += run.days * seconds_per_day;
     run.seed += 1;
     return run;
   }

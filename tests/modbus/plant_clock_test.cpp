@@ -126,11 +126,9 @@ class FreePlant {
   ServerThread served_;
 };
 
-constexpr double day_s = 86400;
-
 TEST(ModbusPlantClock, OneWrongReadingIsNotBelieved) {
   const PointMap map = PointMap::parse(default_point_map(3, 0, 1), "points.csv");
-  for (const double wrong_s : {24 * day_s, 3 * 365 * day_s, 20'000.0, -30'000.0}) {
+  for (const double wrong_s : {24 * seconds_per_day, 3 * 365 * seconds_per_day, 20'000.0, -30'000.0}) {
     FreePlant plant(map, 500);
     ModbusLink link(tcp_settings(plant.port()));
     ModbusPlantClock clock(map, link, {}, 5);
@@ -149,7 +147,7 @@ TEST(ModbusPlantClock, OneWrongReadingIsNotBelieved) {
 
 TEST(ModbusPlantClock, AJumpThatStaysIsFollowedWithinASecond) {
   const PointMap map = PointMap::parse(default_point_map(3, 0, 1), "points.csv");
-  for (const double jump_s : {24 * day_s, 10'000.0}) {
+  for (const double jump_s : {24 * seconds_per_day, 10'000.0}) {
     FreePlant plant(map, 100);
     ModbusLink link(tcp_settings(plant.port()));
     ModbusPlantClock clock(map, link, {}, 5);
@@ -170,7 +168,7 @@ TEST(ModbusPlantClock, OneThatIsRightAgainIsFollowedBackAndNotWaitedFor) {
   ModbusLink link(tcp_settings(plant.port()));
   ModbusPlantClock clock(map, link, {}, 5);
   const CivilTime before = clock.now();
-  plant.add(24 * day_s);
+  plant.add(24 * seconds_per_day);
   ASSERT_TRUE(clock.sleep_until({before.seconds + row_s}));
   const CivilTime wrong = next_row(clock.now());
   plant.add(0);
@@ -188,7 +186,7 @@ TEST(ModbusPlantClock, OneThatIsRightAgainIsFollowedBackAndNotWaitedFor) {
 TEST(ModbusPlantClock, AWrongFirstReadingIsNotBelieved) {
   const PointMap map = PointMap::parse(default_point_map(3, 0, 1), "points.csv");
   FreePlant plant(map, 1);
-  plant.add(24 * day_s, 1);
+  plant.add(24 * seconds_per_day, 1);
   ModbusLink link(tcp_settings(plant.port()));
   ModbusPlantClock clock(map, link);
   EXPECT_NEAR(static_cast<double>(clock.now().seconds), static_cast<double>(plant.now(1).seconds), 5);

@@ -76,19 +76,19 @@ TEST(ScheduleShadowMonitor, JudgesNothingBeforeItHasSeenHoursAndNothingThatIsNoN
 }
 
 TEST(OverrideMonitor, OnlyTheThirdWithinADayIsAFight) {
-  constexpr std::int64_t hour_s = 3600, start_s = 1'700'000'000;
+  constexpr std::int64_t start_s = 1'700'000'000;
   OverrideMonitor daily;
-  for (int day = 0; day < 10; ++day) EXPECT_FALSE(daily.third_in_a_day({start_s + day * 24 * hour_s})) << day;
+  for (int day = 0; day < 10; ++day) EXPECT_FALSE(daily.third_in_a_day({start_s + day * 24 * seconds_per_hour})) << day;
   OverrideMonitor twice;
   for (int day = 0; day < 10; ++day) {
-    EXPECT_FALSE(twice.third_in_a_day({start_s + day * 24 * hour_s})) << day;
-    EXPECT_FALSE(twice.third_in_a_day({start_s + (day * 24 + 8) * hour_s})) << day;
+    EXPECT_FALSE(twice.third_in_a_day({start_s + day * 24 * seconds_per_hour})) << day;
+    EXPECT_FALSE(twice.third_in_a_day({start_s + (day * 24 + 8) * seconds_per_hour})) << day;
   }
   OverrideMonitor fight;
   EXPECT_FALSE(fight.third_in_a_day({start_s}));
-  EXPECT_FALSE(fight.third_in_a_day({start_s + 5 * hour_s}));
-  EXPECT_TRUE(fight.third_in_a_day({start_s + 10 * hour_s}));
-  EXPECT_TRUE(fight.third_in_a_day({start_s + 15 * hour_s}));
+  EXPECT_FALSE(fight.third_in_a_day({start_s + 5 * seconds_per_hour}));
+  EXPECT_TRUE(fight.third_in_a_day({start_s + 10 * seconds_per_hour}));
+  EXPECT_TRUE(fight.third_in_a_day({start_s + 15 * seconds_per_hour}));
   EXPECT_FALSE(fight.third_in_a_day({start_s})) << "the clock was set back: the count begins anew";
 }
 

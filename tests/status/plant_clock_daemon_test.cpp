@@ -19,8 +19,6 @@ using closed_loop::Bench;
 using closed_loop::Child;
 using hal::testing_peers::ServerThread;
 
-constexpr double day_s = 86400;
-
 /// A daemon beside a plant that stands at 25 degC and whose clock runs 1200 times as fast as the machine's: a row takes
 /// 0.3 s.
 class PlantClock : public ::testing::Test {
@@ -82,7 +80,7 @@ class PlantClock : public ::testing::Test {
                .expert_days = 0,
                .days = 1,
                .more_site = closed_loop::brief_learning}};
-  const double start_s = 21 * 365 * day_s;
+  const double start_s = 21 * 365 * seconds_per_day;
   const std::int64_t began_ns = hal::monotonic_ns();
   std::atomic<double> added{0};
   ServerThread served;
@@ -90,7 +88,7 @@ class PlantClock : public ::testing::Test {
 };
 
 TEST_F(PlantClock, WrongForAMomentNeitherHangsTheDaemonNorIsWrittenToTheLog) {
-  for (const double wrong_s : {24 * day_s, 3 * 365 * day_s}) {
+  for (const double wrong_s : {24 * seconds_per_day, 3 * 365 * seconds_per_day}) {
     added = wrong_s;
     closed_loop::sleep_s(0.15);
     added = 0;
@@ -103,7 +101,7 @@ TEST_F(PlantClock, WrongForAMomentNeitherHangsTheDaemonNorIsWrittenToTheLog) {
 }
 
 TEST_F(PlantClock, WrongForAWhileIsLeftAgain) {
-  added = 24 * day_s;
+  added = 24 * seconds_per_day;
   closed_loop::sleep_s(1.0);
   added = 0;
   EXPECT_TRUE(rows(5, 15)) << daemon->said();
@@ -113,9 +111,9 @@ TEST_F(PlantClock, WrongForAWhileIsLeftAgain) {
 }
 
 TEST_F(PlantClock, ThatReallyJumpedIsFollowed) {
-  added = 24 * day_s;
+  added = 24 * seconds_per_day;
   EXPECT_TRUE(rows(5, 15)) << daemon->said();
-  EXPECT_LT(std::abs(rows_behind(24 * day_s)), 4) << status();
+  EXPECT_LT(std::abs(rows_behind(24 * seconds_per_day)), 4) << status();
   EXPECT_TRUE(has_said("so control goes on from there")) << daemon->said();
 }
 

@@ -14,8 +14,6 @@ namespace {
 
 enum RoomDraw : std::uint64_t { draw_structure = 710, draw_schedule, draw_missing, draw_other_structure };
 
-constexpr std::int64_t day_seconds = 86400;
-
 double& entry_at(std::vector<double>& list, int place) { return list.at(static_cast<std::size_t>(place)); }
 
 double two_decimals(double x) { return std::round(100 * x) / 100; }
@@ -113,7 +111,7 @@ WrongSensors::WrongSensors(std::vector<sim::EffectChange> changes, CivilTime log
 
 void WrongSensors::apply(sim::Sensors& sensors, CivilTime t) {
   const sim::Sensors right = sensors;
-  const double days = static_cast<double>(t.seconds - log_start_.seconds) / day_seconds;
+  const double days = static_cast<double>(t.seconds - log_start_.seconds) / static_cast<double>(seconds_per_day);
   for (std::size_t c = 0; c < changes_.size(); ++c) {
     const sim::EffectChange& change = changes_[c];
     for (const sim::EffectOp& op : change.at.effect->common) {
@@ -263,8 +261,8 @@ std::vector<hal::LogRow> measure(const sim::RcRoom& room, std::shared_ptr<const 
   for (const Hidden& h : hidden) {
     if (h.effect == "room_sensor_lag") lags.push_back({{&sensor_lag, h.place}, h.magnitude});
   }
-  const CivilTime begin{run.start.seconds - measured_lead_days * day_seconds};
-  const CivilTime end{run.start.seconds + run.days * day_seconds};
+  const CivilTime begin{run.start.seconds - measured_lead_days * seconds_per_day};
+  const CivilTime end{run.start.seconds + run.days * seconds_per_day};
   sim::RcPlant plant(room, std::move(weather), begin, run.seed);
   MeasuredOperator operated(run);
   WrongSensors wrong(std::move(lags), run.start);

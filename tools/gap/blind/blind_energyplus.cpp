@@ -21,7 +21,6 @@ using Json = nlohmann::json;
 
 enum BuiltDraw : std::uint64_t { draw_power_noise = 731, draw_door, draw_box_off, draw_fan_coil, draw_mau };
 
-constexpr std::int64_t built_day_s = 86400;
 constexpr double power_noise_share = 0.01;
 
 void perturb_numbers(sim::EnergyPlusOptions& options, std::uint64_t seed) {
@@ -109,7 +108,7 @@ std::string placed(std::string pattern, int place) {
 /// Days of the engine in which `on` holds by a clock that runs ahead.
 Json schedule_of(const std::function<bool(CivilTime)>& on, CivilTime begin, CivilTime to, std::int64_t ahead_s) {
   Json data = Json::array();
-  for (CivilTime day = begin; day < to; day.seconds += built_day_s) {
+  for (CivilTime day = begin; day < to; day.seconds += seconds_per_day) {
     const std::string date = sim::text_of(day);
     data.push_back(fmt::format("Through: {}/{}", std::stoi(date.substr(5, 2)), std::stoi(date.substr(8, 2))));
     data.push_back("For: AllDays");
@@ -161,7 +160,7 @@ void wander_mau(Json& model, std::uint64_t seed, CivilTime begin, CivilTime to) 
   const Json limits = model["Schedule:Constant"][schedule].value("schedule_type_limits_name", Json("Any Number"));
   model["Schedule:Constant"].erase(schedule);
   Json data = Json::array();
-  for (CivilTime day = begin; day < to; day.seconds += built_day_s) {
+  for (CivilTime day = begin; day < to; day.seconds += seconds_per_day) {
     const std::string date = sim::text_of(day);
     data.push_back(fmt::format("Through: {}/{}", std::stoi(date.substr(5, 2)), std::stoi(date.substr(8, 2))));
     data.push_back("For: AllDays");
@@ -320,8 +319,8 @@ std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesyst
                                  const MeasuredRun& run) {
   // A clock that runs ahead shows what was there before; rows stay on the log's grid.
   const std::int64_t ahead_s = row_s * std::llround(3600 * room.clock_ahead_h / row_s);
-  const CivilTime from{run.start.seconds - ahead_s}, to{from.seconds + run.days * built_day_s};
-  const CivilTime begin{(from.day() - measured_lead_days) * built_day_s};
+  const CivilTime from{run.start.seconds - ahead_s}, to{from.seconds + run.days * seconds_per_day};
+  const CivilTime begin{(from.day() - measured_lead_days) * seconds_per_day};
   sim::EnergyPlusOptions options = room.options;
   options.weather = weather;
   options.seed = sim::draw_bits(room.seed, draw_built, 999, static_cast<std::int64_t>(run.seed)) >> 16;
@@ -330,7 +329,7 @@ std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesyst
   follow_window(built, options.names, run, begin, to, ahead_s);
   wander_mau(built, run.seed, begin, to);
   options.patches.push_back({"built room", patch_between(room.twin, built)});
-  options.days = static_cast<int>((to.seconds - 1) / built_day_s - begin.day()) + 1;
+  options.days = static_cast<int>((to.seconds - 1) / seconds_per_day - begin.day()) + 1;
   const std::string date = sim::text_of(begin);
   options.start_month = std::stoi(date.substr(5, 2));
   options.start_day = std::stoi(date.substr(8, 2));

@@ -14,7 +14,6 @@ namespace airside::tools::gap {
 
 namespace {
 
-constexpr std::int64_t site_day_s = 86400;
 constexpr double share_missing = 0.002;
 
 MeasuredRun reference_run(const BlindSetup& setup, const BlindWindow& w, std::uint64_t seed) {
@@ -22,7 +21,7 @@ MeasuredRun reference_run(const BlindSetup& setup, const BlindWindow& w, std::ui
 }
 
 MeasuredRun run_after(MeasuredRun run) {
-  run.start.seconds += run.days * site_day_s;
+  run.start.seconds += run.days * seconds_per_day;
   run.seed += 1;
   if (run.command_seed) *run.command_seed += 1;
   return run;

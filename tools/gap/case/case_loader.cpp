@@ -27,7 +27,7 @@ sim::RcRoom room_of(const CaseDescription& c, const hal::TopologyCounts& counts)
 CaseLogs divided_log(const CaseDescription& c, CleanLog all) {
   CaseLogs logs{all, std::move(all)};
   const auto from = logs.measured.rows.empty() ? CivilTime{} : next_midnight(logs.measured.rows.front().time);
-  const CivilTime divide{from.seconds + c.reference_days * std::int64_t{86400}};
+  const CivilTime divide{from.seconds + c.reference_days * seconds_per_day};
   std::erase_if(logs.reference.rows, [divide](const hal::LogRow& row) { return !(row.time < divide); });
   std::erase_if(logs.measured.rows, [divide](const hal::LogRow& row) { return row.time < divide; });
   logs.reference.remarks.clear();  // one log, one table

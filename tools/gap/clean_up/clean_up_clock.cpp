@@ -16,7 +16,7 @@ namespace {
 
 using Rows = std::vector<hal::LogRow>;
 
-constexpr std::int64_t clock_step_s = 3600;
+constexpr std::int64_t clock_step_s = seconds_per_hour;
 constexpr std::size_t rows_per_hour = clock_step_s / row_s;
 constexpr int tolerance_min = 18;
 

@@ -9,7 +9,6 @@
 namespace airside::tools::gap {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
-constexpr std::int64_t seconds_per_day = 86400;
 constexpr std::size_t least_values = rows_per_day;  ///< below, nothing is said about a column
 
 constexpr const char* plural(std::size_t n) { return n == 1 ? "" : "s"; }

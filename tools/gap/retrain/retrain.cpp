@@ -47,7 +47,7 @@ BlobBytes pretrain_on(const RetrainPlan& plan, const RetrainRoom& room, std::uin
   const auto twin = make_plant(choice_of(plan, room, seed, false), site, plan.pretrain_days);
   PretrainOptions options;
   options.seed = seed;
-  const CivilTime until{twin->time().seconds + plan.pretrain_days * std::int64_t{86400}};
+  const CivilTime until{twin->time().seconds + plan.pretrain_days * seconds_per_day};
   return pretrain(site, *twin, until, options).blob;
 }
 

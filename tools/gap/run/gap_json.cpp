@@ -155,7 +155,7 @@ json json_of(const GapRun& run) {
   j["measured"] = period_json(run.loaded.data.test);
   j["locked_days"] = {{"days", (run.residual_given.rows() - run.locked_from()) / bins_per_day},
                       {"from", hal::civil_text({run.loaded.data.test.recording.from.seconds +
-                                                run.locked_from() / bins_per_day * std::int64_t{86400}})},
+                                                run.locked_from() / bins_per_day * seconds_per_day})},
                       {"given", model_json(run, run.residual_given)},
                       {"before", model_json(run, run.residual_before)},
                       {"after", model_json(run, run.residual_after)}};
