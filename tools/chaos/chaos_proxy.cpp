@@ -17,6 +17,7 @@
 #include "hal/modbus/plant_clock.hpp"
 #include "hal/modbus/wire.hpp"
 #include "hal/text/input_error.hpp"
+#include "tools/chaos/chaos_frame.hpp"
 
 namespace airside::tools {
 namespace {
@@ -87,64 +88,6 @@ bool receive_frame(int fd, Bytes& frame, const std::atomic<bool>& stop, double p
     wanted = mbap_bytes - 1 + length;
   }
   return false;
-}
-
-ChaosRequest parsed(const Bytes& adu) {
-  ChaosRequest r;
-  r.function = adu[7];
-  if (adu.size() >= 10) r.addr = static_cast<int>(get16(&adu[8]));
-  const bool counted = r.function <= 4 || r.function == 15 || r.function == 16;
-  if (counted && adu.size() >= 12) r.count = static_cast<int>(get16(&adu[10]));
-  return r;
-}
-
-/// What a server says to a write that it takes.
-Bytes confirmation_of(const Bytes& asked) {
-  Bytes answer(asked.begin(), asked.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(asked.size(), 12)));
-  put16(&answer[4], static_cast<unsigned>(answer.size() - 6));
-  return answer;
-}
-
-Bytes exception_to(const Bytes& asked, int code) {
-  Bytes answer(asked.begin(), asked.begin() + 8);
-  put16(&answer[4], 3);
-  answer[7] = static_cast<std::uint8_t>(answer[7] | 0x80U);
-  answer.push_back(static_cast<std::uint8_t>(code));
-  return answer;
-}
-
-/// The written registers of a request of function 6 or 16, changed.
-template <class Change>
-void change_written(Bytes& asked, const Change& change) {
-  const auto one = [&](std::size_t at) {
-    put16(&asked[at], static_cast<unsigned>(std::clamp(change(static_cast<double>(get16(&asked[at]))), 0.0, 65535.0)));
-  };
-  if (asked[7] == 6 && asked.size() >= 12) one(10);
-  if (asked[7] != 16) return;
-  for (std::size_t at = 13; at + 1 < asked.size(); at += 2) one(at);
-}
-
-/// Where register `addr` stands in a register answer; 0: it does not.
-std::size_t place_of(const ChaosRequest& r, const Bytes& answer, int addr) {
-  if ((r.function != 3 && r.function != 4) || addr < r.addr || addr >= r.addr + r.count) return 0;
-  const std::size_t at = 9 + 2 * static_cast<std::size_t>(addr - r.addr);
-  return at + 1 < answer.size() ? at : 0;
-}
-
-/// Faults that change values are none in an exchange without them.
-bool touches(const ChaosFault& fault, const ChaosRequest& r) {
-  switch (fault.kind) {
-    case ChaosKind::clamp:
-    case ChaosKind::alter:
-    case ChaosKind::swallow: return r.writes();
-    case ChaosKind::swap:
-    case ChaosKind::set: {
-      const double wide = fault.kind == ChaosKind::swap ? 2 * fault.param[1] : 1;
-      return (r.function == 3 || r.function == 4) && fault.param[0] < r.addr + r.count &&
-             fault.param[0] + wide > r.addr;
-    }
-    default: return true;
-  }
 }
 
 }  // namespace
