@@ -127,6 +127,22 @@ TEST_F(WayBack, ConfirmedWeightsStayWhileTheWayBackCannotBeRead) {
   EXPECT_EQ(rig.controller->cycle().has_weights, 1);
 }
 
+TEST_F(WayBack, WhatIsNoFileInPlaceOfTheCopyIsReportedByEachCommitUntilItIsRemoved) {
+  rig.row();
+  ASSERT_TRUE(trial->committed()) << "a box to which nothing was pushed has no copy";
+  for (const char* name : {"previous.new", "previous"}) {
+    const auto place = folder.file("state") / name;
+    std::filesystem::create_directories(place / "full");
+    for (int i = 0; i < 2; ++i) {
+      const hal::StoreResult<void> reported = trial->committed();
+      ASSERT_FALSE(reported) << name;
+      EXPECT_EQ(reported.error().fault, hal::StoreFault::wrong_kind);
+    }
+    std::filesystem::remove_all(place);
+    EXPECT_TRUE(trial->committed()) << name;
+  }
+}
+
 TEST_F(WayBack, ADamagedCopyIsNoWayBackAndHarmsNothing) {
   push(other(1));
   ASSERT_TRUE(row());
