@@ -12,6 +12,7 @@
 #include "hal/modbus/plant_clock.hpp"
 #include "hal/modbus/poller.hpp"
 #include "hal/modbus/setpoint.hpp"
+#include "hal/modbus/signal_slots.hpp"
 #include "hal/points/point_map.hpp"
 #include "hal/points/register_codec.hpp"
 
@@ -22,6 +23,7 @@ struct ModbusPlantOptions {
   /// Local standard time, s east of UTC, where the map has no clock_s; without it the machine's time zone.
   std::optional<int> utc_offset_s;
   double clock_speed = 1.0;  ///< as of SystemClock
+  StandIns stand_ins{};      ///< read in the place of signals that the map lacks
 };
 
 /// The age of readings as the device's own heartbeat tells it.
@@ -52,7 +54,7 @@ class ModbusPlant {
         site_(site),
         setpoint_(map, "setpoint", options.settle_s),
         clock_({}, options.utc_offset_s, options.clock_speed),
-        poller_(points_to_read(map)),
+        poller_(points_to_read(map, options.stand_ins)),
         fingerprint_(map.fingerprint()) {
     if (const Point* beat = map.find("heartbeat"); beat != nullptr && beat->writable()) {
       heartbeat_.emplace(map, "heartbeat");
@@ -77,9 +79,7 @@ class ModbusPlant {
     if (!identified()) return tl::unexpected(other_device_ ? Fault::other_device : Fault::no_reading);
     Reading<T> reading;
     reading.contact = link_->generation() + lost_polls_;
-    for (std::size_t i = 0; i < signal_slots_.size(); ++i) {
-      if (signal_slots_[i] >= 0) reading.value[static_cast<Eigen::Index>(i)] = poller_.value(signal_slots_[i]);
-    }
+    for (int i = 0; i < Layout<T>::signals; ++i) reading.value[i] = signals_.value(i, poller_);
     if (setpoint_slot_ >= 0) reading.setpoint_degc = poller_.value(setpoint_slot_);
     setpoint_.saw(reading.setpoint_degc);
     if (supply_slot_ >= 0) reading.supply_temp_degc = poller_.value(supply_slot_);
@@ -119,7 +119,7 @@ class ModbusPlant {
   /// Whether the connection stands on which the registers were read and the device identified.
   bool in_touch() const { return link_->connected() && identified_generation_ == link_->generation(); }
   /// Why signal `index` of the last reading is NaN; none where it is not.
-  Fault signal_fault(int index) const { return poller_.fault(index); }
+  Fault signal_fault(int index) const { return signals_.fault(index, poller_); }
   /// Why the last sense() failed.
   const std::optional<LinkFault>& last_fault() const { return last_fault_; }
   std::uint8_t last_exception() const { return poller_.last_exception(); }
@@ -152,20 +152,19 @@ class ModbusPlant {
     return !other_device_;
   }
 
-  /// Signals that the site has in the order of Layout<T>, then whatever else the map has of setpoint, supply_temp,
-  /// ahu_on, clock, heartbeat.
-  std::vector<Point> points_to_read(const PointMap& map) {
-    map.check_topology(site_.vavs, site_.fcus, site_.powers);
+  /// Sensors of the signals in the order of Layout<T>, then whatever else the map has of setpoint, supply_temp, ahu_on,
+  /// clock, heartbeat.
+  std::vector<Point> points_to_read(const PointMap& map, const StandIns& stand_ins) {
+    map.check_topology(site_.vavs, site_.fcus, site_.powers, stand_ins);
     std::vector<Point> points;
+    for (int i = 0; i < Layout<T>::signals; ++i) {
+      signals_.add(map, is_present<T>(site_, i) ? stand_ins : StandIns{}, signal_id<T>(i), points);
+    }
     const auto add = [&](const Point* point) {
       if (point == nullptr) return -1;
       points.push_back(*point);
       return static_cast<int>(points.size()) - 1;
     };
-    for (std::size_t i = 0; i < signal_slots_.size(); ++i) {
-      const int signal = static_cast<int>(i);
-      signal_slots_[i] = is_present<T>(site_, signal) ? add(map.find(point_name(signal_id<T>(signal)))) : -1;
-    }
     setpoint_slot_ = add(setpoint_.readback());
     supply_slot_ = add(map.find("supply_temp"));
     flow_slot_ = add(map.find("ahu_on"));
@@ -179,8 +178,8 @@ class ModbusPlant {
 
   ModbusLink* link_;
   Shape site_;
-  std::array<int, static_cast<std::size_t>(Layout<T>::signals)> signal_slots_{};  ///< of the poller; -1: no such point
   int setpoint_slot_ = -1, supply_slot_ = -1, flow_slot_ = -1, clock_slot_ = -1, beat_slot_ = -1;
+  SignalSlots signals_;
   ModbusSetpoint setpoint_;
   SystemClock clock_;
   ModbusPoller poller_;

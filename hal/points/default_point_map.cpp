@@ -5,7 +5,7 @@
 
 namespace airside::hal {
 
-std::string default_point_map(int vavs, int fcus, int powers) {
+std::string default_point_map(int vavs, int fcus, int powers, const StandIns& stand_ins) {
   std::string csv =
       "# physical = raw * scale + offset; addr counts from 0; max_rate is per minute in the unit.\n"
       "# Empty: byte_order and word_order big, scale 1, offset 0, no limit of rate or age, no sentinel, "
@@ -15,8 +15,10 @@ std::string default_point_map(int vavs, int fcus, int powers) {
   csv += fmt::format("{}\n", fmt::join(point_columns, ","));
   int addr = 0;
   const auto places = [&](SignalKind kind, int count, int width, std::string_view row) {
-    for (int place = 1; place <= count; ++place, addr += width) {
+    for (int place = 1; place <= count; ++place) {
+      if (stand_ins.of({kind, place})) continue;
       csv += fmt::format("{},{},4,{},{}\n", point_name({kind, place}), text_of(kind).unit, addr, row);
+      addr += width;
     }
   };
   const auto single = [&](std::string_view name, std::string_view unit, int width, std::string_view row) {
@@ -32,9 +34,11 @@ std::string default_point_map(int vavs, int fcus, int powers) {
   places(SignalKind::vav_on, vavs, 1, status);
   places(SignalKind::fcu_on, fcus, 1, status);
   places(SignalKind::power, powers, 2, "float32,big,big,1,0,0,500,,1200,,,,,");
-  single("mau_temp", "degc", 1, "int16,big,big,0.01,0,-20,60,5.0,1200,0x8000,,,,");
-  single("outdoor_temp", "degc", 1, "int16,big,big,0.01,0,-40,60,2.0,1200,0x8000,,,,");
-  single("rain", "", 1, status);
+  if (!stand_ins.of({SignalKind::mau_temp, 0}))
+    single("mau_temp", "degc", 1, "int16,big,big,0.01,0,-20,60,5.0,1200,0x8000,,,,");
+  if (!stand_ins.of({SignalKind::outdoor_temp, 0}))
+    single("outdoor_temp", "degc", 1, "int16,big,big,0.01,0,-40,60,2.0,1200,0x8000,,,,");
+  if (!stand_ins.of({SignalKind::rain, 0})) single("rain", "", 1, status);
   single("supply_temp", "degc", 1, "int16,big,big,0.01,0,-10,60,10.0,1200,0x8000,,,,");
   single("clock_s", "s", 2, "int32,big,big,1,0,0,2147483647,,,,,,,");
   single("map_fingerprint", "", 2, "uint32,big,big,1,0,0,4294967295,,,,,,,");

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <optional>
 
+#include "hal/points/point_names.hpp"
 #include "hal/points/point_row.hpp"
 
 namespace airside::hal {
@@ -17,53 +16,6 @@ namespace {
 
 constexpr std::size_t max_file_bytes = std::size_t{1} << 20;
 constexpr std::size_t max_points = 2000;
-
-constexpr std::array<SignalKind, 5> placed_kinds = {SignalKind::room_temp, SignalKind::fcu_temp, SignalKind::vav_on,
-                                                    SignalKind::fcu_on, SignalKind::power};
-
-/// Name and unit of the points that are no signals.
-struct KnownPoint {
-  const char* name;
-  const char* unit;
-};
-constexpr std::array<KnownPoint, 11> single_points = {{{"mau_temp", "degc"},
-                                                       {"outdoor_temp", "degc"},
-                                                       {"rain", ""},
-                                                       {"setpoint", "degc"},
-                                                       {"supply_temp", "degc"},
-                                                       {"ahu_on", ""},
-                                                       {"clock_s", "s"},
-                                                       {"clock_advance_s", "s"},
-                                                       {"heartbeat", ""},
-                                                       {"device_heartbeat", ""},
-                                                       {"map_fingerprint", ""}}};
-
-struct PlacedName {
-  SignalKind kind;
-  int place;
-};
-
-/// `room_temp_3` as kind and place; nothing for names that are no placed signal.
-std::optional<PlacedName> placed(std::string_view name) {
-  for (const SignalKind kind : placed_kinds) {
-    const std::string stem = std::string(text_of(kind).name) + "_";
-    if (!name.starts_with(stem)) continue;
-    const std::string_view digits = name.substr(stem.size());
-    int place = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), place);
-    if (error == std::errc{} && end == digits.data() + digits.size()) return PlacedName{kind, place};
-  }
-  return std::nullopt;
-}
-
-/// The unit that lib expects of a point, nullptr where any will do.
-const char* expected_unit(std::string_view name) {
-  if (const auto p = placed(name)) return text_of(p->kind).unit;
-  for (const KnownPoint& known : single_points) {
-    if (name == known.name) return known.unit;
-  }
-  return nullptr;
-}
 
 void check_unit(const PointRow& row, const Point& p) {
   const char* expected = expected_unit(p.name);
@@ -270,30 +222,6 @@ double PointMap::told_fingerprint() const {
   const Point* point = find("map_fingerprint");
   if (point != nullptr && std::isfinite(point->default_value)) return point->default_value;
   return static_cast<double>(fingerprint() & 0xFFFFFFFFU);
-}
-
-void PointMap::check_topology(int vavs, int fcus, int powers) const {
-  const std::array<int, placed_kinds.size()> counts = {vavs, fcus, vavs, fcus, powers};
-  for (std::size_t k = 0; k < placed_kinds.size(); ++k) {
-    for (int place = 1; place <= counts[k]; ++place) at(point_name({placed_kinds[k], place}));
-  }
-  for (const char* name : {"mau_temp", "outdoor_temp", "rain", "setpoint"}) at(name);
-  if (const Point& setpoint = at("setpoint"); !setpoint.readable() && find("supply_temp") == nullptr) {
-    throw InputError(fmt::format("{}:{}, column readback", file_, setpoint.line),
-                     "a setpoint that cannot be read back, and no point supply_temp",
-                     "one of the two, so that somebody sees whether the AHU follows",
-                     "add supply_temp, or name the point that shows the setpoint taken");
-  }
-  for (const Point& p : points_) {
-    const auto name = placed(p.name);
-    if (!name) continue;
-    const auto k = static_cast<std::size_t>(std::ranges::find(placed_kinds, name->kind) - placed_kinds.begin());
-    if (name->place >= 1 && name->place <= counts[k]) continue;
-    throw InputError(fmt::format("{}:{}, column name", file_, p.line), "\"" + p.name + "\"",
-                     fmt::format("{}_1 to {}_{} in a room of {} VAV, {} FCU, {} power meters", text_of(name->kind).name,
-                                 text_of(name->kind).name, counts[k], vavs, fcus, powers),
-                     "choose the topology that fits the room, or remove the row");
-  }
 }
 
 }  // namespace airside::hal

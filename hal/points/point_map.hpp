@@ -11,6 +11,7 @@
 
 #include "airside/signals.hpp"
 #include "airside/topology.hpp"
+#include "hal/points/stand_ins.hpp"
 #include "hal/text/input_error.hpp"
 
 namespace airside::hal {
@@ -84,9 +85,14 @@ class PointMap {
   double told_fingerprint() const;
   const std::string& file() const { return file_; }
 
-  /// Refuses a map that lacks a signal of the topology or has one that the topology does not.
+  /// The sensors of a zone that has several, `room_temp_3a` on; none where it has one under the name alone.
+  std::vector<const Point*> sensors(int place) const;
+  /// Whether a signal is sensed: it has a row, or a zone its sensors.
+  bool has(SignalId id) const;
+  /// Refuses a map that lacks a signal of the topology for which there is no stand-in either, or has one that the
+  /// topology does not or that has a stand-in.
   /// Errors: InputError naming the point.
-  void check_topology(int vavs, int fcus, int powers) const;
+  void check_topology(int vavs, int fcus, int powers, const StandIns& stand_ins = {}) const;
 
  private:
   std::string file_;
@@ -94,7 +100,8 @@ class PointMap {
 };
 
 /// A complete points.csv for a room of this shape: 0.01 K temperatures, 0/1 status, float powers in one block
-/// of input registers; setpoint, heartbeat and the simulator's clock request in holding registers.
-std::string default_point_map(int vavs, int fcus, int powers);
+/// of input registers; setpoint, heartbeat and the simulator's clock request in holding registers. A signal that has a
+/// stand-in has no row.
+std::string default_point_map(int vavs, int fcus, int powers, const StandIns& stand_ins = {});
 
 }  // namespace airside::hal

@@ -77,6 +77,17 @@ fan_start = "00:00"      # local time; a point ahu_on (1 runs, 0 rests) in the p
 fan_end = "24:00"
 weekday_only = false     # true: it rests on Saturday and Sunday
 
+# Signals for which the site has no sensor: take their rows out of the point map and say here what stands in for them.
+# Room temperatures and the setpoint need theirs. `airside check` says what each missing signal costs.
+# [stand_in]
+# rain = 0
+# mau_temp = 18.0        # degC
+# outdoor_temp = 28.0    # degC
+# power_1 = 4.0          # kW, one meter; power = 4.0 for all that have no row
+# vav_on = 1             # all boxes: on
+# fcu_on = 0
+# fcu_temp = 25.0        # degC
+
 # A model of the building, for training before anything is installed:
 # [twin]
 # model = "twin.epJSON"  # or "rc"

@@ -11,6 +11,7 @@
 
 #include "airside/crc32c.hpp"
 #include "airside/topology.hpp"
+#include "hal/site/site_stand_ins.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/text/text_file.hpp"
 #include "hal/text/toml_section.hpp"
@@ -299,6 +300,7 @@ SiteFile parse_site_text(std::string_view text, const std::string& path, const S
   read_setpoint(root.section("setpoint"), out);
   read_expert(root.section("expert"), out);
   read_controller(root.section("controller"), out, rules);
+  out.stand_ins = read_stand_ins(root.section("stand_in"), out.topology);
   read_modbus(root.section("modbus"), out);
   read_folders(root, out);
   read_page(root.section("page"), out);

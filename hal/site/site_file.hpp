@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hal/points/stand_ins.hpp"
 #include "hal/site/twin_section.hpp"
 
 namespace airside::hal {
@@ -81,6 +82,8 @@ struct SiteFile {
   ControllerPreset preset = ControllerPreset::product;  ///< [controller]
   std::uint64_t seed = 1;
   std::map<std::string, double> overrides;  ///< [controller.override]
+
+  StandIns stand_ins;  ///< [stand_in]: numbers in the place of signals that the site has no sensor for
 
   std::optional<ModbusSection> modbus;  ///< absent: a site that is only simulated
   ClockSource clock = ClockSource::system;

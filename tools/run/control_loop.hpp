@@ -97,7 +97,8 @@ template <Topology T>
 std::unique_ptr<Controller<T>> make_controller(const Site& site, const ControllerSettings& settings,
                                                std::uint64_t seed) {
   auto controller = std::make_unique<Controller<T>>();
-  controller->configure(settings, hal::signal_limits<T>(site.points, shape_of<T>(site)), hal::box_kernels(), seed);
+  controller->configure(settings, hal::signal_limits<T>(site.points, shape_of<T>(site), site.file.stand_ins),
+                        hal::box_kernels(), seed);
   return controller;
 }
 
@@ -131,7 +132,7 @@ void for_topology_of(const Site& site, F&& f) {
 
 template <Topology T>
 Scaler<T> scaler_of(const Site& site, std::span<const hal::LogRow> rows) {
-  const auto limits = hal::signal_limits<T>(site.points, shape_of<T>(site));
+  const auto limits = hal::signal_limits<T>(site.points, shape_of<T>(site), site.file.stand_ins);
   ScalerFit<T> fit;
   for (const hal::LogRow& row : rows) {
     auto value = hal::signals_of<T>(row, shape_of<T>(site));

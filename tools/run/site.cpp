@@ -23,11 +23,11 @@ Site load_site(const std::string& path) {
   Site site;
   site.file = hal::read_site_file(path, hal::site_rules());
   site.counts = counts_of_name(site.file.topology);
-  site.points = site.file.modbus
-                    ? hal::PointMap::load(site.file.modbus->points)
-                    : hal::PointMap::parse(
-                          hal::default_point_map(site.counts.vavs, site.counts.fcus, site.counts.powers), "built-in");
-  site.points.check_topology(site.counts.vavs, site.counts.fcus, site.counts.powers);
+  site.points = site.file.modbus ? hal::PointMap::load(site.file.modbus->points)
+                                 : hal::PointMap::parse(hal::default_point_map(site.counts.vavs, site.counts.fcus,
+                                                                               site.counts.powers, site.file.stand_ins),
+                                                        "built-in");
+  site.points.check_topology(site.counts.vavs, site.counts.fcus, site.counts.powers, site.file.stand_ins);
   site.settings = hal::controller_settings(site.file, site.points);
   return site;
 }

@@ -42,9 +42,10 @@ std::string site_facts(const hal::SiteFile& f) {
                : "simulated only (no [modbus])");
 }
 
-std::string points_facts(Findings& out, const std::string& path, const hal::TopologyCounts& counts) {
+std::string points_facts(Findings& out, const std::string& path, const hal::TopologyCounts& counts,
+                         const hal::StandIns& stand_ins) {
   const hal::PointMap map = hal::PointMap::load(path);
-  map.check_topology(counts.vavs, counts.fcus, counts.powers);
+  map.check_topology(counts.vavs, counts.fcus, counts.powers, stand_ins);
   const auto writable =
       std::count_if(map.points().begin(), map.points().end(), [](const auto& p) { return p.writable(); });
   for (std::string& text : warnings_of(map)) out.warn("points", path, std::move(text));
@@ -148,7 +149,7 @@ struct CheckCommand {
       });
     }
     const auto check_points = [&](const std::string& p) {
-      out.check("points", p, [&] { return points_facts(out, p, counts); });
+      out.check("points", p, [&] { return points_facts(out, p, counts, file ? file->stand_ins : hal::StandIns{}); });
     };
     const auto check_log = [&](const char* what, const std::string& p) {
       out.check(what, p, [&] { return log_facts(p, counts); });
@@ -159,7 +160,7 @@ struct CheckCommand {
     if (file) {
       if (file->modbus) {
         out.check("points", file->modbus->points, [&] {
-          std::string facts = points_facts(out, file->modbus->points, counts);
+          std::string facts = points_facts(out, file->modbus->points, counts, file->stand_ins);
           hal::refuse_contradiction(*file, hal::PointMap::load(file->modbus->points));
           return facts;
         });
