@@ -4,8 +4,10 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "airside/plant.hpp"
 #include "hal/points/point_map.hpp"
@@ -21,15 +23,24 @@ double sensor_value(const Sensors& sensors, SignalId id);
 /// (damper_n, zone_setpoint_n, occupied, supply_flow, ahu_on) one that the plant does not offer.
 std::optional<double> point_value(const Sensors& sensors, std::string_view point);
 
-/// Wraps a PlantModel.  The model must outlive it.
+/// Wraps a PlantModel.  Model and points must outlive it.
 template <Topology T>
 class SimulatedPlant {
  public:
-  SimulatedPlant(PlantModel& model, const hal::PointMap& points, const Shape& site = capacity_of<T>())
+  /// Of a site of this shape. A signal that the map lacks reads as its stand-in; of a zone's several sensors, which would
+  /// all show the same, one is read.
+  SimulatedPlant(PlantModel& model, const hal::PointMap& points, const Shape& site = capacity_of<T>(),
+                 const hal::StandIns& stand_ins = {})
       : model_(model), sides_(points) {
     for (int i = 0; i < Layout<T>::signals; ++i) {
       if (!is_present<T>(site, i)) continue;
-      points_[static_cast<std::size_t>(i)] = points.find(hal::point_name(signal_id<T>(i)));
+      const SignalId id = signal_id<T>(i);
+      Signal& signal = signals_[static_cast<std::size_t>(i)];
+      signal.stand_in = stand_ins.of(id).value_or(signal.stand_in);
+      signal.point = points.find(hal::point_name(id));
+      if (signal.point != nullptr || id.kind != SignalKind::room_temp) continue;
+      const std::vector<const hal::Point*> several = points.sensors(id.place);
+      if (!several.empty()) signal.point = several.front();
     }
     setpoint_ = &points.at("setpoint");
     supply_temp_ = points.find("supply_temp");
@@ -40,8 +51,9 @@ class SimulatedPlant {
     Reading<T> reading;
     reading.time = model_.time();
     for (int i = 0; i < Layout<T>::signals; ++i) {
-      const hal::Point* point = points_[static_cast<std::size_t>(i)];
-      if (point != nullptr) reading.value(i) = hal::rounded(*point, sensor_value(sensors, signal_id<T>(i)));
+      const Signal& signal = signals_[static_cast<std::size_t>(i)];
+      reading.value(i) = signal.point == nullptr ? signal.stand_in
+                                                 : hal::rounded(*signal.point, sensor_value(sensors, signal_id<T>(i)));
     }
     reading.setpoint_degc = hal::rounded(*setpoint_, sensors.setpoint_degc);
     if (supply_temp_ != nullptr) reading.supply_temp_degc = hal::rounded(*supply_temp_, sensors.supply_temp_degc);
@@ -57,10 +69,13 @@ class SimulatedPlant {
   }
 
  private:
+  struct Signal {
+    const hal::Point* point = nullptr;
+    double stand_in = std::numeric_limits<double>::quiet_NaN();  ///< where there is no point
+  };
   PlantModel& model_;
   SidePoints<T> sides_;
-  std::array<const hal::Point*, static_cast<std::size_t>(Layout<T>::signals)>
-      points_{};  ///< nullptr: the site has none
+  std::array<Signal, static_cast<std::size_t>(Layout<T>::signals)> signals_{};
   const hal::Point* setpoint_;
   const hal::Point* supply_temp_;
 };

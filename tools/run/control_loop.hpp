@@ -82,7 +82,7 @@ Shape shape_of(const Site& site) {
 template <Topology T>
 ControlRun run_chooser(const Site& site, const ControllerSettings& settings, sim::PlantModel& model, CivilTime until,
                        const OnProgress& progress, int period_s, typename Chooser<T>::Choose choose) {
-  sim::SimulatedPlant<T> plant(model, site.points, shape_of<T>(site));
+  sim::SimulatedPlant<T> plant(model, site.points, shape_of<T>(site), site.file.stand_ins);
   sim::SimulatedClock clock(model);
   const CivilTime from = next_row(model.time());
   Recorder recorder(site, model, until, progress);
@@ -145,7 +145,7 @@ Scaler<T> scaler_of(const Site& site, std::span<const hal::LogRow> rows) {
 template <Topology T>
 ControlRun control(const Site& site, sim::PlantModel& model, Controller<T>& controller, CivilTime until,
                    const OnProgress& progress) {
-  sim::SimulatedPlant<T> plant(model, site.points, shape_of<T>(site));
+  sim::SimulatedPlant<T> plant(model, site.points, shape_of<T>(site), site.file.stand_ins);
   sim::SimulatedClock clock(model);
   const CivilTime from = next_row(model.time());
   Recorder recorder(site, model, until, progress);

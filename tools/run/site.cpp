@@ -45,6 +45,15 @@ Site built_in_site(const std::string& topology, hal::ControllerPreset preset) {
   return site;
 }
 
+Site with_stand_ins(Site built_in, const hal::StandIns& stand_ins) {
+  const hal::TopologyCounts& c = built_in.counts;
+  built_in.file.stand_ins = stand_ins;
+  built_in.points =
+      hal::PointMap::parse(hal::default_point_map(c.vavs, c.fcus, c.powers, stand_ins), built_in.points.file());
+  built_in.points.check_topology(c.vavs, c.fcus, c.powers, stand_ins);
+  return built_in;
+}
+
 Site with_preset(const Site& site, hal::ControllerPreset preset) {
   Site other = site;
   other.file.preset = preset;

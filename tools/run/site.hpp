@@ -25,6 +25,9 @@ Site load_site(const std::string& path);
 Site built_in_site(const std::string& topology = "5vav-5fcu-2power",
                    hal::ControllerPreset preset = hal::ControllerPreset::product);
 
+/// The built-in site without the sensors for which there is a stand-in.
+Site with_stand_ins(Site built_in, const hal::StandIns& stand_ins);
+
 /// The site with another preset, everything the file says kept.
 Site with_preset(const Site& site, hal::ControllerPreset preset);
 

@@ -234,6 +234,7 @@ void add_study(CLI::App& app) {
   CLI::App* study = app.add_subcommand("study", "tables over several rooms and seeds");
   study->require_subcommand(1);
   add_study_tune(*study);
+  add_study_signals(*study);
   auto self = std::make_shared<StudyCommand>();
   CLI::App* c = study->add_subcommand(
       "rooms",

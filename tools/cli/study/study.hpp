@@ -20,6 +20,7 @@ struct StudyOptions {
   PlantChoice choice(const std::string& room, std::uint64_t seed, const std::string& start) const;
 };
 
+void add_study_signals(CLI::App& study);
 void add_study_tune(CLI::App& study);
 
 }  // namespace airside::tools
