@@ -76,9 +76,31 @@ std::string column_of(SignalId id) {
   return column;
 }
 
+std::string column_of(const TopologyCounts& counts, int index) {
+  return column_of(counts.signal(index)) + (counts.stand_in(index) ? stand_in_mark : "");
+}
+
+std::string column_of(SideColumn side) {
+  const std::string place = std::to_string(side.place);
+  switch (side.signal) {
+    case SideSignal::damper: return "damper_" + place;
+    case SideSignal::zone_setpoint: return "zone_setpoint_" + place + "_degc";
+    case SideSignal::occupied: return "occupied";
+    case SideSignal::supply_flow: return "supply_flow_m3s";
+    case SideSignal::ahu_on: return "ahu_on";
+  }
+  return "unknown";
+}
+
+bool is_side_column(std::string_view name) {
+  return name == "occupied" || name == "supply_flow_m3s" || name == "ahu_on" || name.starts_with("damper_") ||
+         name.starts_with("zone_setpoint_");
+}
+
 LogRow make_log_row(const TopologyCounts& counts) {
   LogRow row;
   row.value.assign(static_cast<std::size_t>(counts.signals()), ControllerColumns::none);
+  row.side.assign(counts.sides.size(), ControllerColumns::none);
   row.controller.mode.reserve(47);
   row.controller.reason.reserve(47);
   row.controller.fault.reserve(47);
@@ -87,8 +109,9 @@ LogRow make_log_row(const TopologyCounts& counts) {
 
 std::string log_header(const TopologyCounts& counts, bool controller, std::span<const std::string> extra) {
   std::string header = "time";
-  for (int i = 0; i < counts.signals(); ++i) header += "," + column_of(counts.signal(i));
+  for (int i = 0; i < counts.signals(); ++i) header += "," + column_of(counts, i);
   header += ",setpoint_degc,supply_temp_degc";
+  for (const SideColumn& side : counts.sides) header += "," + column_of(side);
   if (controller) {
     for (const ControllerColumn& column : controller_columns) header += std::string(",") + column.name;
   }
@@ -111,6 +134,10 @@ std::size_t format_log_row(std::span<char> out, const LogRow& row, bool controll
   cursor.put(row.setpoint_degc);
   cursor.put(',');
   cursor.put(row.supply_temp_degc);
+  for (const double value : row.side) {
+    cursor.put(',');
+    cursor.put(value);
+  }
   if (controller) {
     for (const ControllerColumn& column : controller_columns) {
       cursor.put(',');
@@ -133,15 +160,17 @@ LogWriter::LogWriter(std::string path, const TopologyCounts& counts, bool contro
     : path_(std::move(path)),
       controller_(controller),
       values_(static_cast<std::size_t>(counts.signals())),
+      sides_(counts.sides.size()),
       extras_(extra_columns.size()),
       file_(path_) {
   file_.write(log_header(counts, controller, extra_columns));
 }
 
 void LogWriter::append(const LogRow& row) {
-  if (row.value.size() != values_ || row.extra.size() != extras_) {
-    throw std::runtime_error(path_ + ": a row of " + std::to_string(row.value.size()) + " signals and " +
-                             std::to_string(row.extra.size()) + " further fields does not fit the header");
+  if (row.value.size() != values_ || row.side.size() != sides_ || row.extra.size() != extras_) {
+    throw std::runtime_error(path_ + ": a row of " + std::to_string(row.value.size() + row.side.size()) +
+                             " signals and " + std::to_string(row.extra.size()) +
+                             " further fields does not fit the header");
   }
   char text[max_log_row_text];
   const std::size_t size = format_log_row(text, row, controller_);

@@ -3,9 +3,13 @@
 // Column names come from signals.hpp, so a log says itself which room shape it belongs to.
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "airside/civil_time.hpp"
@@ -14,15 +18,30 @@
 
 namespace airside::hal {
 
-/// The counts of a topology as run-time values.
+/// Signals beside the network's inputs; a log has those that the site shows.
+enum class SideSignal : std::uint8_t { damper, zone_setpoint, occupied, supply_flow, ahu_on };
+/// One of them; place 0 where there is only one.
+struct SideColumn {
+  SideSignal signal;
+  int place;
+};
+
+/// The counts of a topology as run-time values, and what a site of it senses.
 struct TopologyCounts {
   std::string name;
   int vavs = 0, fcus = 0, powers = 0;
+  /// Of each sensed signal in order, what stands in for it; empty: the site has a sensor for each.
+  std::vector<std::optional<double>> stand_ins{};
+  std::vector<SideColumn> sides{};  ///< further columns of its logs
 
   Shape shape() const { return {vavs, fcus, powers}; }
   int signals() const { return 2 * vavs + 2 * fcus + powers + 3; }
   /// Kind and place of sensed signal `index`, in the order of Layout<T>.
   SignalId signal(int index) const;
+  /// Nothing where signal `index` is sensed.
+  std::optional<double> stand_in(int index) const {
+    return stand_ins.empty() ? std::nullopt : stand_ins[static_cast<std::size_t>(index)];
+  }
 };
 
 inline TopologyCounts counts_of(const Shape& shape) {
@@ -33,6 +52,14 @@ requires(T::exact) TopologyCounts counts_of() { return counts_of(capacity_of<T>(
 
 /// `room_temp_1_degc`: name[_place][_unit].
 std::string column_of(SignalId id);
+
+/// The column of signal `index` of a site: of a stand-in, `rain_stand_in`, so that nobody takes it for measured.
+std::string column_of(const TopologyCounts& counts, int index);
+constexpr const char* stand_in_mark = "_stand_in";
+/// `damper_1`, `supply_flow_m3s`.
+std::string column_of(SideColumn side);
+/// Whether a name is that of a side signal's column, of whatever place.
+bool is_side_column(std::string_view name);
 
 /// What the controller thought in a row. NaN or "" is written as an empty field.
 struct ControllerColumns {
@@ -54,6 +81,7 @@ struct LogRow {
   std::vector<double> value;  ///< NaN: missing
   double setpoint_degc = ControllerColumns::none;
   double supply_temp_degc = ControllerColumns::none;
+  std::vector<double> side;  ///< in the order of TopologyCounts::sides; NaN: missing
   ControllerColumns controller;
   std::vector<std::string> extra;  ///< fields of further columns, in file order
 };
@@ -112,12 +140,14 @@ struct LogSummary {
 struct Log {
   std::vector<LogRow> rows;
   std::vector<std::string> extra_columns;
+  std::vector<bool> stood_in;   ///< of each signal: a stand-in somewhere, by the site or by a file's header
   bool has_controller = false;  ///< the controller's columns are there
   LogSummary summary;
 };
 
 /// Reads a log file, or all `*.csv` of a directory in order of name as one log.
-/// Columns may stand in any order; supply_temp_degc and the controller's may be missing.
+/// Columns may stand in any order; supply_temp_degc, sides and the controller's may be missing, and so may signals for
+/// which the site has a stand-in: whatever the file says of those, the stand-in is read.
 /// Errors: InputError with file:line and column.
 Log read_log(const std::string& path, const TopologyCounts& counts, const LogReadOptions& options = {});
 
@@ -144,7 +174,7 @@ class LogWriter {
  private:
   std::string path_;
   bool controller_;
-  std::size_t values_, extras_;
+  std::size_t values_, sides_, extras_;
   StagedFile file_;
 };
 

@@ -16,6 +16,7 @@ void append_log(Log& all, Log&& part, const std::string& name) {
     throw InputError(name + ":1", "other columns than in the files before", "the same header in every file",
                      "read the files one by one");
   }
+  for (std::size_t i = 0; i < all.stood_in.size(); ++i) all.stood_in[i] = all.stood_in[i] || part.stood_in[i];
   const CivilTime last = all.summary.last, first = part.summary.first;
   if (first <= last) {
     throw InputError(name + ":2: time", civil_text(first),

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -146,15 +147,27 @@ class Reader {
     used_.assign(header_.size(), false);
     used_[time_column_] = true;
     check_shape();
-    for (int i = 0; i < counts_.signals(); ++i) signal_column_.push_back(require(counts_.signal(i)));
-    setpoint_column_ = require({SignalKind::setpoint, 0});
+    for (int i = 0; i < counts_.signals(); ++i) {
+      const bool lacks = counts_.stand_in(i).has_value();
+      const auto column = find(counts_.signal(i));
+      // A site without the sensor takes its stand-in whatever the file has.
+      signal_column_.push_back(lacks ? not_read : column ? *column : refuse_missing(counts_.signal(i)));
+      log_.stood_in.push_back(lacks || header_[signal_column_.back()].ends_with(stand_in_mark));
+    }
+    const SignalId setpoint{SignalKind::setpoint, 0};
+    const auto found = find(setpoint);
+    setpoint_column_ = found ? *found : refuse_missing(setpoint);
     supply_column_ = optional_column("supply_temp_degc", "supply_temp");
+    for (const SideColumn& side : counts_.sides) {
+      const std::string column = column_of(side);
+      side_column_.push_back(optional_column(column, column));
+    }
     for (const ControllerColumn& column : controller_columns) {
       controller_column_.push_back(optional_column(column.name, column.name));
       log_.has_controller = log_.has_controller || controller_column_.back().has_value();
     }
     for (std::size_t i = 0; i < header_.size(); ++i) {
-      if (!used_[i]) {
+      if (!used_[i] && !is_side_column(header_[i])) {
         extra_column_.push_back(i);
         log_.extra_columns.push_back(header_[i]);
       }
@@ -165,7 +178,9 @@ class Reader {
   void check_shape() const {
     const int vavs = count_places(header_, "room_temp"), fcus = count_places(header_, "fcu_temp");
     const int powers = count_places(header_, "power");
-    if (vavs == counts_.vavs && fcus == counts_.fcus && powers == counts_.powers) return;
+    const bool fcus_fit = fcus == counts_.fcus || stands_in(SignalKind::fcu_temp);
+    const bool powers_fit = powers == counts_.powers || stands_in(SignalKind::power);
+    if (vavs == counts_.vavs && fcus_fit && powers_fit) return;
     if (vavs == 0 || vavs != count_places(header_, "vav_on") || fcus != count_places(header_, "fcu_on")) return;
     if (powers == 0 && counts_.powers > 0) return;
     throw InputError(place(), "the columns of a " + shape_text(vavs, fcus, powers) + " room",
@@ -173,12 +188,29 @@ class Reader {
                      "give the log of this site, or change topology in [site] of the site file");
   }
 
-  std::size_t require(SignalId id) {
-    const std::string column = column_of(id);
-    if (const auto found = index_.find(column); found != index_.end()) {
-      used_[found->second] = true;
-      return found->second;
+  /// Whether the site lacks a sensor of a kind: then columns of it may be missing.
+  bool stands_in(SignalKind kind) const {
+    for (int i = 0; i < counts_.signals(); ++i) {
+      if (counts_.signal(i).kind == kind && counts_.stand_in(i)) return true;
     }
+    return false;
+  }
+
+  /// The column of a signal, as sensed or as what stood in for it; nothing where there is none.
+  std::optional<std::size_t> find(SignalId id) {
+    const std::string column = column_of(id);
+    std::optional<std::size_t> taken;
+    for (const std::string& name : {column + stand_in_mark, column}) {
+      const auto found = index_.find(name);
+      if (found == index_.end()) continue;
+      used_[found->second] = true;
+      taken = found->second;
+    }
+    return taken;
+  }
+
+  [[noreturn]] std::size_t refuse_missing(SignalId id) const {
+    const std::string column = column_of(id);
     std::string base = text_of(id.kind).name;
     if (id.place > 0) base += "_" + std::to_string(id.place);
     refuse_other_unit(column, base);
@@ -220,10 +252,14 @@ class Reader {
     row.time = read_time();
     row.value.reserve(signal_column_.size());
     for (int i = 0; i < counts_.signals(); ++i) {
-      row.value.push_back(read_signal(signal_column_[static_cast<std::size_t>(i)], counts_.signal(i).kind));
+      const std::size_t column = signal_column_[static_cast<std::size_t>(i)];
+      row.value.push_back(column == not_read ? *counts_.stand_in(i) : read_signal(column, counts_.signal(i).kind));
     }
     row.setpoint_degc = read_signal(setpoint_column_, SignalKind::setpoint);
     if (supply_column_) row.supply_temp_degc = read_optional(*supply_column_);
+    for (const auto& column : side_column_) {
+      row.side.push_back(column ? read_optional(*column) : ControllerColumns::none);
+    }
     for (std::size_t i = 0; i < controller_columns.size(); ++i) {
       if (!controller_column_[i]) continue;
       const ControllerColumn& column = controller_columns[i];
@@ -329,6 +365,8 @@ class Reader {
     log_.summary.last = log_.rows.back().time;
   }
 
+  static constexpr std::size_t not_read = std::numeric_limits<std::size_t>::max();
+
   std::string_view text_;
   const std::string& name_;
   const TopologyCounts& counts_;
@@ -342,7 +380,7 @@ class Reader {
   std::size_t time_column_ = 0, setpoint_column_ = 0;
   std::optional<std::size_t> supply_column_;
   std::vector<std::size_t> signal_column_, extra_column_;
-  std::vector<std::optional<std::size_t>> controller_column_;
+  std::vector<std::optional<std::size_t>> side_column_, controller_column_;
 };
 
 }  // namespace

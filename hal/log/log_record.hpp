@@ -53,4 +53,22 @@ void fill_log_row(LogRow& row, const Shape& site, CivilTime t, const Expected<Re
   c.loss_rec = decided ? decision.loss.rec : none;
 }
 
+/// Fills what the site shows beside the network's inputs, in the order of `sides`. Cost: no heap.
+template <Topology T>
+void fill_sides(LogRow& row, std::span<const SideColumn> sides, const Expected<Reading<T>>& sensed) {
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    double& value = row.side[i];
+    value = ControllerColumns::none;
+    if (!sensed) continue;
+    const Eigen::Index place = sides[i].place - 1;
+    switch (sides[i].signal) {
+      case SideSignal::damper: value = sensed->damper(place); break;
+      case SideSignal::zone_setpoint: value = sensed->zone_setpoint_degc(place); break;
+      case SideSignal::occupied: value = sensed->occupied; break;
+      case SideSignal::supply_flow: value = sensed->supply_flow_m3s; break;
+      case SideSignal::ahu_on: value = sensed->flows; break;
+    }
+  }
+}
+
 }  // namespace airside::hal

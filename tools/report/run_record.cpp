@@ -65,6 +65,7 @@ RunRecord make_run_record(const Site& site, const ControlRun& run) {
   for (std::size_t i = 0; i < at.rooms; ++i) r.room_temp_degc.push_back({r.room_names[i], column(run.rows, i)});
   r.outdoor_degc = column(run.rows, at.outdoor);
   for (std::size_t i = 0; i < at.powers; ++i) {
+    if (site.counts.stand_in(static_cast<int>(at.power + i))) continue;
     r.power_kw.push_back({at.powers == 1 ? "power" : "meter " + std::to_string(i + 1), column(run.rows, at.power + i)});
   }
 
@@ -93,11 +94,15 @@ ControlRun run_of_log(const Site& site, const hal::Log& log, const std::string& 
   ControlRun run;
   const Places at(site.counts);
   run.rows = log.rows;
+  bool metered = true;  // a number that stands in for a meter is no energy
+  for (std::size_t i = at.power; i < at.power + at.powers && i < log.stood_in.size(); ++i) {
+    metered = metered && !log.stood_in[i];
+  }
   for (const hal::LogRow& row : log.rows) {
     const auto value = row.value.begin();
     const auto power = value + static_cast<std::ptrdiff_t>(at.power);
     const double kw = std::accumulate(power, power + static_cast<std::ptrdiff_t>(at.powers), 0.0);
-    if (std::isfinite(kw)) run.energy.push_back({row.time, kw});
+    if (std::isfinite(kw) && metered) run.energy.push_back({row.time, kw});
     if (!starts_cycle(row.time) || !whole_cycle(row, at.rooms)) continue;
     run.cycles.push_back({row.time,
                           room_mean(row, at.rooms),

@@ -18,7 +18,6 @@ class Recorder {
   Recorder(const Site& site, const sim::PlantModel& model, CivilTime until, const OnProgress& progress)
       : counts_(site.counts),
         blank_(hal::make_log_row(site.counts)),
-        stand_ins_(site.file.stand_ins),
         model_(model),
         from_(next_row(model.time())),
         until_(until),
@@ -29,14 +28,15 @@ class Recorder {
     run.rows.push_back(blank_);
     hal::LogRow& row = run.rows.back();
     hal::fill_log_row<T>(row, shape_in<T>(counts_.shape()), t, sensed, decision, setpoint_degc);
+    hal::fill_sides<T>(row, counts_.sides, sensed);
     const auto value = row.value.begin();
     double power = 0;
     const std::vector<double>& metered = model_.truth().sensors().power_kw;
+    const int first = 2 * counts_.vavs + 2 * counts_.fcus;
     for (int i = 0; i < counts_.powers; ++i) {
       const auto k = static_cast<std::size_t>(i);
       // A stand-in is no meter: then the plant's own counts.
-      const bool stands_in = stand_ins_.of({SignalKind::power, i + 1}).has_value() && k < metered.size();
-      power += stands_in ? metered[k] : value[2 * counts_.vavs + 2 * counts_.fcus + i];
+      power += counts_.stand_in(first + i) && k < metered.size() ? metered[k] : value[first + i];
     }
     CycleSample sample{t, 0, {value, value + counts_.vavs}, setpoint_degc};
     if (&model_.truth() != &model_) {
@@ -62,7 +62,6 @@ class Recorder {
  private:
   hal::TopologyCounts counts_;
   hal::LogRow blank_;
-  hal::StandIns stand_ins_;
   const sim::PlantModel& model_;
   CivilTime from_, until_;
   const OnProgress& progress_;

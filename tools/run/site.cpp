@@ -1,6 +1,7 @@
 #include "tools/run/site.hpp"
 
 #include "airside/topology.hpp"
+#include "hal/site/site_log.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/text/input_error.hpp"
 
@@ -28,6 +29,7 @@ Site load_site(const std::string& path) {
                                                                                site.counts.powers, site.file.stand_ins),
                                                         "built-in");
   site.points.check_topology(site.counts.vavs, site.counts.fcus, site.counts.powers, site.file.stand_ins);
+  site.counts = hal::counts_of(site.counts, site.points, site.file.stand_ins);
   site.settings = hal::controller_settings(site.file, site.points);
   return site;
 }
@@ -51,6 +53,7 @@ Site with_stand_ins(Site built_in, const hal::StandIns& stand_ins) {
   built_in.points =
       hal::PointMap::parse(hal::default_point_map(c.vavs, c.fcus, c.powers, stand_ins), built_in.points.file());
   built_in.points.check_topology(c.vavs, c.fcus, c.powers, stand_ins);
+  built_in.counts = hal::counts_of(c, built_in.points, stand_ins);
   return built_in;
 }
 
