@@ -45,10 +45,10 @@ class Controller : public ControllerMemory<T, Scalar> {
     if (!sensed) return;
     Supervisor<T> supervisor(settings_, cycle_);
     supervisor.see_setpoint(sensed->setpoint_degc, false);
-    const Expected<ValidReading<T>> valid = cycle_.validator.check(*sensed, t);
-    supervisor.watch_supply(t, *sensed);
+    const bool flows = supervisor.watch_supply(t, *sensed);
+    const Expected<ValidReading<T>> valid = cycle_.validator.check(*sensed, t, flows);
     if (!valid) return;
-    watch(supervisor, t, *valid);
+    watch(supervisor, t, *valid, flows);
     if (!valid->learnable()) return;
     cycle_.row_value = valid->value();
     cycle_.row_time = t;
@@ -129,26 +129,30 @@ class Controller : public ControllerMemory<T, Scalar> {
   /// From the reading to a command of our own. Returns the control mode that this asks for, and why.
   ActiveMode choose(const Reading<T>& sensed, Supervisor<T>& supervisor, Pending& pending) {
     const CivilTime t = pending.time;
-    const Expected<ValidReading<T>> valid = cycle_.validator.check(sensed, t);
     pending.flows = supervisor.watch_supply(t, sensed);
+    const Expected<ValidReading<T>> valid = cycle_.validator.check(sensed, t, pending.flows);
     if (!valid) {
       pending.fault = valid.error();
       pending.fault_signal = cycle_.validator.lost_signal();
       return {ControlMode::expert, Reason::signal_lost};
     }
-    watch(supervisor, t, *valid);
+    watch(supervisor, t, *valid, pending.flows);
     pending.g36_degc = decision_.g36_degc;
     pending.now = valid->value();
     pending.is_usable = valid->learnable();
     if (!pending.is_usable) name_held_signal(pending);
     pending.room_mean_degc = valid->room_mean_degc();
     CycleJudge<T, Scalar> judge(settings_, learner_settings_, learning_, cycle_, scratch_);
-    if (judge.has_ended(t, pending.is_usable)) {
+    // A cycle in which the fan stopped shows nothing of the setpoint.
+    if (pending.flows && judge.has_ended(t, pending.is_usable)) {
       if (settings_.head != 0) proposer_.take_features(settings_, cycle_, learning_.scaler, pending);
       judge.judge(pending);
     }
     if (cycle_.has_weights == 0) return {ControlMode::expert, Reason::no_weights};
-    const double proposal = proposer_.propose(settings_, learning_, cycle_, scratch_, pending);
+    // While the fan rests the setpoint stays as it was: it has no effect, and the forecasts know no still air.
+    const bool stays = !pending.flows && std::isfinite(cycle_.last_setpoint_degc);
+    const double proposal = stays ? cycle_.last_setpoint_degc
+                                  : proposer_.propose(settings_, learning_, cycle_, scratch_, pending);
     if (!std::isfinite(proposal)) {
       pending.fault = Fault::forecast_invalid;
       return {ControlMode::expert, Reason::forecast_invalid};
@@ -162,8 +166,8 @@ class Controller : public ControllerMemory<T, Scalar> {
   }
 
   /// What takes more than one reading to see.
-  void watch(Supervisor<T>& supervisor, CivilTime t, const ValidReading<T>& valid) {
-    supervisor.watch_rooms(t, valid);
+  void watch(Supervisor<T>& supervisor, CivilTime t, const ValidReading<T>& valid, bool flows) {
+    if (flows) supervisor.watch_rooms(t, valid);
     const Vector& v = valid.value();
     const auto rooms = static_cast<std::size_t>(rooms_of<T>(settings_.shape));
     decision_.g36_degc = cycle_.guideline36.setpoint_degc(settings_, guideline36_, t, {v.data(), rooms},

@@ -59,7 +59,8 @@ class Validator {
   /// disagrees, if more than one room does. Cost: O(signals).  Source: docs/box-and-safety.md, rows 1-6.
   Expected<ValidReading<T>> check(const Reading<T>& reading) { return check(reading, reading.time); }
   /// The same for a row whose instant counts, not the one at which the plant was asked.
-  Expected<ValidReading<T>> check(const Reading<T>& reading, CivilTime t) {
+  /// Rooms are compared with each other only while air flows: without it one may get much warmer than the others.
+  Expected<ValidReading<T>> check(const Reading<T>& reading, CivilTime t, bool flows = true) {
     ValidReading<T> out;
     out.time_ = t;
     out.setpoint_degc_ = reading.setpoint_degc;
@@ -84,7 +85,7 @@ class Validator {
       out.value_(i) = last_good_[k];
       ++out.held_;
     }
-    if (lost == Fault::none) lost = disagreement(out);
+    if (lost == Fault::none && flows) lost = disagreement(out);
     if (frozen(reading, t)) lost = Fault::frozen, lost_signal_ = -1;
     if (lost != Fault::none) return tl::unexpected(lost);
     return out;
