@@ -27,8 +27,8 @@ std::optional<double> point_value(const Sensors& sensors, std::string_view point
 template <Topology T>
 class SimulatedPlant {
  public:
-  /// Of a site of this shape. A signal that the map lacks reads as its stand-in; of a zone's several sensors, which would
-  /// all show the same, one is read.
+  /// Of a site of this shape. A signal that the map lacks reads as its stand-in; of a zone's several sensors, which
+  /// would all show the same, one is read.
   SimulatedPlant(PlantModel& model, const hal::PointMap& points, const Shape& site = capacity_of<T>(),
                  const hal::StandIns& stand_ins = {})
       : model_(model), sides_(points) {

@@ -7,6 +7,7 @@
 #include "firmware/edge/report/row_status.hpp"
 #include "firmware/edge/report/say.hpp"
 #include "hal/modbus/wire.hpp"
+#include "hal/site/site_log.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/weights/blob_file.hpp"
 
@@ -14,7 +15,7 @@ namespace airside::edge {
 
 // Every build must read what every other has saved: strict or not, 32 or 64 bits. Where one of these changes on
 // purpose, state_version does too.
-static_assert(sizeof(LearningState<FiveZone, float>) == 706112 && sizeof(RowRecord<FiveZone>) == 5088);
+static_assert(sizeof(LearningState<FiveZone, float>) == 706112 && sizeof(RowRecord<FiveZone>) == 5128);
 
 template <Topology T>
 Daemon<T>::Daemon(const hal::SiteFile& site, const hal::PointMap& points, const DaemonOptions& options,
@@ -29,7 +30,8 @@ Daemon<T>::Daemon(const hal::SiteFile& site, const hal::PointMap& points, const 
              shape_in<T>(parse_shape(site.topology.c_str()))),
       system_clock_(stop, std::nullopt, options.clock_speed),
       controller_(std::make_unique<Controller<T>>()),
-      state_(site_, options.sync, *controller_),
+      state_(site_, hal::counts_of(hal::counts_of(parse_shape(site.topology.c_str())), points, site.stand_ins),
+             options.sync, *controller_),
       status_(site_.state_dir),
       crash_loop_(site.state_dir, options.crash_limit, options.sync) {
   hal::refuse_contradiction(site, points);

@@ -14,12 +14,14 @@
 namespace airside::edge {
 
 template <Topology T>
-DaemonState<T>::DaemonState(const hal::SiteFile& site, hal::Sync sync, Controller<T>& controller)
+DaemonState<T>::DaemonState(const hal::SiteFile& site, const hal::TopologyCounts& columns, hal::Sync sync,
+                            Controller<T>& controller)
     : site_(site),
       controller_(controller),
       folders_(site, sync),
-      shape_(shape_in<T>(parse_shape(site.topology.c_str()))),
-      log_row_(hal::make_log_row(hal::counts_of(shape_))),
+      columns_(columns),
+      shape_(shape_in<T>(columns.shape())),
+      log_row_(hal::make_log_row(columns_)),
       trial_(site.keys_dir, site.inbox_dir, site.state_dir, layout(shape_).meaning, sync, site.scope, site.log_dir),
       export_(site.state_dir, site.name, sync) {}
 
@@ -38,7 +40,7 @@ void DaemonState<T>::open() {
   blob_crc_ = load_blob();
   std::error_code ignored;
   if (!std::filesystem::exists(site_.state_dir, ignored)) load_history();
-  folders_.open_log(hal::counts_of(shape_));
+  folders_.open_log(columns_);
   folders_.open_store(layout(shape_));
   trial_.open_inbox();
   export_.open();
@@ -63,13 +65,14 @@ CivilTime DaemonState<T>::resume() {
 template <Topology T>
 std::string DaemonState<T>::check() {
   (void)load_blob();
-  if (!site_.history_log.empty()) (void)hal::read_log(site_.history_log, hal::counts_of(shape_));
+  if (!site_.history_log.empty()) (void)hal::read_log(site_.history_log, columns_);
   return hal::describe(hal::KeyRing::load(site_.keys_dir));
 }
 
 template <Topology T>
 void DaemonState<T>::row(CivilTime t, const Expected<Reading<T>>& sensed, bool has_date) {
   hal::fill_log_row<T>(log_row_, shape_, t, sensed, controller_.decision(), controller_.cycle().last_setpoint_degc);
+  hal::fill_sides<T>(log_row_, columns_.sides, sensed);
   auto& log = folders_.log();
   auto& store = folders_.store();
   const bool logs = log && has_date;
@@ -139,7 +142,7 @@ std::uint32_t DaemonState<T>::load_blob() {
 template <Topology T>
 void DaemonState<T>::load_history() {
   if (blob_bytes_ > 0 && !site_.history_log.empty()) {
-    history_ = hal::read_log(site_.history_log, hal::counts_of(shape_));
+    history_ = hal::read_log(site_.history_log, columns_);
   }
 }
 
@@ -158,7 +161,8 @@ void DaemonState<T>::remember_history() {
   if (!history_) return;
   HistoryReader<T> reader(controller_, HistoryReader<T>::Head::leave);
   for (const hal::LogRow& row : history_->rows) {
-    reader.row(row.time, hal::signals_of<T>(row, shape_), row.setpoint_degc);
+    const double flows = hal::side_of(columns_, row, hal::SideSignal::ahu_on);
+    reader.row(row.time, hal::signals_of<T>(row, shape_), row.setpoint_degc, flows);
   }
   say("remembered {} transitions of {}", reader.transitions(), site_.history_log);
 }

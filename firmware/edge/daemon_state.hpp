@@ -36,7 +36,8 @@ class DaemonState {
   using Payload = BlobPayload<T, NetworkWeights<T, float>::count>;
 
  public:
-  DaemonState(const hal::SiteFile& site, hal::Sync sync, Controller<T>& controller);
+  /// `columns`: what the site's logs have.
+  DaemonState(const hal::SiteFile& site, const hal::TopologyCounts& columns, hal::Sync sync, Controller<T>& controller);
 
   /// Sizes of the durable state of this topology and build.
   static hal::StoreLayout layout(const Shape& site);
@@ -100,6 +101,7 @@ class DaemonState {
   std::uint32_t blob_crc_ = 0;
   std::size_t blob_bytes_ = 0;
   BoxFolders folders_;
+  hal::TopologyCounts columns_;
   Shape shape_;
   hal::LogRow log_row_;
   RowRecord<T> record_ = fresh_record();

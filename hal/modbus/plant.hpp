@@ -2,7 +2,9 @@
 // An AHU and its rooms behind Modbus, as lib's Plant: the same loop drives it and a simulation.
 
 #include <array>
+#include <cstddef>
 #include <optional>
+#include <string>
 
 #include "airside/command.hpp"
 #include "airside/plant.hpp"
@@ -84,6 +86,13 @@ class ModbusPlant {
     setpoint_.saw(reading.setpoint_degc);
     if (supply_slot_ >= 0) reading.supply_temp_degc = poller_.value(supply_slot_);
     if (flow_slot_ >= 0) reading.flows = poller_.value(flow_slot_);
+    if (occupied_slot_ >= 0) reading.occupied = poller_.value(occupied_slot_);
+    if (supply_flow_slot_ >= 0) reading.supply_flow_m3s = poller_.value(supply_flow_slot_);
+    for (std::size_t i = 0; i < damper_slots_.size(); ++i) {
+      const auto room = static_cast<Eigen::Index>(i);
+      if (damper_slots_[i] >= 0) reading.damper(room) = poller_.value(damper_slots_[i]);
+      if (zone_setpoint_slots_[i] >= 0) reading.zone_setpoint_degc(room) = poller_.value(zone_setpoint_slots_[i]);
+    }
     reading.time = clock_.now();
     if (clock_slot_ >= 0) {
       if (poller_.fault(clock_slot_) != Fault::none) return tl::unexpected(Fault::no_reading);
@@ -152,8 +161,8 @@ class ModbusPlant {
     return !other_device_;
   }
 
-  /// Sensors of the signals in the order of Layout<T>, then whatever else the map has of setpoint, supply_temp, ahu_on,
-  /// clock, heartbeat.
+  /// Sensors of the signals in the order of Layout<T>, then whatever else the map has of setpoint, supply_temp, side
+  /// signals, clock, heartbeat.
   std::vector<Point> points_to_read(const PointMap& map, const StandIns& stand_ins) {
     map.check_topology(site_.vavs, site_.fcus, site_.powers, stand_ins);
     std::vector<Point> points;
@@ -168,6 +177,12 @@ class ModbusPlant {
     setpoint_slot_ = add(setpoint_.readback());
     supply_slot_ = add(map.find("supply_temp"));
     flow_slot_ = add(map.find("ahu_on"));
+    occupied_slot_ = add(map.find("occupied"));
+    supply_flow_slot_ = add(map.find("supply_flow"));
+    for (std::size_t i = 0; i < damper_slots_.size(); ++i) {
+      damper_slots_[i] = add(map.find("damper_" + std::to_string(i + 1)));
+      zone_setpoint_slots_[i] = add(map.find("zone_setpoint_" + std::to_string(i + 1)));
+    }
     clock_slot_ = add(map.find("clock_s"));
     const Point* beat = map.find("device_heartbeat");
     const Point* only_read = map.find("heartbeat");
@@ -179,6 +194,8 @@ class ModbusPlant {
   ModbusLink* link_;
   Shape site_;
   int setpoint_slot_ = -1, supply_slot_ = -1, flow_slot_ = -1, clock_slot_ = -1, beat_slot_ = -1;
+  int occupied_slot_ = -1, supply_flow_slot_ = -1;
+  std::array<int, static_cast<std::size_t>(Layout<T>::rooms)> damper_slots_{}, zone_setpoint_slots_{};
   SignalSlots signals_;
   ModbusSetpoint setpoint_;
   SystemClock clock_;

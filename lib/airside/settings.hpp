@@ -98,6 +98,8 @@ struct ControllerSettings {
   double drift_k = 1.0;            ///< a room so far from where it was against the others drifts
   double supply_ignored_k = 1.5;   ///< supply air so far from its setpoint ignores it
   double supply_ignored_s = 5400;  ///< when it has lasted so long
+  double authority_k = 0.5;        ///< rooms so far from target with the setpoint at its limit do not follow
+  double authority_s = 7200;       ///< when it has lasted so long in working hours
   double excitation_k = 0.05;      ///< sd of a day's setpoints below which nothing is learned
   double worse_k = 0.15;           ///< further from target than the schedule's shadow by so much
   double worse_h = 12.0;           ///< working hours until the schedule takes over for a day
@@ -210,6 +212,8 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
     AIRSIDE_REAL(drift_k, 0.1, 50),
     AIRSIDE_REAL(supply_ignored_k, 0.1, 50),
     AIRSIDE_REAL(supply_ignored_s, 0, 86400),
+    AIRSIDE_REAL(authority_k, 0.1, 50),
+    AIRSIDE_REAL(authority_s, 0, 86400),
     AIRSIDE_REAL(excitation_k, 0, 5),
     AIRSIDE_REAL(worse_k, 0, 10),
     AIRSIDE_REAL(worse_h, 0.3, 1000),

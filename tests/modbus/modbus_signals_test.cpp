@@ -77,7 +77,9 @@ TEST(ModbusSignals, BadSensorOfAZoneIsLeftOutAndTheZoneIsLostWithTheLast) {
     const auto reading = bench.plant.sense();
     ASSERT_TRUE(reading);
     EXPECT_EQ(std::isnan(reading->value[1]), std::isnan(second));
-    if (!std::isnan(second)) { EXPECT_DOUBLE_EQ(reading->value[1], 26.0); }
+    if (!std::isnan(second)) {
+      EXPECT_DOUBLE_EQ(reading->value[1], 26.0);
+    }
     EXPECT_EQ(bench.plant.signal_fault(1), std::isnan(second) ? Fault::not_finite : Fault::none);
   }
 }
@@ -99,6 +101,27 @@ TEST(ModbusSignals, SignalWithoutARowReadsAsItsStandIn) {
   EXPECT_EQ(reading->value[L::vav_on + 2], 1.0);
   EXPECT_EQ(reading->value[L::outdoor_temp], 10.0) << "sensed";
   EXPECT_EQ(bench.plant.signal_fault(L::rain), Fault::none);
+}
+
+TEST(ModbusSignals, SideSignalsAreReadWhereTheMapHasThemAndAreNoNumbersElsewhere) {
+  Bench bench(map_of({}, "damper_2,,4,100,uint16,big,big,0.01,0,0,1,,,,,,,\n" + sensor_row("zone_setpoint_3", 101) +
+                             "occupied,,4,102,uint16,big,big,1,0,0,1,,,,,,,\n"
+                             "supply_flow,m3/s,4,103,uint16,big,big,0.001,0,0,9,,,,,,,\n"));
+  ModbusServer& server = bench.served.server();
+  server.set("damper_2", 0.37);
+  server.set("zone_setpoint_3", 24.5);
+  server.set("occupied", 1);
+  server.set("supply_flow", 1.234);
+  bench.served.start();
+  const auto reading = bench.plant.sense();
+  ASSERT_TRUE(reading);
+  EXPECT_TRUE(std::isnan(reading->damper(0)));
+  EXPECT_DOUBLE_EQ(reading->damper(1), 0.37) << "percent in the register, by scale";
+  EXPECT_DOUBLE_EQ(reading->zone_setpoint_degc(2), 24.5);
+  EXPECT_TRUE(std::isnan(reading->zone_setpoint_degc(1)));
+  EXPECT_EQ(reading->occupied, 1.0);
+  EXPECT_DOUBLE_EQ(reading->supply_flow_m3s, 1.234);
+  EXPECT_TRUE(std::isnan(reading->flows));
 }
 
 TEST(ModbusSignals, MapWithoutTheRowAndWithoutAStandInIsRefused) {

@@ -75,6 +75,91 @@ TEST(ControllerSupply, AFanThatRestsAtNightIsNoAlarmWhereTheSiteSaysSo) {
   }
 }
 
+/// Rooms that warm up by kelvins while the fan rests, one of them by 9 K more than the others.
+Rig::Spoil hot_at_night(const Rig& rig, double* hours) {
+  return [&rig, hours](Reading<T> r) {
+    const double h = r.time.second_of_day() / 3600.0;
+    *hours = h;
+    const bool runs = h >= 6 && h < 20;
+    r.flows = runs ? 1 : 0;
+    r.supply_temp_degc = runs ? rig.setpoint + 0.3 : 30;
+    if (runs) return Expected<Reading<T>>(r);
+    for (int i = 0; i < Layout<T>::rooms; ++i) r.value(i) += 5;
+    r.value(2) += 9;
+    return Expected<Reading<T>>(r);
+  };
+}
+
+TEST(ControllerSupply, NothingMovesWhileTheFanRests) {
+  Rig rig(brief_learning());
+  double hours = 0;
+  const Rig::Spoil spoil = hot_at_night(rig, &hours);
+  while (rig.now.second_of_day() < 6 * 3600) rig.row(spoil);
+  while (rig.now.second_of_day() < 20 * 3600) rig.row(spoil);
+  rig.cycles(1, spoil);  // the one that begins with still air
+  const double setpoint = rig.setpoint, confidence = rig.controller->cycle().confidence;
+  const std::uint32_t updates = rig.controller->learning().head.updates();
+  const std::uint64_t remembered = rig.controller->replay().total_pushed();
+  const int writes = rig.writes;
+  const double gain = rig.controller->learning().head.theta()(HeadFeatures::setpoint_change);
+  while (rig.now.second_of_day() != 6 * 3600) {
+    rig.row(spoil);
+    EXPECT_EQ(rig.decision().mode, ControlMode::learn) << hours;
+    EXPECT_EQ(rig.controller->cycle().mode_arbiter.gravest(rig.now), Reason::none) << hours;
+  }
+  EXPECT_EQ(rig.setpoint, setpoint);
+  EXPECT_EQ(rig.writes, writes);
+  EXPECT_EQ(rig.controller->cycle().confidence, confidence);
+  EXPECT_EQ(rig.controller->learning().head.updates(), updates);
+  EXPECT_EQ(rig.controller->learning().head.theta()(HeadFeatures::setpoint_change), gain);
+  EXPECT_EQ(rig.controller->replay().total_pushed(), remembered);
+  rig.cycles(4, spoil);
+  EXPECT_GT(rig.controller->replay().total_pushed(), remembered) << "and all goes on with the fan";
+}
+
+TEST(ControllerSupply, AWeekOfStillAirIsNoLackOfExcitationAndNoDrift) {
+  Rig rig(brief_learning());
+  rig.cycles(2 * cycles_per_day);
+  for (int row = 0; row < 7 * rows_per_day; ++row) {
+    rig.row([](Reading<T> r) {
+      r.flows = 0;
+      r.value(1) += 3;
+      return Expected<Reading<T>>(r);
+    });
+    ASSERT_EQ(rig.controller->cycle().mode_arbiter.gravest(rig.now), Reason::none) << row;
+  }
+}
+
+/// Rooms that stay this far from their target whatever is done.
+Rig::Spoil rooms_off_by(double k) {
+  return [k](Reading<T> r) {
+    for (int i = 0; i < Layout<T>::rooms; ++i) {
+      r.value(i) = 25.25 + k + 0.01 * std::sin(static_cast<double>(r.time.seconds) / 3000.0 + i);
+    }
+    return Expected<Reading<T>>(r);
+  };
+}
+
+bool says_lost(const Rig& rig) { return rig.controller->cycle().mode_arbiter.active(Reason::authority_lost, rig.now); }
+
+TEST(ControllerSupply, SetpointAtItsLimitWithoutEffectIsSaidInWorkingHoursAndDoesNotWindUp) {
+  Rig rig(brief_learning());
+  while (rig.now.second_of_day() < 7 * 3600) {
+    rig.row(rooms_off_by(2));
+    EXPECT_FALSE(says_lost(rig)) << "nobody is there at night";
+  }
+  rig.cycles(5, rooms_off_by(2));
+  EXPECT_FALSE(says_lost(rig)) << "90 min of work";
+  EXPECT_LE(rig.setpoint, 20.1) << "the coldest there is";
+  rig.cycles(4, rooms_off_by(2));
+  EXPECT_TRUE(says_lost(rig));
+  EXPECT_EQ(rig.decision().mode, ControlMode::learn) << "an alarm, and no other control";
+  EXPECT_GE(rig.controller->cycle().mode_arbiter.since_s(Reason::authority_lost), rig.now.seconds - 3600);
+  rig.cycles(2, rooms_off_by(-1));
+  EXPECT_FALSE(says_lost(rig));
+  EXPECT_GT(rig.setpoint, 20.3) << "within two cycles, however long it stood there";
+}
+
 TEST(ControllerSupply, SupplyAirThatRestsIsAnAlarmWhereNobodySaysWhy) {
   const FanDay seen = fan_day(brief_learning(), false);
   EXPECT_GT(seen.alarms, rows_per_day / 2);

@@ -13,6 +13,25 @@
 namespace airside {
 namespace {
 
+TEST(AuthorityMonitor, TellsRoomsThatDoNotFollowFromRoomsOnTheirWay) {
+  const ControllerSettings s = product_settings();
+  AuthorityMonitor stuck, nearing, other_side, off_limit;
+  CivilTime t{0};
+  bool is_stuck = false;
+  for (int row = 0; row < 40; ++row, t.seconds += row_s) {
+    is_stuck = stuck.row(s, t, s.action_min_degc, s.target_degc + 2);
+    EXPECT_EQ(is_stuck, row >= 20) << row;
+    EXPECT_FALSE(nearing.row(s, t, s.action_min_degc, s.target_degc + 6 - 0.1 * row)) << "it cools all the time";
+    EXPECT_FALSE(other_side.row(s, t, s.action_min_degc, s.target_degc - 2)) << "colder air would not help";
+    EXPECT_FALSE(off_limit.row(s, t, s.action_min_degc + 0.2, s.target_degc + 2));
+  }
+  EXPECT_FALSE(stuck.row(s, t, s.action_min_degc, s.target_degc + 0.4)) << "near enough";
+  for (int row = 0; row < 30; ++row, t.seconds += row_s) {
+    is_stuck = stuck.row(s, t, s.action_max_degc, s.target_degc - 0.6);
+  }
+  EXPECT_TRUE(is_stuck) << "at the other end too";
+}
+
 using Rooms = Eigen::Matrix<double, 5, 1>;
 
 /// Rooms that swing with the day, each in its own way, with noise.

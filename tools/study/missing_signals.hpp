@@ -18,4 +18,14 @@ struct MissingSignals {
 /// `counts`: of the site; each power meter is one of them, fan coils only where it has some.
 std::vector<MissingSignals> missing_signal_cases(const hal::SignalCounts& counts);
 
+/// DAE of the rooms without a kind of signal less that with all of them, degC: means of the study over rooms and seeds.
+/// Source: docs/results.md, "Sites that lack signals".
+double measured_cost_degc(SignalKind kind);
+
+/// DAE in the same study, degC: with all signals; with room temperatures, setpoint and outdoor_temp alone.
+struct MeasuredDae {
+  double whole, bare;
+};
+constexpr MeasuredDae measured_dae_degc = {0.041, 0.047};
+
 }  // namespace airside::tools

@@ -4,6 +4,7 @@
 // is one object of fixed size.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -80,7 +81,7 @@ class Controller : public ControllerMemory<T, Scalar> {
     const double setpoint = applied ? applied->setpoint_degc : stays ? cycle_.last_setpoint_degc : Decision::none;
     if (!applied && decision_.fault == Fault::none && !released) decision_.fault = applied.error();
     Supervisor<T> supervisor(settings_, cycle_);
-    supervisor.account(pending, applied);
+    supervisor.account(pending, applied, pending.flows);
     cycle_.network_expected_degc = cycle_.head_expected_degc = Decision::none;
     if (pending.is_usable && applied && std::isfinite(setpoint)) {
       decision_.expected_mean_degc = proposer_.expect(settings_, learning_, cycle_, scratch_, pending, setpoint);
@@ -151,8 +152,8 @@ class Controller : public ControllerMemory<T, Scalar> {
     if (cycle_.has_weights == 0) return {ControlMode::expert, Reason::no_weights};
     // While the fan rests the setpoint stays as it was: it has no effect, and the forecasts know no still air.
     const bool stays = !pending.flows && std::isfinite(cycle_.last_setpoint_degc);
-    const double proposal = stays ? cycle_.last_setpoint_degc
-                                  : proposer_.propose(settings_, learning_, cycle_, scratch_, pending);
+    const double proposal =
+        stays ? cycle_.last_setpoint_degc : proposer_.propose(settings_, learning_, cycle_, scratch_, pending);
     if (!std::isfinite(proposal)) {
       pending.fault = Fault::forecast_invalid;
       return {ControlMode::expert, Reason::forecast_invalid};
@@ -168,10 +169,13 @@ class Controller : public ControllerMemory<T, Scalar> {
   /// What takes more than one reading to see.
   void watch(Supervisor<T>& supervisor, CivilTime t, const ValidReading<T>& valid, bool flows) {
     if (flows) supervisor.watch_rooms(t, valid);
+    supervisor.watch_authority(t, valid, flows);
+    static constexpr std::array<double, static_cast<std::size_t>(L::rooms)> all_shut{};
     const Vector& v = valid.value();
     const auto rooms = static_cast<std::size_t>(rooms_of<T>(settings_.shape));
+    const double* vav_on = flows ? v.data() + L::vav_on : all_shut.data();  // its loops rest with the fan
     decision_.g36_degc = cycle_.guideline36.setpoint_degc(settings_, guideline36_, t, {v.data(), rooms},
-                                                          {v.data() + L::vav_on, rooms}, v(L::outdoor_temp));
+                                                          {vav_on, rooms}, v(L::outdoor_temp));
   }
 
   /// A signal that is held at its last good value is named, though control goes on.

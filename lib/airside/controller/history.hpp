@@ -13,6 +13,7 @@
 #include "airside/learning/row_window.hpp"
 #include "airside/network/scaler.hpp"
 #include "airside/reading.hpp"
+#include "airside/supervision/schedule.hpp"
 #include "airside/supervision/validation.hpp"
 #include "airside/topology.hpp"
 
@@ -30,14 +31,15 @@ class HistoryReader {
   HistoryReader(Controller<T, Scalar>& controller, Head head, Starts starts = Starts::every_row)
       : controller_(controller), head_(head), starts_(starts), validator_(controller.limits(), controller.settings()) {}
 
-  /// One row: `setpoint_degc` was applied from `time` on. A row that may not be learned from breaks the window and
-  /// nothing else.
-  void row(CivilTime time, const typename Reading<T>::Vector& value, double setpoint_degc) {
+  /// One row: `setpoint_degc` was applied from `time` on; `flows` as in Reading. A row that may not be learned from,
+  /// such as one of still air, breaks the window and nothing else.
+  void row(CivilTime time, const typename Reading<T>::Vector& value, double setpoint_degc,
+           double flows = std::numeric_limits<double>::quiet_NaN()) {
     Reading<T> reading;
     reading.time = time;
     reading.value = value;
     const Expected<ValidReading<T>> valid = validator_.check(reading);
-    const bool learnable = valid && valid->learnable();
+    const bool learnable = valid && valid->learnable() && air_flows(controller_.settings(), time, flows);
     if (!learnable) {
       window_.push(time, value, std::numeric_limits<double>::quiet_NaN());
       ++refused_;

@@ -84,6 +84,15 @@ class Supervisor {
     cycle_.mode_arbiter.set(Reason::sensor_drifts, drifts, t);
   }
 
+  /// Whether the setpoint has been at a limit of its range for long and the rooms do not come nearer to their target:
+  /// in working hours, while air flows. Nobody is called at night for rooms that nobody is in.
+  void watch_authority(CivilTime t, const ValidReading<T>& valid, bool flows) {
+    const bool counts = flows && in_working_hours(settings_, t);
+    const bool lost = cycle_.authority.row(settings_, t, cycle_.last_setpoint_degc,
+                                           counts ? valid.room_mean_degc() : settings_.target_degc);
+    cycle_.mode_arbiter.set(Reason::authority_lost, lost, t);
+  }
+
   /// What nothing may be learned from though each reading is good: a room that drifts, air that does not follow its
   /// setpoint or does not flow (a gain learned then would be that of a closed valve), hours that nobody knows.
   bool doubted(CivilTime t, bool flows) const {
@@ -107,8 +116,8 @@ class Supervisor {
     return graver ? ActiveMode{asked, remembered} : ActiveMode{mode, reason};
   }
 
-  /// What the AHU made of a command.
-  void account(const Decision& decision, const Expected<Applied>& applied) {
+  /// What the AHU made of a command. While no air flows a setpoint that rests is no sign of anything.
+  void account(const Decision& decision, const Expected<Applied>& applied, bool flows) {
     const CivilTime t = decision.time;
     if (decision.mode == ControlMode::release) return;
     if (!applied && applied.error() == Fault::write_refused) {
@@ -124,6 +133,7 @@ class Supervisor {
     const bool written = applied->setpoint_degc != cycle_.last_setpoint_degc || altered;
     if (settings_.writes_per_day > 0 && written) cycle_.budget.spend(settings_.writes_per_day);
     cycle_.mode_arbiter.set(Reason::setpoint_altered, altered, t);
+    if (!flows) return;
     const bool rests = cycle_.excitation.cycle(applied->setpoint_degc, settings_.excitation_k);
     cycle_.mode_arbiter.set(Reason::no_excitation, rests && cycle_.has_weights != 0, t);
   }

@@ -53,6 +53,7 @@ struct CycleState {
   PersistentCondition supply_ignores{};
   PersistentCondition gain_reversed{};
   PersistentCondition no_confidence{};
+  AuthorityMonitor authority{};
   Guideline36 guideline36{};
   WriteBudget budget{};
   alignas(state_alignment)

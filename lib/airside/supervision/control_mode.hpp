@@ -55,6 +55,7 @@ enum class Reason : std::uint8_t {
   gateway_failed = 26,          ///< a gateway does not reach the device behind it
   order_doubted = 27,           ///< a value makes sense only in another order of its words
   forecasts_doubted = 28,       ///< forecasts have been so wrong for a day that the schedule has the say
+  authority_lost = 29,          ///< the setpoint stays at its limit and the rooms do not follow
 };
 
 }  // namespace airside

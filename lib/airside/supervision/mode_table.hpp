@@ -174,6 +174,12 @@ constexpr auto mode_table = std::to_array<ModeRequest>({
      .mode = ControlMode::learn,
      .why = "the room's forecasts have been so wrong for a day that the schedule has the say",
      .way_out = "ends when they come true again; look for what has changed in the room, or push other weights"},
+    {.reason = Reason::authority_lost,
+     .name = "authority lost",
+     .mode = ControlMode::learn,
+     .why = "the setpoint has been at its limit for hours and the rooms do not follow",
+     .way_out =
+         "ends when they come nearer to their target; look at coil, fan, dampers, and at the range in [setpoint]"},
 });
 constexpr int reason_count = static_cast<int>(mode_table.size());
 

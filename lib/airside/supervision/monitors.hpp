@@ -52,6 +52,31 @@ class OverrideMonitor {
   std::int64_t before_last_s_ = 0, last_s_ = 0, times_ = 0;
 };
 
+/// Whether the setpoint has been at a limit of its range for long while the rooms stay beyond the target on the side
+/// that the limit should bring them back from. Rooms that come nearer by `follows_k` are on their way: time begins
+/// anew.
+class AuthorityMonitor {
+ public:
+  bool row(const ControllerSettings& s, CivilTime t, double setpoint_degc, double room_mean_degc) {
+    const double error_k = room_mean_degc - s.target_degc, off_k = std::abs(error_k);
+    const double slack_k = 0.5 * s.action_step_k;
+    const bool coldest = setpoint_degc <= s.action_min_degc + slack_k && error_k > s.authority_k;
+    const bool warmest = setpoint_degc >= s.action_max_degc - slack_k && error_k < -s.authority_k;
+    const bool stands = coldest || warmest;
+    if (!stands || off_k < begun_k_ - follows_k) {
+      begun_k_ = off_k;
+      stood_ = PersistentCondition();
+    }
+    return stood_.lasts(stands, t, static_cast<std::int64_t>(s.authority_s));
+  }
+
+ private:
+  static constexpr double follows_k = 0.3;
+
+  PersistentCondition stood_;
+  double begun_k_ = 0;  ///< distance from the target when it began
+};
+
 /// Whether one room leaves the others slowly: its distance from their mean over a day against that over two weeks.
 /// Shape: one pair of means a room, at most Rooms. Units: K. Source: docs/box-and-safety.md, row 7 and "Thresholds".
 template <int Rooms>

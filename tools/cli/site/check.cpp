@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "airside/topology.hpp"
+#include "hal/site/site_log.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
@@ -15,6 +16,7 @@
 #include "tools/cli/command.hpp"
 #include "tools/cli/site/check_twin.hpp"
 #include "tools/cli/site/findings.hpp"
+#include "tools/cli/site/site_signals.hpp"
 #include "tools/cli/site/site_warnings.hpp"
 #include "tools/run/run_facts.hpp"
 
@@ -161,10 +163,16 @@ struct CheckCommand {
       if (file->modbus) {
         out.check("points", file->modbus->points, [&] {
           std::string facts = points_facts(out, file->modbus->points, counts, file->stand_ins);
-          hal::refuse_contradiction(*file, hal::PointMap::load(file->modbus->points));
+          const hal::PointMap map = hal::PointMap::load(file->modbus->points);
+          hal::refuse_contradiction(*file, map);
+          counts = hal::counts_of(counts, map, file->stand_ins);
           return facts;
         });
+      } else {
+        const std::string csv = hal::default_point_map(counts.vavs, counts.fcus, counts.powers, file->stand_ins);
+        counts = hal::counts_of(counts, hal::PointMap::parse(csv, "built-in"), file->stand_ins);
       }
+      if (out.failed() == 0) out.check("signals", site_path, [&] { return signal_facts(counts); });
       if (!file->weights_blob.empty()) check_blob(file->weights_blob);
       out.check("keys", file->keys_dir, [&] { return hal::describe(hal::KeyRing::load(file->keys_dir)); });
       if (!file->history_log.empty()) check_log("history", file->history_log);
