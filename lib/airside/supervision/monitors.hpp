@@ -63,18 +63,17 @@ class AuthorityMonitor {
     const bool coldest = setpoint_degc <= s.action_min_degc + slack_k && error_k > s.authority_k;
     const bool warmest = setpoint_degc >= s.action_max_degc - slack_k && error_k < -s.authority_k;
     const bool stands = coldest || warmest;
-    if (!stands || off_k < begun_k_ - follows_k) {
-      begun_k_ = off_k;
-      stood_ = PersistentCondition();
-    }
+    const bool begins = stands && off_k < begun_k_ - follows_k;
+    if (begins) stood_ = PersistentCondition();
+    if (begins || !stands) begun_k_ = stands ? off_k : unknown_k;
     return stood_.lasts(stands, t, static_cast<std::int64_t>(s.authority_s));
   }
 
  private:
-  static constexpr double follows_k = 0.3;
+  static constexpr double follows_k = 0.3, unknown_k = 1e9;
 
   PersistentCondition stood_;
-  double begun_k_ = 0;  ///< distance from the target when it began
+  double begun_k_ = unknown_k;  ///< distance from the target when it began
 };
 
 /// Whether one room leaves the others slowly: its distance from their mean over a day against that over two weeks.
