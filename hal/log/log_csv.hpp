@@ -30,7 +30,7 @@ struct SideColumn {
 struct TopologyCounts {
   std::string name;
   int vavs = 0, fcus = 0, powers = 0;
-  /// Of each sensed signal in order, what stands in for it; empty: the site has a sensor for each.
+  /// The stand-in of each signal that has one, in their order; empty: the site has a sensor for each.
   std::vector<std::optional<double>> stand_ins{};
   std::vector<SideColumn> sides{};  ///< further columns of its logs
 

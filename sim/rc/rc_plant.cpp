@@ -292,6 +292,7 @@ void RcPlant::read_sensors() {
                                       room.temp_noise_sd_k * noise(noise_fcu, f));
   }
   sensors_.vav_on = disturbance_.vav_on;
+  sensors_.ahu_on = ahu_rests() ? 0 : 1;
   sensors_.fcu_on = fcu_on_;
   for (std::size_t p = 0; p < sensors_.power_kw.size(); ++p) {
     sensors_.power_kw[p] =

@@ -8,6 +8,7 @@
 #include "hal/points/point_map.hpp"
 #include "hal/points/signal_limits.hpp"
 #include "hal/site/site_settings.hpp"
+#include "input/program_desk.hpp"
 
 namespace airside::hal {
 namespace {
@@ -118,6 +119,19 @@ TEST(StandIn, IsLeftOutOfTheMapThatASimulatedSiteStartsFrom) {
   EXPECT_EQ(map.find("power_1"), nullptr);
   EXPECT_NE(map.find("power_2"), nullptr);
   EXPECT_NO_THROW(map.check_topology(5, 5, 2, in));
+}
+
+TEST(StandIn, CheckSaysWhatTheSiteLacksAndWhatItCosts) {
+  const Desk desk;
+  const std::string site = "[site]\nname = \"a\"\ntopology = \"5vav-5fcu-2power\"\n";
+  desk.write("whole.toml", site);
+  const Outcome whole = desk.run("airside", Desk::split("check whole.toml"));
+  EXPECT_EQ(whole.code, 0) << whole.out;
+  expect_all(whole.out, {"each signal is sensed"});
+  desk.write("site.toml", site + "[stand_in]\nrain = 0\npower = 4\n");
+  const Outcome lacking = desk.run("airside", Desk::split("check site.toml"));
+  EXPECT_EQ(lacking.code, 0) << lacking.out << lacking.err;
+  expect_all(lacking.out, {"lacks power_1 to power_2 (4 stands in, ", "rain (0 stands in, ", "of DAE", "study signals"});
 }
 
 TEST(StandIn, ExampleOfTheSiteFileIsTakenAsItIs) {

@@ -82,12 +82,18 @@ Bench::Bench(BenchOptions options) : options_(std::move(options)) {
   fs::remove_all(folder_);
   for (const char* part : {"state", "log"}) fs::create_directories(folder_ / part);
   const tools::Site built_in = tools::built_in_site(options_.topology);
-  std::string points = hal::default_point_map(built_in.counts.vavs, built_in.counts.fcus, built_in.counts.powers);
+  std::string points =
+      hal::default_point_map(built_in.counts.vavs, built_in.counts.fcus, built_in.counts.powers, options_.stand_ins) +
+      options_.more_points;
   if (!options_.setpoint_point.empty()) {
     const std::size_t row = points.find("\nsetpoint,") + 1;
     points.replace(row, points.find('\n', row) - row, options_.setpoint_point);
   }
   write_text(folder_ / "points.csv", points);
+  if (!options_.stand_ins.empty()) options_.more_site += "[stand_in]\n";
+  for (const auto& [name, value] : options_.stand_ins.by_name()) {
+    options_.more_site += fmt::format("{} = {}\n", name, value);
+  }
   write_site(options_.serial ? fmt::format("transport = \"rtu\"\ndevice = \"{}\"\nbaud = 115200\nparity = \"N\"\n",
                                            (folder_ / "line").string())
                              : "transport = \"tcp\"\nhost = \"127.0.0.1\"\nport = 502\n");

@@ -23,6 +23,8 @@ struct BenchOptions {
   bool in_memory = true;            ///< folder on a memory file system where there is one
   bool serial = false;              ///< RTU over a pseudo-terminal
   std::string setpoint_point = {};  ///< row of the point map in the place of the default's
+  hal::StandIns stand_ins = {};     ///< for signals that the site has no sensor for
+  std::string more_points = {};     ///< rows at the end of the point map
   std::string more_site = {};       ///< text at the end of the site file
 };
 
