@@ -235,6 +235,7 @@ void add_study(CLI::App& app) {
   study->require_subcommand(1);
   add_study_tune(*study);
   add_study_signals(*study);
+  add_study_boxes(*study);
   auto self = std::make_shared<StudyCommand>();
   CLI::App* c = study->add_subcommand(
       "rooms",

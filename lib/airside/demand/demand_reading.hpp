@@ -1,0 +1,39 @@
+#pragma once
+// What the objective "band" sees, what it may choose from, and what it expects of its choice.
+
+#include <limits>
+#include <span>
+
+#include "airside/civil_time.hpp"
+#include "airside/demand/zone_signals.hpp"
+
+namespace airside {
+
+/// What the objective sees at one row. NaN: not there.
+struct DemandReading {
+  CivilTime time;
+  ZoneSignals zones;
+  std::span<const double> power_kw;                               ///< one a meter
+  double supply_degc = std::numeric_limits<double>::quiet_NaN();  ///< measured, else the setpoint
+  double outdoor_degc = std::numeric_limits<double>::quiet_NaN();
+  double flow_m3_s = std::numeric_limits<double>::quiet_NaN();  ///< of the supply fan
+  bool flows = true;
+  bool coldest = false;  ///< the setpoint applied until now is the lowest that may be chosen
+};
+
+/// What was expected of the chosen setpoint.
+struct DemandForecast {
+  double setpoint_degc = std::numeric_limits<double>::quiet_NaN();
+  double power_kw = std::numeric_limits<double>::quiet_NaN();
+  double most_open = 0;  ///< damper wanted by the neediest zone
+  double cost_kw = 0;
+};
+
+/// The setpoints to choose from, and what the site had before.
+struct DemandChoice {
+  double min_degc = 12, max_degc = 18, step_k = 0.1;
+  double schedule_degc = 14;  ///< savings are counted against it
+  double last_degc = std::numeric_limits<double>::quiet_NaN();
+};
+
+}  // namespace airside

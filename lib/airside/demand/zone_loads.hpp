@@ -1,0 +1,159 @@
+#pragma once
+// What each zone asks of the supply air: its load as damper times temperature difference, learned from how the zone's
+// temperature answers, and the damper that this load needs at another supply temperature.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "airside/civil_time.hpp"
+#include "airside/demand/demand_settings.hpp"
+#include "airside/demand/recursive_least_squares.hpp"
+#include "airside/demand/zone_signals.hpp"
+
+namespace airside {
+
+/// The damper that a zone needs at a supply temperature, and what its temperature does if that is out of reach.
+struct ZoneForecast {
+  double wanted = 0;    ///< damper wanted, may exceed 1
+  double damper = 0;    ///< damper reached
+  double excess_k = 0;  ///< of the zone's temperature over its band after a cycle
+};
+
+/// dT = c - b u,  u = damper (T - T_supply); load q = c / b: the u that holds the temperature.
+/// b walks slowly, c as fast as people come. Shape: max_zones, the first n in use. Units: K, damper 0..1, u and q in K.
+/// Cost: one update of two coefficients a zone and cycle. Plain bytes.  Source: docs/method.md 17.2.
+class ZoneLoads {
+ public:
+  void reset(const DemandSettings& s) {
+    for (Zone& zone : zones_) {
+      zone = {};
+      zone.model.reset({s.cooling_gain_prior, 0.0}, {0.5 * s.cooling_gain_prior, 3.0});
+    }
+    profile_.fill(0);
+    setpoint_profile_.fill(0);
+  }
+
+  /// Learns from a cycle that began at t: mean u of zone i over it, and how far the zone's temperature moved.
+  void update(const DemandSettings& s, std::size_t i, double mean_u_k, double moved_k) {
+    Zone& zone = zones_[i];
+    if (!std::isfinite(mean_u_k) || !std::isfinite(moved_k)) return;
+    if (zone.seen == 0)
+      zone.model.reset({s.cooling_gain_prior, s.cooling_gain_prior * mean_u_k}, {0.3 * s.cooling_gain_prior, 0.5});
+    zone.seen = 1;
+    zone.model.forget(0.05);
+    zone.model.update({-mean_u_k, 1.0}, moved_k, 0.1);
+    zone.model.bound(0, 0.3 * s.cooling_gain_prior, 4 * s.cooling_gain_prior);
+    const double b = zone.model.theta()[0];
+    zone.load_k = std::clamp(zone.model.theta()[1] / b, 0.0, mean_u_k + credited_rise_k / b);
+  }
+
+  /// Remembers how the day's loads go: the mean load of a time of day.
+  void note_profile(CivilTime t, std::size_t count, double mean_setpoint_degc) {
+    if (mean_setpoint_degc > 0) setpoint_profile_[static_cast<std::size_t>(cycle_of_day(t))] = mean_setpoint_degc;
+    double& slot = profile_[static_cast<std::size_t>(cycle_of_day(t))];
+    const double now = mean_load_k(count);
+    if (now > 0) slot += (slot > 0 ? 0.3 : 1.0) * (now - slot);
+  }
+
+  /// By which factor loads use to change from the cycle at t to the next; 1 where the day is not known yet.
+  double growth(CivilTime t) const {
+    const double now = profile_[static_cast<std::size_t>(cycle_of_day(t))];
+    const double next = profile_[static_cast<std::size_t>((cycle_of_day(t) + 1) % cycles_per_day)];
+    return now > 0 && next > 0 ? std::clamp(next / now, 0.8, 1.25) : 1.0;
+  }
+
+  /// By how much zone setpoints fell yesterday within the cycles to come, K, <= 0: rooms are to be ready, and a box
+  /// whose setpoint falls opens at once.
+  double setpoint_fall_k(CivilTime t, double mean_setpoint_degc) const {
+    double lowest = 0;
+    for (int ahead = 1; ahead <= 2; ++ahead) {
+      const double then = setpoint_profile_[static_cast<std::size_t>((cycle_of_day(t) + ahead) % cycles_per_day)];
+      if (then > 0) lowest = std::min(lowest, then - mean_setpoint_degc);
+    }
+    return lowest;
+  }
+
+  /// The smallest opening that a damper keeps while air flows; a box that no longer shuts so far is noticed in days.
+  void note_damper(std::size_t i, double damper) {
+    double& least = zones_[i].least_damper;
+    if (damper > 0.01) least = std::min(least + 0.0005, damper < least ? damper : least + 0.0005);
+  }
+
+  /// The lowest setpoint that a zone is given: in setback the cooling setpoint lies far above, and the heating one,
+  /// which no point shows, far below.
+  void note_setpoint(std::size_t i, double setpoint_degc) {
+    double& least = zones_[i].least_setpoint_degc;
+    least = std::min(least + 0.0005, setpoint_degc);
+  }
+  /// A zone that stays too warm with its damper open while the coldest air is blown is out of reach: a jammed damper, a
+  /// sensor in the sun. What it asks for counts half after four such hours, and in full again after a day without.
+  void note_reach(const DemandSettings& s, const ZoneSignals& zones, std::size_t i, bool coldest) {
+    double& weight = zones_[i].weight;
+    const bool helpless = coldest && zones.damper[i] > 0.95 && zones.temp_degc[i] > zones.setpoint_degc[i] + s.band_k;
+    weight = helpless ? weight * 0.983 : std::min(1.0, weight + 1.0 / rows_per_day);
+  }
+  double weight(std::size_t i) const { return zones_[i].weight; }
+
+  bool is_set_back(std::size_t i, double setpoint_degc) const {
+    return setpoint_degc > zones_[i].least_setpoint_degc + 1.0;
+  }
+  /// How near zone i is to where it heats, some 3 K below where it cools. In setback as well: a zone that is cooled
+  /// that far in the evening is heated in the morning.  0..1.
+  double heating_share(std::size_t i, double room_degc, double setpoint_degc) const {
+    const double cools = std::min(setpoint_degc, zones_[i].least_setpoint_degc);
+    return std::clamp(cools - 1.5 - room_degc, 0.0, 1.0);
+  }
+
+  bool is_known(std::size_t i) const { return zones_[i].seen != 0; }
+  double load_k(std::size_t i) const { return zones_[i].load_k; }
+  double gain(std::size_t i) const { return zones_[i].model.theta()[0]; }
+  double least_damper(std::size_t i) const { return std::min(zones_[i].least_damper, 1.0); }
+
+  /// What zone i does at `supply_degc` when its load is `factor` times the present one.
+  ///   wanted = (q + (T - T_set)+ / (b n)) / (T_ref - T_supply),  T_ref = min(T, T_set);  0 while minimum flow suffices
+  ZoneForecast forecast(const DemandSettings& s, const ZoneSignals& zones, std::size_t i, double supply_degc,
+                        double factor, double fall_k) const {
+    const double room = zones.temp_degc[i], set = zones.setpoint_degc[i] + fall_k;
+    const double b = gain(i), q = load_k(i) * factor;
+    const double least = least_damper(i);
+    const double warm_k = std::max(0.0, room - set);
+    const double difference = std::max(1.0, std::min(room, set) - supply_degc);
+    const bool stays_below = room + b * (q - least * (room - supply_degc)) < set;
+    ZoneForecast f;
+    f.wanted = stays_below ? 0.0 : (q + warm_k / (b * s.recover_cycles)) / difference;
+    f.damper = std::clamp(f.wanted, least, 1.0);
+    const double next = room + b * (q - f.damper * (room - supply_degc));
+    f.excess_k = f.wanted > 1 ? std::max(0.0, next - set - s.band_k) : 0.0;
+    return f;
+  }
+
+ private:
+  static constexpr double credited_rise_k = 0.3;  ///< in a cycle; a zone that rises faster is warming up
+
+  struct Zone {
+    RecursiveLeastSquares<2> model;
+    double load_k = 0;
+    double least_damper = 1.0;
+    double least_setpoint_degc = 100.0;
+    double weight = 1.0;
+    std::int64_t seen = 0;
+  };
+
+  double mean_load_k(std::size_t count) const {
+    double sum = 0;
+    int known = 0;
+    for (std::size_t i = 0; i < std::min(count, max_zones); ++i) {
+      if (zones_[i].seen != 0) sum += zones_[i].load_k, ++known;
+    }
+    return known > 0 ? sum / known : 0.0;
+  }
+
+  std::array<Zone, max_zones> zones_{};
+  std::array<double, cycles_per_day> profile_{};           ///< mean load, K
+  std::array<double, cycles_per_day> setpoint_profile_{};  ///< mean zone setpoint, degC
+};
+
+}  // namespace airside

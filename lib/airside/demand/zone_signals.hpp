@@ -1,0 +1,26 @@
+#pragma once
+// What zones with boxes that modulate show at one instant.
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+namespace airside {
+
+constexpr std::size_t max_zones = 32;  ///< boxes of one air handler
+
+/// Shape: one entry a zone, all of one length; a missing signal is NaN. Units: degC; damper 0..1.
+struct ZoneSignals {
+  std::span<const double> temp_degc;
+  std::span<const double> setpoint_degc;  ///< above which the box cools
+  std::span<const double> damper;
+  std::size_t count() const { return temp_degc.size(); }
+};
+
+/// Whether zone i shows everything that its demand is computed from.
+inline bool zone_is_seen(const ZoneSignals& zones, std::size_t i) {
+  return i < zones.damper.size() && i < zones.setpoint_degc.size() && std::isfinite(zones.temp_degc[i]) &&
+         std::isfinite(zones.setpoint_degc[i]) && std::isfinite(zones.damper[i]);
+}
+
+}  // namespace airside

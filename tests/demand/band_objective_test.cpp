@@ -1,0 +1,183 @@
+// The setpoint that the objective "band" chooses.
+
+#include <gtest/gtest.h>
+
+#include <type_traits>
+
+#include "airside/demand/band_objective.hpp"
+#include "demand/zone_fixture.hpp"
+
+namespace {
+
+using namespace airside;
+using demand_test::FormulaBuilding;
+
+constexpr CivilTime noon{9 * seconds_per_day + 43200};
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+BandObjective learned_objective(FormulaBuilding& building, int days = 9) {
+  BandObjective objective;
+  objective.reset({});
+  building.live({}, objective, days);
+  return objective;
+}
+
+double chosen(const BandObjective& objective, FormulaBuilding& building, const DemandSettings& s = {},
+              const DemandChoice& c = {}) {
+  return objective.choose(s, building.read(noon), c).setpoint_degc;
+}
+
+/// The learned objective at an instant whose loads and weather the test sets.
+double chosen_at(FormulaBuilding building, double outdoor, double load_factor) {
+  const BandObjective objective = learned_objective(building);
+  building.outdoor_degc = outdoor;
+  for (double& q : building.load_k) q *= load_factor;
+  return chosen(objective, building);
+}
+
+TEST(BandObjective, TheFootprintIsFixedAndSmall) {
+  static_assert(std::is_trivially_copyable_v<BandObjective>);
+  EXPECT_LE(sizeof(BandObjective), 12u * 1024);
+}
+
+TEST(BandObjective, WithoutAnEconomizerTheColdestAirIsCheapest) {
+  FormulaBuilding building;
+  building.economizer = false;
+  EXPECT_LT(chosen_at(building, 30, 1), 12.5);
+}
+
+TEST(BandObjective, ColdOutdoorAirMakesWarmSupplyAirPay) {
+  const FormulaBuilding building;
+  EXPECT_GT(chosen_at(building, 16, 0.6), 13.5);
+  EXPECT_GT(chosen_at(building, 16, 0.6), chosen_at(building, 30, 0.6) + 1);
+}
+
+TEST(BandObjective, ADearerFanNeverMakesTheAirWarmer) {
+  double before = 18;
+  for (const double fan_kw : {1.0, 3.0, 6.0, 12.0}) {
+    FormulaBuilding building;
+    building.fan_kw = fan_kw;
+    const double now = chosen_at(building, 16, 0.6);
+    EXPECT_LE(now, before + 0.1) << fan_kw << " kW";
+    before = now;
+  }
+}
+
+TEST(BandObjective, MoreLoadNeverMakesTheAirWarmerInWarmWeather) {
+  FormulaBuilding building;
+  building.fan_kw = 0.5;
+  double before = 18;
+  for (const double factor : {0.6, 1.0, 1.3, 1.6}) {
+    const double now = chosen_at(building, 17, factor);
+    EXPECT_LE(now, before + 0.1) << factor;
+    before = now;
+  }
+}
+
+TEST(BandObjective, NoZoneIsLeftShortOfColdAirForAFewWatts) {
+  FormulaBuilding building;
+  building.fan_kw = 0.01;  // flow costs nothing, so that warm air would always pay
+  const BandObjective objective = learned_objective(building);
+  building.outdoor_degc = 17;
+  building.load_k = {10, 4, 4, 4};
+  const double setpoint = chosen(objective, building);
+  // The load that was learned is yesterday noon's; the neediest zone is the one whose damper it opens furthest.
+  EXPECT_LT(objective.evaluate({}, building.read(noon), {}, setpoint).most_open, 1.05);
+}
+
+TEST(BandObjective, WithoutDampersOrSetpointsTheScheduleHolds) {
+  FormulaBuilding building;
+  const BandObjective objective = learned_objective(building);
+  DemandReading at = building.read(noon);
+  ASSERT_TRUE(std::isfinite(objective.choose({}, at, {}).setpoint_degc));
+  for (std::vector<double>* signal : {&building.damper, &building.set, &building.room}) {
+    const std::vector<double> whole = *signal;
+    signal->assign(4, unknown);
+    EXPECT_TRUE(std::isnan(objective.choose({}, at, {}).setpoint_degc));
+    *signal = whole;
+  }
+  at.supply_degc = unknown;
+  EXPECT_TRUE(std::isnan(objective.choose({}, at, {}).setpoint_degc));
+  at = building.read(noon);
+  at.outdoor_degc = unknown;
+  EXPECT_TRUE(std::isnan(objective.choose({}, at, {}).setpoint_degc));
+  at = building.read(noon);
+  at.flows = false;
+  EXPECT_TRUE(std::isnan(objective.choose({}, at, {}).setpoint_degc));
+  at.zones = {};
+  EXPECT_TRUE(std::isnan(objective.choose({}, at, {}).setpoint_degc));
+}
+
+TEST(BandObjective, OneLostDamperOfFourIsBorne) {
+  FormulaBuilding building;
+  const BandObjective objective = learned_objective(building);
+  const DemandReading at = building.read(noon);
+  building.damper[2] = unknown;
+  EXPECT_TRUE(std::isfinite(objective.choose({}, at, {}).setpoint_degc));
+}
+
+TEST(BandObjective, BeforeItHasLearnedEnoughTheScheduleHolds) {
+  FormulaBuilding building;
+  BandObjective objective;
+  objective.reset({});
+  EXPECT_TRUE(std::isnan(chosen(objective, building)));
+  building.live({}, objective, 1);  // 80 cycles, of which 20 make the prior
+  EXPECT_EQ(objective.is_ready({}), objective.learned() >= 60);
+  DemandSettings patient;
+  patient.ready_cycles = 1000;
+  EXPECT_TRUE(std::isnan(chosen(objective, building, patient)));
+}
+
+TEST(BandObjective, LostPowerMetersTeachNothingAndHarmNothing) {
+  FormulaBuilding building;
+  BandObjective objective = learned_objective(building);
+  const double before = chosen(objective, building);
+  const int learned_before = objective.learned();
+  for (int row = 0; row < rows_per_day; ++row) {
+    DemandReading at = building.read({noon.seconds + (row + 1) * row_s});
+    building.power.assign(2, unknown);
+    objective.observe({}, at);
+  }
+  EXPECT_EQ(objective.learned(), learned_before);
+  EXPECT_TRUE(std::isfinite(before));
+  EXPECT_TRUE(std::isfinite(chosen(objective, building)));
+}
+
+TEST(BandObjective, TheChoiceStaysOnTheGridOfItsRange) {
+  FormulaBuilding building;
+  const BandObjective objective = learned_objective(building);
+  for (const double low : {12.0, 13.3, 15.0}) {
+    const DemandChoice c{.min_degc = low, .max_degc = low + 1.5};
+    const double a = chosen(objective, building, {}, c);
+    EXPECT_GE(a, low);
+    EXPECT_LE(a, low + 1.5);
+    EXPECT_NEAR((a - low) / 0.1, std::round((a - low) / 0.1), 1e-6);
+  }
+}
+
+TEST(BandObjective, ACostlyMoveKeepsTheSetpointCalm) {
+  FormulaBuilding building;
+  const BandObjective objective = learned_objective(building);
+  DemandSettings calm;
+  calm.move_cost = 1000;
+  EXPECT_NEAR(chosen(objective, building, calm, {.last_degc = 16.0}), 16.0, 0.11);
+}
+
+TEST(BandObjective, ABoxInForeverTroubleDoesNotHoldTheAirCold) {
+  FormulaBuilding building;
+  building.fan_kw = 1;
+  BandObjective objective = learned_objective(building);
+  building.outdoor_degc = 16;
+  for (double& q : building.load_k) q *= 0.5;
+  const double healthy = chosen(objective, building);
+  building.room_degc[3] = 30;  // its damper is open, nothing helps
+  building.load_k[3] = 40;
+  for (int row = 1; row <= 2 * rows_per_day; ++row) {
+    DemandReading at = building.read({noon.seconds + row * row_s});
+    at.coldest = true;
+    objective.observe({}, at);
+  }
+  EXPECT_GT(chosen(objective, building), healthy - 0.6);
+}
+
+}  // namespace
