@@ -136,6 +136,10 @@ class PowerModel {
     const double error = law.update(x, kw, noise);
     // What cools takes power, as much as a chiller's efficiency allows.
     law.bound(1, flow_kw_ / best_cop, flow_kw_ > 0 ? flow_kw_ / worst_cop : unbounded);
+    if (has_fan_ == 0) {
+      law.bound(5, 0.5 * fan_prior_[0], unbounded);  // a fan is never free
+      law.bound(6, 0.5 * fan_prior_[1], unbounded);
+    }
     return error;
   }
 
@@ -168,20 +172,22 @@ class PowerModel {
     const double scale = std::max(mean_kw_, 0.5 * slope * c);
     Row mean{0, slope, 0.2 * slope, 0, 0, 0, 0};
     Row sd{0.3 * scale, 0.5 * slope, 0.1 * slope, 0.3 * scale, scale, 0.05 * scale / f, 0};
+    fan_prior_ = {0.4 * fan_kw / f, 0.6 * fan_kw / (f * f * f)};
     if (has_fan_ == 0) {
-      mean[5] = 0.4 * fan_kw / f;
-      mean[6] = 0.6 * fan_kw / (f * f * f);
+      mean[5] = fan_prior_[0];
+      mean[6] = fan_prior_[1];
       sd[5] = 0.5 * fan_kw / f;
       sd[6] = 0.6 * fan_kw / (f * f * f);
     }
     lift_error_kw2_ = coil_error_kw2_ = std::max(100 * least_error_kw2(), 1e-9);
     lift_.reset(mean, sd);
     coil_.reset(mean, sd);
-    fan_.reset({0, 0.4 * fan_kw / f, 0.6 * fan_kw / (f * f * f)}, {0.2 * fan_kw, fan_kw / f, fan_kw / (f * f * f)});
+    fan_.reset({0, fan_prior_[0], fan_prior_[1]}, {0.2 * fan_kw, fan_kw / f, fan_kw / (f * f * f)});
   }
 
   Rest lift_, coil_;
   RecursiveLeastSquares<3> fan_;
+  std::array<double, 2> fan_prior_{};  ///< of F and F^3
   double mean_kw_ = 0, mean_fan_kw_ = 0, mean_flow_ = 0, mean_lift_ = 0;
   double flow_kw_ = 0;                              ///< thermal_kw() by the flow sensor; 0: there is none
   double lift_error_kw2_ = 1, coil_error_kw2_ = 1;  ///< mean squares of what the two laws missed
