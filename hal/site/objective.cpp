@@ -8,13 +8,6 @@
 
 namespace airside::hal {
 
-Objective parse_objective(std::string_view text, const std::string& place) {
-  if (text == "mean") return Objective::mean;
-  if (text == "band") return Objective::band;
-  throw InputError(place, fmt::format("\"{}\"", text), "\"mean\" or \"band\"",
-                   "choose \"band\" where boxes modulate by their own thermostats, else \"mean\"");
-}
-
 void refuse_objective(Objective objective, const PointMap& points, int rooms, const std::string& place) {
   if (objective != Objective::band) return;
   std::vector<std::string> missing;

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "airside/demand_settings.hpp"
 #include "hal/points/stand_ins.hpp"
 #include "hal/site/twin_section.hpp"
 
@@ -80,6 +81,7 @@ struct SiteFile {
   double expert_work_degc = 20.5, expert_off_degc = 25.0;  ///< [expert]
 
   ControllerPreset preset = ControllerPreset::product;  ///< [controller]
+  Objective objective = Objective::mean;
   std::uint64_t seed = 1;
   std::map<std::string, double> overrides;  ///< [controller.override]
 

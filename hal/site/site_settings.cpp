@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "airside/topologies.hpp"
+#include "hal/site/objective.hpp"
 #include "hal/text/input_error.hpp"
 
 namespace airside::hal {
@@ -28,11 +29,16 @@ SiteRules site_rules() {
     const double value = e.real != nullptr ? defaults.*e.real : static_cast<double>(defaults.*e.whole);
     rules.settings.push_back({e.name, e.min, e.max, value});
   }
+  for (const DemandSettingEntry& e : demand_setting_table) {
+    const double value = e.real != nullptr ? DemandSettings{}.*e.real : static_cast<double>(DemandSettings{}.*e.whole);
+    rules.settings.push_back({e.name, e.min, e.max, value});
+  }
   return rules;
 }
 
 ControllerSettings controller_settings(const SiteFile& site) {
   ControllerSettings s = site.preset == ControllerPreset::paper ? paper_settings() : product_settings();
+  s.objective = site.objective;
   s.shape = parse_shape(site.topology.c_str());
   s.target_degc = site.room_temp_degc;
   s.work_start_h = site.work_start_s / 3600.0;
@@ -59,6 +65,13 @@ ControllerSettings controller_settings(const SiteFile& site) {
       } else {
         s.*e.whole = static_cast<int>(value);
       }
+    }
+  }
+  for (const auto& [name, value] : site.overrides) {
+    for (const DemandSettingEntry& e : demand_setting_table) {
+      if (name != e.name) continue;
+      if (e.real != nullptr) s.demand.*e.real = value;
+      if (e.whole != nullptr) s.demand.*e.whole = static_cast<int>(value);
     }
   }
   if (!settings_valid(s)) {
@@ -102,6 +115,8 @@ void refuse_coarse(const SiteFile& site, const PointMap& points, const Point& se
 }  // namespace
 
 void refuse_contradiction(const SiteFile& site, const PointMap& points) {
+  refuse_objective(site.objective, points, parse_shape(site.topology.c_str()).vavs,
+                   site.path + ": [controller] objective");
   const Point* setpoint = points.find("setpoint");
   if (setpoint == nullptr) return;
   refuse_coarse(site, points, *setpoint);

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "airside/civil_time.hpp"
+#include "airside/demand_settings.hpp"
 #include "airside/memory_size.hpp"
 #include "airside/topology.hpp"
 
@@ -17,14 +18,16 @@ struct ControllerSettings {
   Shape shape;  ///< counts of the site; of the site file. Only capacity classes read them (topology.hpp)
 
   // Goal and schedule
-  double target_degc = 25.25;      ///< room temperature to hold, mean of the VAVs (docs/method.md 1)
-  double work_start_h = 7.0;       ///< hours; scoring and the expert's day start here (docs/method.md 2)
-  double work_end_h = 19.0;        ///< hours
-  int weekday_only = 0;            ///< 1: Saturday and Sunday are days off, for schedule, scoring and room head
-  int daylight_saving = 0;         ///< 0 none, 1 European Union, 2 United States (civil_time.hpp)
-  double utc_offset_h = 0;         ///< of local standard time, hours east; the European rule needs it
-  double expert_work_degc = 20.5;  ///< schedule in working hours (docs/method.md 6.3)
-  double expert_off_degc = 25.0;   ///< schedule outside
+  Objective objective = Objective::mean;  ///< docs/method.md 17 for `band`
+  DemandSettings demand{};                ///< of the objective `band`
+  double target_degc = 25.25;             ///< room temperature to hold, mean of the VAVs (docs/method.md 1)
+  double work_start_h = 7.0;              ///< hours; scoring and the expert's day start here (docs/method.md 2)
+  double work_end_h = 19.0;               ///< hours
+  int weekday_only = 0;                   ///< 1: Saturday and Sunday are days off, for schedule, scoring and room head
+  int daylight_saving = 0;                ///< 0 none, 1 European Union, 2 United States (civil_time.hpp)
+  double utc_offset_h = 0;                ///< of local standard time, hours east; the European rule needs it
+  double expert_work_degc = 20.5;         ///< schedule in working hours (docs/method.md 6.3)
+  double expert_off_degc = 25.0;          ///< schedule outside
 
   // When the AHU's fan runs, where no point shows it. While it rests, supply air cannot follow its setpoint.
   double fan_start_h = 0.0;  ///< hours; 0 to 24: always on
@@ -232,8 +235,9 @@ constexpr bool settings_valid(const ControllerSettings& s) {
     if (!(v >= e.min && v <= e.max)) return false;
   }
   const double candidates = (s.action_max_degc - s.action_min_degc) / s.action_step_k;
-  return s.work_start_h < s.work_end_h && s.fan_start_h < s.fan_end_h && s.action_min_degc < s.action_max_degc &&
-         candidates < max_candidates - 1 && s.limit_min_degc < s.limit_max_degc && s.head_gain_min < s.head_gain_max;
+  return demand_settings_valid(s.demand) && s.work_start_h < s.work_end_h && s.fan_start_h < s.fan_end_h &&
+         s.action_min_degc < s.action_max_degc && candidates < max_candidates - 1 &&
+         s.limit_min_degc < s.limit_max_degc && s.head_gain_min < s.head_gain_max;
 }
 
 /// People's clock at standard time t.

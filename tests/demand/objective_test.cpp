@@ -5,6 +5,8 @@
 #include <string>
 
 #include "hal/site/objective.hpp"
+#include "hal/site/site_file.hpp"
+#include "hal/site/site_settings.hpp"
 #include "support/complaint.hpp"
 
 namespace {
@@ -24,11 +26,29 @@ PointMap map_with(int dampers, int setpoints, int powers = 1) {
   return PointMap::parse(csv, "points.csv");
 }
 
-TEST(SiteObjective, IsMeanOrBandAndNothingElse) {
-  EXPECT_EQ(parse_objective("mean", "site.toml"), Objective::mean);
-  EXPECT_EQ(parse_objective("band", "site.toml"), Objective::band);
-  expect_complaint({"site.toml:12: objective", "\"energy\"", "\"mean\" or \"band\"", "where boxes modulate"},
-                   [] { (void)parse_objective("energy", "site.toml:12: objective"); });
+SiteFile site_with(const std::string& controller) {
+  const std::string text =
+      replaced(example_site_text("3vav-0fcu-1power"), "[controller]\n", "[controller]\n" + controller);
+  return parse_site_text(text, "site.toml", site_rules());
+}
+
+TEST(SiteObjective, IsMeanUnlessTheFileSaysBand) {
+  EXPECT_EQ(site_with("").objective, Objective::mean);
+  EXPECT_EQ(site_with("objective = \"band\"\n").objective, Objective::band);
+  EXPECT_EQ(controller_settings(site_with("objective = \"band\"\n")).objective, Objective::band);
+  expect_complaint({"objective", "\"energy\"", "band", ""}, [] { (void)site_with("objective = \"energy\"\n"); });
+}
+
+TEST(SiteObjective, ItsNumbersAreOverridesLikeAnyOther) {
+  const SiteFile site = site_with("objective = \"band\"\n[controller.override]\nband_k = 1.0\nband_fan_meter = 2\n");
+  EXPECT_EQ(controller_settings(site).demand.band_k, 1.0);
+  EXPECT_EQ(controller_settings(site).demand.fan_meter, 2);
+}
+
+TEST(SiteObjective, ASiteFileThatAsksForItIsRefusedByTheSameRuleAsItsRegisters) {
+  expect_complaint({"site.toml: [controller] objective", "damper_1", "a damper and a zone setpoint a room", "\"mean\""},
+                   [] { refuse_contradiction(site_with("objective = \"band\"\n"), map_with(0, 3)); });
+  EXPECT_NO_THROW(refuse_contradiction(site_with("objective = \"band\"\n"), map_with(3, 3)));
 }
 
 TEST(SiteObjective, BandIsTakenWhereEveryRoomShowsDamperAndSetpoint) {

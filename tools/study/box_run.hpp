@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "airside/civil_time.hpp"
-#include "airside/demand/demand_settings.hpp"
+#include "airside/demand_settings.hpp"
 #include "airside/settings.hpp"
 #include "sim/rc/modulating_room.hpp"
 

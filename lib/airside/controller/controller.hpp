@@ -14,6 +14,7 @@
 #include "airside/controller/controller_memory.hpp"
 #include "airside/controller/cycle_judge.hpp"
 #include "airside/controller/decision.hpp"
+#include "airside/controller/demand_watch.hpp"
 #include "airside/controller/pending_cycle.hpp"
 #include "airside/controller/supervisor.hpp"
 #include "airside/fault.hpp"
@@ -50,6 +51,7 @@ class Controller : public ControllerMemory<T, Scalar> {
     const Expected<ValidReading<T>> valid = cycle_.validator.check(*sensed, t, flows);
     if (!valid) return;
     watch(supervisor, t, *valid, flows);
+    if (serves_band()) watch_demand(supervisor, *sensed, *valid, flows);
     if (!valid->learnable()) return;
     cycle_.row_value = valid->value();
     cycle_.row_time = t;
@@ -143,6 +145,7 @@ class Controller : public ControllerMemory<T, Scalar> {
     pending.is_usable = valid->learnable();
     if (!pending.is_usable) name_held_signal(pending);
     pending.room_mean_degc = valid->room_mean_degc();
+    if (serves_band()) return choose_for_band(sensed, *valid, supervisor, pending);
     CycleJudge<T, Scalar> judge(settings_, learner_settings_, learning_, cycle_, scratch_);
     // A cycle in which the fan stopped shows nothing of the setpoint.
     if (pending.flows && judge.has_ended(t, pending.is_usable)) {
@@ -159,11 +162,40 @@ class Controller : public ControllerMemory<T, Scalar> {
       return {ControlMode::expert, Reason::forecast_invalid};
     }
     const double in_range = std::clamp(proposal, settings_.action_min_degc, settings_.action_max_degc);
+    command(in_range, supervisor, pending);
+    return mode_of(pending);
+  }
+
+  void command(double setpoint_degc, Supervisor<T>& supervisor, Pending& pending) const {
     pending.command =
-        SafetyEnvelope(settings_).limit(supervisor.worth_a_write(in_range), cycle_.standing, pending.expert_degc);
+        SafetyEnvelope(settings_).limit(supervisor.worth_a_write(setpoint_degc), cycle_.standing, pending.expert_degc);
+  }
+
+  static ActiveMode mode_of(const Pending& pending) {
     if (pending.is_usable) return {ControlMode::learn, Reason::none};
     const bool disagrees = pending.fault == Fault::disagrees;
     return {ControlMode::run, disagrees ? Reason::room_disagrees : Reason::signal_held};
+  }
+
+  bool serves_band() const { return settings_.objective == Objective::band; }
+
+  void watch_demand(const Supervisor<T>& supervisor, const Reading<T>& sensed, const ValidReading<T>& valid,
+                    bool flows) {
+    const bool counts = flows && valid.learnable() && !supervisor.doubted(sensed.time, flows);
+    cycle_.band.observe(settings_.demand, DemandWatch<T>(settings_, cycle_, sensed, valid.value()).reading(counts));
+  }
+
+  /// The same as choose() for the objective "band": neither network nor room head has a part in it. While the fan rests
+  /// or too little has been learned the schedule's setpoint is the choice; where dampers are lost, the mode says so.
+  ActiveMode choose_for_band(const Reading<T>& sensed, const ValidReading<T>& valid, Supervisor<T>& supervisor,
+                             Pending& pending) {
+    watch_demand(supervisor, sensed, valid, pending.flows);
+    const DemandWatch<T> watch(settings_, cycle_, sensed, valid.value());
+    const DemandReading at = watch.reading(pending.flows);
+    if (pending.flows && !BandObjective::carries(at)) return {ControlMode::expert, Reason::signal_lost};
+    const double chosen = cycle_.band.choose(settings_.demand, at, watch.choice(pending.expert_degc)).setpoint_degc;
+    command(std::isfinite(chosen) ? chosen : pending.expert_degc, supervisor, pending);
+    return mode_of(pending);
   }
 
   /// What takes more than one reading to see.

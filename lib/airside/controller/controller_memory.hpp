@@ -63,6 +63,7 @@ class ControllerMemory {
     ::new (static_cast<void*>(&cycle_)) CycleState<T>();  // in place: a whole state is too much for the stack
     cycle_.validator.use_limits(limits_, settings_);
     cycle_.confidence = settings.confidence_initial;
+    cycle_.band.reset(settings_.demand);
     replay_.clear();
     learner_settings_.loss.weights = {settings.weight_strb, settings.weight_tdb, settings.weight_gc, settings.weight_rc,
                                       settings.weight_rec};

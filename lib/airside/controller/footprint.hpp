@@ -38,7 +38,7 @@ constexpr auto footprint_ledger() {
       {"shadow", "network in training", net, 160 * kb},
       {"scratch", "activations of one tile, gradients, the network that runs", sizeof(NetworkScratch<T, float>),
        1024 * kb},
-      {"cycle", "validator and the last two readings", sizeof(CycleState<T>), 8 * kb},
+      {"cycle", "validator, the last two readings, demand of boxes that modulate", sizeof(CycleState<T>), 16 * kb},
       {"controller", "everything above and the candidates", sizeof(C), 5120 * kb},
   });
 }

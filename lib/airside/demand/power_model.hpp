@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "airside/demand/demand_settings.hpp"
+#include "airside/demand_settings.hpp"
 #include "airside/demand/power_shapes.hpp"
 #include "airside/demand/recursive_least_squares.hpp"
 

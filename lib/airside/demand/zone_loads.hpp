@@ -9,7 +9,7 @@
 #include <cstdint>
 
 #include "airside/civil_time.hpp"
-#include "airside/demand/demand_settings.hpp"
+#include "airside/demand_settings.hpp"
 #include "airside/demand/recursive_least_squares.hpp"
 #include "airside/demand/zone_signals.hpp"
 

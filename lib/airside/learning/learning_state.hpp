@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "airside/civil_time.hpp"
+#include "airside/demand/band_objective.hpp"
 #include "airside/forecast/head_features.hpp"
 #include "airside/forecast/room_head.hpp"
 #include "airside/memory_size.hpp"
@@ -25,7 +26,7 @@ namespace airside {
 
 /// Counts up whenever the meaning of a byte of LearningState or CycleState changes, sizes apart: saved state of another
 /// number is not read.
-constexpr std::uint32_t state_version = 7;
+constexpr std::uint32_t state_version = 8;
 
 /// What learning has produced: saved as one generation. Plain bytes, no pointers.
 template <Topology T, class Scalar>
@@ -55,6 +56,7 @@ struct CycleState {
   PersistentCondition no_confidence{};
   AuthorityMonitor authority{};
   Guideline36 guideline36{};
+  BandObjective band{};  ///< of the objective `band`
   WriteBudget budget{};
   alignas(state_alignment)
       typename Reading<T>::Vector last_value = Reading<T>::Vector::Zero();  ///< at the last decision

@@ -1,6 +1,7 @@
 #pragma once
 // Which objective the setpoint serves, and every number of the objective "band".
 
+#include <array>
 #include <cstdint>
 
 namespace airside {
@@ -29,11 +30,38 @@ struct DemandSettings {
   double cooling_gain_prior = 0.15;  ///< K a cycle for each K of supply air below the room, damper open
 };
 
+/// One overridable number of the objective "band": its name in site files, where it lives, its bounds.
+struct DemandSettingEntry {
+  const char* name;
+  double DemandSettings::*real;
+  int DemandSettings::*whole;
+  double min, max;
+};
+
+/// Every number by name. Shape: one entry a field of DemandSettings.
+constexpr auto demand_setting_table = std::to_array<DemandSettingEntry>({
+    {"band_k", &DemandSettings::band_k, nullptr, 0, 5},
+    {"band_damper_high", &DemandSettings::damper_high, nullptr, 0.3, 1},
+    {"band_saturation_cost", &DemandSettings::saturation_cost, nullptr, 0, 1000},
+    {"band_warm_cost", &DemandSettings::warm_cost, nullptr, 0, 1000},
+    {"band_caution", &DemandSettings::caution, nullptr, 0, 5},
+    {"band_move_cost", &DemandSettings::move_cost, nullptr, 0, 1000},
+    {"band_recover_cycles", &DemandSettings::recover_cycles, nullptr, 1, 80},
+    {"band_heat_worth", &DemandSettings::heat_worth, nullptr, 0, 10},
+    {"band_outdoor_share", &DemandSettings::outdoor_share, nullptr, 0, 1},
+    {"band_fan_meter", nullptr, &DemandSettings::fan_meter, 0, 8},
+    {"band_ready_cycles", nullptr, &DemandSettings::ready_cycles, 1, 100000},
+    {"band_power_noise", &DemandSettings::power_noise, nullptr, 1e-3, 10},
+    {"band_forget_per_cycle", &DemandSettings::forget_per_cycle, nullptr, 0, 0.1},
+    {"band_cooling_gain_prior", &DemandSettings::cooling_gain_prior, nullptr, 1e-4, 10},
+});
+
 constexpr bool demand_settings_valid(const DemandSettings& s) {
-  return s.band_k >= 0 && s.band_k <= 5 && s.damper_high >= 0.3 && s.damper_high <= 1 && s.saturation_cost >= 0 &&
-         s.warm_cost >= 0 && s.caution >= 0 && s.caution <= 5 && s.move_cost >= 0 && s.recover_cycles >= 1 &&
-         s.fan_meter >= 0 && s.fan_meter <= 8 && s.ready_cycles >= 1 && s.power_noise > 0 && s.forget_per_cycle >= 0 &&
-         s.forget_per_cycle <= 0.1 && s.cooling_gain_prior > 0;
+  for (const DemandSettingEntry& e : demand_setting_table) {
+    const double v = e.real != nullptr ? s.*e.real : static_cast<double>(s.*e.whole);
+    if (!(v >= e.min && v <= e.max)) return false;
+  }
+  return true;
 }
 static_assert(demand_settings_valid({}));
 
