@@ -25,6 +25,7 @@ off_degc = 25.0          # outside
 
 [controller]
 preset = "product"       # product, or paper: the printed method, but it acts before it learns, and ladder and safety limits stay
+objective = "mean"       # mean: hold the room temperature; band: boxes modulate, least energy with zones in their band
 seed = 1                 # of the random generator
 
 [controller.override]    # a controller setting that has no key above, by name, such as
