@@ -26,29 +26,32 @@ PointMap map_with(int dampers, int setpoints, int powers = 1) {
   return PointMap::parse(csv, "points.csv");
 }
 
-SiteFile site_with(const std::string& controller) {
-  const std::string text =
-      replaced(example_site_text("3vav-0fcu-1power"), "[controller]\n", "[controller]\n" + controller);
+/// The example of a site file with another objective, and overrides.
+SiteFile site_with(const std::string& objective, const std::string& overrides = "") {
+  std::string text = example_site_text("3vav-0fcu-1power");
+  text = replaced(text, "objective = \"mean\"", "objective = \"" + objective + "\"");
+  text = replaced(text, "# move_penalty = 0.1\n", overrides);
   return parse_site_text(text, "site.toml", site_rules());
 }
 
 TEST(SiteObjective, IsMeanUnlessTheFileSaysBand) {
-  EXPECT_EQ(site_with("").objective, Objective::mean);
-  EXPECT_EQ(site_with("objective = \"band\"\n").objective, Objective::band);
-  EXPECT_EQ(controller_settings(site_with("objective = \"band\"\n")).objective, Objective::band);
-  expect_complaint({"objective", "\"energy\"", "band", ""}, [] { (void)site_with("objective = \"energy\"\n"); });
+  EXPECT_EQ(SiteFile{}.objective, Objective::mean);
+  EXPECT_EQ(site_with("mean").objective, Objective::mean);
+  EXPECT_EQ(controller_settings(site_with("band")).objective, Objective::band);
+  expect_complaint({"objective", "energy", "band", ""}, [] { (void)site_with("energy"); });
 }
 
 TEST(SiteObjective, ItsNumbersAreOverridesLikeAnyOther) {
-  const SiteFile site = site_with("objective = \"band\"\n[controller.override]\nband_k = 1.0\nband_fan_meter = 2\n");
+  const SiteFile site = site_with("band", "band_k = 1.0\nband_fan_meter = 2\n");
   EXPECT_EQ(controller_settings(site).demand.band_k, 1.0);
   EXPECT_EQ(controller_settings(site).demand.fan_meter, 2);
+  expect_complaint({"band_k", "9", "", ""}, [] { (void)site_with("band", "band_k = 9.0\n"); });
 }
 
 TEST(SiteObjective, ASiteFileThatAsksForItIsRefusedByTheSameRuleAsItsRegisters) {
   expect_complaint({"site.toml: [controller] objective", "damper_1", "a damper and a zone setpoint a room", "\"mean\""},
-                   [] { refuse_contradiction(site_with("objective = \"band\"\n"), map_with(0, 3)); });
-  EXPECT_NO_THROW(refuse_contradiction(site_with("objective = \"band\"\n"), map_with(3, 3)));
+                   [] { refuse_contradiction(site_with("band"), map_with(0, 3)); });
+  EXPECT_NO_THROW(refuse_contradiction(site_with("band"), map_with(3, 3)));
 }
 
 TEST(SiteObjective, BandIsTakenWhereEveryRoomShowsDamperAndSetpoint) {
