@@ -39,7 +39,7 @@ TEST(BandStudy, SavesWhereTheWeatherChanges) {
     const double ours = run_boxes(run, band).total_kwh();
     EXPECT_LT(ours, 0.95 * run_boxes(run, {.kind = BoxMethod::Kind::guideline36, .degc = 16}).total_kwh()) << scenario;
     std::vector<BoxFigures> constants;
-    for (double degc = 12; degc <= 18; degc += 0.5) constants.push_back(run_boxes(run, {.degc = degc}));
+    for (int i = 0; i <= 12; ++i) constants.push_back(run_boxes(run, {.degc = 12 + 0.5 * i}));
     EXPECT_LT(ours, constants[best_constant(constants)].total_kwh()) << scenario;
   }
 }

@@ -35,7 +35,7 @@ TEST(ZoneLoads, AWarmerSupplyNeedsAWiderDamper) {
   const std::vector<double> room{24.0}, set{24.0}, damper{0.5};
   const ZoneSignals zones{room, set, damper};
   double before = 0;
-  for (double supply = 12; supply <= 20; supply += 1) {
+  for (int supply = 12; supply <= 20; ++supply) {
     const ZoneForecast f = loads.forecast(settings, zones, 0, supply, 1, 0);
     EXPECT_GT(f.wanted, before);
     EXPECT_LE(f.damper, 1.0);
