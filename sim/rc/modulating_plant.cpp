@@ -249,6 +249,11 @@ void ModulatingPlant::read_sensors() {
   boxes_.occupied = hour_within(room_.air.occupied_start_h, room_.air.occupied_stop_h) ? 1 : 0;
   boxes_.fan_runs = sensors_.vav_on.front();
   boxes_.supply_flow_m3_s = std::max(0.0, flow_total_m3_s_ * (1 + 0.02 * noise(noise_flow, 0)));
+  sensors_.damper = boxes_.damper;
+  sensors_.zone_setpoint_degc = boxes_.zone_setpoint_degc;
+  sensors_.occupied = boxes_.occupied;
+  sensors_.supply_flow_m3s = boxes_.supply_flow_m3_s;
+  sensors_.ahu_on = boxes_.fan_runs;
   const auto metered = [&](double kw, std::size_t place) {
     return hundredths(std::max(0.0, kw * (1 + building.power_noise_share * noise(noise_meter, place))));
   };
