@@ -14,6 +14,7 @@
 namespace airside::tools {
 
 void add_chaos(CLI::App& app);
+void add_adopt(CLI::App& app);
 void add_check(CLI::App& app);
 void add_init(CLI::App& app);
 void add_pretrain(CLI::App& app);

@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   tools::add_check(app);
   tools::add_init(app);
+  tools::add_adopt(app);
   tools::add_pretrain(app);
   tools::add_transfer(app);
   tools::add_simulate(app);

@@ -1,0 +1,246 @@
+#include "tools/adopt/adoption.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "hal/text/input_error.hpp"
+#include "hal/text/staged_folder.hpp"
+#include "sim/energyplus/epjson_lint.hpp"
+#include "sim/energyplus/process.hpp"
+#include "sim/json/merge_patch.hpp"
+#include "tools/adopt/foreign_file.hpp"
+#include "tools/adopt/site_text.hpp"
+#include "tools/adopt/weather_choice.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Schedules may name limits that are not there: the engine only warns, so the name is dropped.
+json without_lost_limits(const ModelView& model, std::vector<std::string>& notes) {
+  constexpr const char* field = "schedule_type_limits_name";
+  json patch = json::object();
+  int count = 0;
+  for (const ModelObject& schedule : model.all_of("Schedule:")) {
+    const std::string limits = schedule.text(field);
+    if (limits.empty() || model.find("ScheduleTypeLimits", limits)) continue;
+    patch[schedule.type][schedule.name][field] = nullptr;
+    ++count;
+  }
+  if (count > 0) notes.push_back(fmt::format("{} schedules named type limits that are not there: dropped", count));
+  return patch;
+}
+
+void refuse_full_folder(const AdoptRequest& request) {
+  std::error_code failed;
+  if (!fs::exists(request.folder, failed)) return;
+  if (!fs::is_directory(request.folder, failed)) {
+    throw hal::InputError(request.folder.string(), "a file", "a folder, or a name that is free",
+                          "choose another output folder");
+  }
+  if (request.force || fs::is_empty(request.folder, failed)) return;
+  throw hal::InputError(request.folder.string(), "a folder that has files already", "a folder that is not there",
+                        "choose another output folder, or give --force to replace files of the same names");
+}
+
+/// The engine's runs of one adoption.
+class Runs {
+ public:
+  Runs(const AdoptRequest& request, const sim::EnergyPlusInstall& install, const WeatherChoice& weather)
+      : request_(request), install_(install), weather_(weather) {}
+
+  /// A week or less from a Monday on. Files stay in run_folder(name).
+  Observation run(const json& model, const AirLoop& loop, bool summer, int days, const std::string& name) {
+    const bool july = summer == (weather_.latitude_deg >= 0);
+    const ObservationPlan plan{&model, &loop, weather_.file, july ? 7 : 1, july ? 12 : 11, days};
+    return observe(plan, install_, run_folder(name), request_.model.string());
+  }
+  fs::path run_folder(const std::string& name) const { return folder_.path() / name; }
+
+ private:
+  const AdoptRequest& request_;
+  const sim::EnergyPlusInstall& install_;
+  const WeatherChoice& weather_;
+  sim::RunFolder folder_;
+};
+
+json patch_of(const Adoption& a, const json& repairs) {
+  json patch = repairs;
+  patch.merge_patch(json::object());
+  const auto add = [&patch](const json& part) {
+    // Not merge_patch: a null of a part must stay in the whole.
+    for (const auto& [type, objects] : part.items()) {
+      if (!objects.is_object() || !patch.contains(type) || !patch[type].is_object()) {
+        patch[type] = objects;
+        continue;
+      }
+      for (const auto& [name, fields] : objects.items()) {
+        json& target = patch[type][name];
+        if (target.is_object() && fields.is_object()) {
+          target.update(fields);
+        } else if (!target.is_object() || !fields.is_null()) {
+          target = fields;
+        }
+      }
+    }
+  };
+  add(a.sizes.patch);
+  add(a.setpoint.patch);
+  return patch;
+}
+
+/// The patched model with the setpoint held at a value.
+json held_at(const json& patched, const Adoption& a, double degc) {
+  json model = patched;
+  model["Schedule:Constant"][a.setpoint.schedule]["hourly_value"] = degc;
+  return model;
+}
+
+/// The range's ends where the plant reaches them in some season; else what it reaches.
+void fit_range(Adoption& a) {
+  SiteChoices& c = a.choices;
+  double low = 1e9, high = -1e9;
+  for (const Response& r : {a.summer, a.winter}) {
+    if (!r.known || !r.has_authority()) continue;
+    low = std::min(low, r.supply_low_degc);
+    high = std::max(high, r.supply_high_degc);
+  }
+  if (low > high) return;
+  if (low > c.min_degc + 1) c.min_degc = std::min(std::floor(2 * low - 1) / 2, c.max_degc - 2);
+  if (high < c.max_degc - 1) c.max_degc = std::max(std::ceil(2 * high + 1) / 2, c.min_degc + 2);
+  c.work_degc = std::clamp(c.work_degc, c.min_degc, c.max_degc);
+  c.off_degc = std::clamp(c.off_degc, c.min_degc, c.max_degc);
+}
+
+void note_powers(Adoption& a, const Observation& summer, const Observation& winter) {
+  for (const std::string& meter : a.choices.powers) {
+    double most = 0;
+    for (const Observation* week : {&summer, &winter}) {
+      const auto series = week->meter_kw.find(meter);
+      if (series != week->meter_kw.end())
+        most = std::max(most, *std::max_element(series->second.begin(), series->second.end()));
+    }
+    a.most_kw.push_back(most);
+  }
+}
+
+/// The engine's first Severe or Fatal line of a complaint.
+std::string first_grave_line(const std::string& words) {
+  const auto begin = words.find("** ");
+  return begin == std::string::npos ? words : words.substr(begin, words.find('\n', begin) - begin);
+}
+
+/// Runs the patched model at both ends of the range; a model that does not run with hard sizes goes without.
+void probe(Adoption& a, const json& model, const json& repairs, Runs& runs,
+           const std::function<void(const std::string&)>& say) {
+  a.probed_min_degc = a.choices.min_degc;
+  a.probed_max_degc = a.choices.max_degc;
+  json patched = sim::merge_patched(model, patch_of(a, repairs), "twin.patch.json");
+  say("two summer days at the lowest setpoint");
+  Observation low;
+  try {
+    low = runs.run(held_at(patched, a, a.probed_min_degc), a.loop, true, 2, "low");
+  } catch (const hal::InputError& error) {
+    if (a.sizes.written == 0) throw;
+    a.notes.push_back("with the sizes written hard the engine does not run it, so they stay autosized: " +
+                      first_grave_line(error.found()));
+    a.sizes = {json::object(), 0, a.sizes.open + a.sizes.written};
+    patched = sim::merge_patched(model, patch_of(a, repairs), "twin.patch.json");
+    low = runs.run(held_at(patched, a, a.probed_min_degc), a.loop, true, 2, "low");
+  }
+  say("two summer days at the highest setpoint");
+  const Observation high = runs.run(held_at(patched, a, a.probed_max_degc), a.loop, true, 2, "high");
+  a.summer = response_of(low, high, a.choices);
+  say("the same in winter");
+  const Observation cold_low = runs.run(held_at(patched, a, a.probed_min_degc), a.loop, false, 2, "low");
+  const Observation cold_high = runs.run(held_at(patched, a, a.probed_max_degc), a.loop, false, 2, "high");
+  a.winter = response_of(cold_low, cold_high, a.choices);
+}
+
+void write_text(const fs::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  if (!(out << text) || !out.flush()) {
+    throw hal::InputError(file.parent_path().string(), "a folder that cannot be written", "a writable place with space",
+                          "choose another output folder");
+  }
+}
+
+void write_site(const Adoption& a, const json& model, const json& patch, const fs::path& weather,
+                const fs::path& folder) {
+  hal::StagedFolder staged(folder);
+  write_text(staged.path() / "model.epJSON", model.dump(1) + "\n");
+  write_text(staged.path() / "twin.patch.json", patch.dump(1) + "\n");
+  write_text(staged.path() / "points.csv", adopted_points_text(a));
+  write_text(staged.path() / "adopt.md", adoption_page(a));
+  std::error_code failed;
+  fs::copy_file(weather, staged.path() / a.weather_name, fs::copy_options::overwrite_existing, failed);
+  if (failed) {
+    throw hal::InputError(folder.string(), "a folder that cannot be written: " + failed.message(),
+                          "a writable place with space", "choose another output folder");
+  }
+  write_text(staged.path() / "site.toml", adopted_site_text(a));
+  staged.commit("site.toml");
+}
+
+}  // namespace
+
+std::string Adoption::topology() const {
+  return fmt::format("{}vav-{}fcu-{}power", loop.terminals.size(), loop.fcu_zones.size(), choices.powers.size());
+}
+
+Adoption examine(const json& model, const std::string& place, const std::string& air_loop) {
+  const ModelView view(model, place);
+  Adoption a;
+  a.loop = walk_air_loop(view, chosen_air_loop(view, air_loop));
+  a.setpoint = setpoint_patch(view, a.loop, 14);
+  return a;
+}
+
+Adoption adopt(const AdoptRequest& request) {
+  const auto say = [&request](const std::string& what) {
+    if (request.progress) request.progress(what);
+  };
+  refuse_full_folder(request);
+  const sim::EnergyPlusInstall install = sim::find_energyplus();
+  const ForeignModel model = read_foreign_model(request.model, install);
+  const std::string place = request.model.string();
+  Adoption a = examine(model.content, place, request.air_loop);
+  const ModelView view(model.content, place);
+  a.notes = model.notes;
+  a.model_name = request.model.filename().string();
+  a.engine = sim::version_of(install);
+  json repairs = without_lost_limits(view, a.notes);
+  if (!view.all("RunPeriodControl:DaylightSavingTime").empty()) {
+    repairs["RunPeriodControl:DaylightSavingTime"] = nullptr;
+    a.notes.emplace_back("daylight saving dropped: logs and schedules keep standard time");
+  }
+  sim::lint_epjson(sim::merge_patched(model.content, patch_of(a, repairs), place), install.schema, {place});
+  const WeatherChoice weather = choose_weather(view, request.model, request.weather, install);
+  a.weather_name = weather.file.filename().string();
+  a.weather_note = weather.note;
+
+  Runs runs(request, install, weather);
+  say("a summer week under the model's own control");
+  const json repaired = sim::merge_patched(model.content, repairs, place);
+  const Observation summer = runs.run(repaired, a.loop, true, 7, "own");
+  a.sizes = sizes_of_run(view, runs.run_folder("own") / "eplusout.eio", install.schema);
+  say("a winter week");
+  const Observation winter = runs.run(repaired, a.loop, false, 7, "own");
+  a.choices = site_choices(summer, winter, a.loop.kind());
+  note_powers(a, summer, winter);
+  a.setpoint = setpoint_patch(view, a.loop, a.choices.work_degc);
+  probe(a, model.content, repairs, runs, say);
+  fit_range(a);
+  const json patch = patch_of(a, repairs);
+  sim::lint_epjson(patch, install.schema, {"twin.patch.json", sim::LintScope::patch});
+  write_site(a, model.content, patch, weather.file, request.folder);
+  return a;
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,54 @@
+#pragma once
+// A foreign EnergyPlus model made into a site: what was found, chosen and changed, and the files that say so.
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tools/adopt/air_loop.hpp"
+#include "tools/adopt/choices.hpp"
+#include "tools/adopt/setpoint_patch.hpp"
+#include "tools/adopt/sizes.hpp"
+
+namespace airside::tools {
+
+struct AdoptRequest {
+  std::filesystem::path model;    ///< .idf or .epJSON
+  std::string air_loop;           ///< empty: the only one
+  std::filesystem::path weather;  ///< empty: the nearest file beside the model or of the engine's package
+  std::filesystem::path folder;   ///< of the site
+  bool force = false;             ///< write into a folder that has files already
+  std::function<void(const std::string&)> progress;
+};
+
+struct Adoption {
+  std::string model_name;    ///< file name, for documents
+  std::string weather_name;  ///< file name in the site's folder
+  std::string weather_note;
+  std::string engine;  ///< its version
+  AirLoop loop;
+  SetpointPatch setpoint;
+  FoundSizes sizes;
+  SiteChoices choices;
+  double probed_min_degc = 0, probed_max_degc = 0;
+  Response summer, winter;         ///< of the setpoint, between these two
+  std::vector<double> most_kw;     ///< of each power meter, in the two weeks
+  std::vector<std::string> notes;  ///< of conversion and repair
+
+  bool shows_people() const { return choices.people; }
+  std::string topology() const;  ///< "5vav-0fcu-2power"
+};
+
+/// Adopts a model: model.epJSON, twin.patch.json, site.toml, points.csv, adopt.md and the weather appear in the folder,
+/// all or none.
+/// Errors: hal::InputError for a model that cannot be adopted, a folder that has files already, weather that is absent
+///   or not of a whole year.
+/// Cost: seven runs of some days, 10 to 60 s.
+Adoption adopt(const AdoptRequest& request);
+
+/// The part of adopt() that needs no engine: loop and setpoint patch, after the model was read.
+/// Errors: hal::InputError.
+Adoption examine(const nlohmann::json& model, const std::string& place, const std::string& air_loop);
+
+}  // namespace airside::tools

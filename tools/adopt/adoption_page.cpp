@@ -1,0 +1,153 @@
+// adopt.md.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "tools/adopt/site_text.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+std::string hours_text(const DayHours& hours) {
+  const auto clock = [](double h) {
+    return fmt::format("{:02}:{:02}", static_cast<int>(h), static_cast<int>(h * 60) % 60);
+  };
+  return fmt::format("{} to {}{}{}", clock(hours.from_h), clock(hours.to_h),
+                     hours.weekday_only ? ", weekdays" : ", every day",
+                     hours.interrupted ? "; the pattern is not one interval, so this is an approximation" : "");
+}
+
+std::string found_table(const Adoption& a) {
+  std::map<std::string, int> kinds;
+  for (const LoopTerminal& t : a.loop.terminals) ++kinds[t.type];
+  std::string terminals;
+  for (const auto& [type, count] : kinds)
+    terminals += fmt::format("{}{} {}", terminals.empty() ? "" : ", ", count, type);
+  std::string equipment;
+  for (const LoopComponent& c : a.loop.components) equipment += (equipment.empty() ? "" : ", ") + c.type;
+  std::string text = "| what | found |\n|---|---|\n";
+  const auto row = [&](const char* what, const std::string& found) {
+    text += fmt::format("| {} | {} |\n", what, found);
+  };
+  row("air loop", a.loop.name + ", supply outlet node `" + a.loop.supply_outlet + "`");
+  row("equipment, in the air's order", equipment);
+  row("supply fan",
+      a.loop.fan.name.empty() ? "none: there is no point ahu_on" : a.loop.fan.type + " " + a.loop.fan.name);
+  row("terminals", terminals + fmt::format(" ({})", text_of(a.loop.kind())));
+  row("fan coils in its zones", a.loop.fcu_zones.empty() ? "none" : std::to_string(a.loop.fcu_zones.size()));
+  row("outdoor air", a.loop.mixed_air_node.empty() ? "none"
+                     : a.loop.outdoor_air_treated
+                         ? "treated before it is mixed: mau_temp is the node `" + a.loop.outdoor_stream_node + "`"
+                         : "mixed as it is");
+  text += "\n| point | zone | terminal | thermostat |\n|---|---|---|---|\n";
+  int n = 0;
+  for (const LoopTerminal& t : a.loop.terminals)
+    text += fmt::format("| room_temp_{} | {} | {}, {} | {} |\n", ++n, t.zone, t.name, text_of(t.kind),
+                        t.thermostat ? "yes" : "no");
+  return text;
+}
+
+std::string chosen_table(const Adoption& a) {
+  const SiteChoices& c = a.choices;
+  std::string powers;
+  for (const std::string& meter : c.powers) powers += (powers.empty() ? "`" : ", `") + meter + "`";
+  std::string text = "| what | chosen | from |\n|---|---|---|\n";
+  text += fmt::format("| target | {:.2f} degC | mean of the rooms in working hours of a summer week, own control |\n",
+                      c.target_degc);
+  text += fmt::format("| working hours | {} | {} |\n", hours_text(c.work),
+                      c.people          ? "people in the zones, more than a quarter of the most"
+                      : c.assumed_hours ? "**assumed**: neither people nor a schedule of the thermostats"
+                                        : "the thermostats' cooling setpoints");
+  text += fmt::format("| fan | {} | flow at the supply outlet |\n", hours_text(c.fan));
+  text += fmt::format(
+      "| setpoint range | {:.1f} to {:.1f} degC | the model's own setpoints in both weeks, and what it reached |\n",
+      c.min_degc, c.max_degc);
+  text += fmt::format(
+      "| schedule | {:.1f} degC at work, {:.1f} otherwise | the model's own setpoint, means of the summer week |\n",
+      c.work_degc, c.off_degc);
+  text += fmt::format(
+      "| power meters | {} | those of the model that are not always zero; they count the whole building |\n",
+      powers.empty() ? "none" : powers);
+  text += fmt::format("| weather | {} | {} |\n", a.weather_name, a.weather_note);
+  return text;
+}
+
+std::string response_row(const char* season, const Response& r) {
+  if (!r.known) return fmt::format("| {} | the fan does not run in working hours | | | | |\n", season);
+  return fmt::format("| {} | {:.1f} / {:.1f} | {:.2f} | {:.2f} / {:.2f} | {:.3f} | {} | {:.1f} / {:.1f} |\n", season,
+                     r.supply_low_degc, r.supply_high_degc, r.supply_gain, r.room_low_degc, r.room_high_degc,
+                     r.room_gain,
+                     r.damper_low < 0 ? std::string("-") : fmt::format("{:.2f} / {:.2f}", r.damper_low, r.damper_high),
+                     r.kw_low, r.kw_high);
+}
+
+std::string response_text(const Adoption& a) {
+  std::string text = fmt::format(
+      "Two days of each season with the setpoint held at {:.1f} and at {:.1f} degC; means over working hours with the "
+      "fan "
+      "on.\n\n| season | supply reached, degC | K per K | rooms, degC | K per K | dampers | kW of the meters |\n"
+      "|---|---|---|---|---|---|---|\n",
+      a.probed_min_degc, a.probed_max_degc);
+  text += response_row("summer", a.summer) + response_row("winter", a.winter) + "\n";
+  for (const auto& [season, r] : {std::pair("summer", a.summer), std::pair("winter", a.winter)}) {
+    if (r.known && !r.has_authority())
+      text += fmt::format(
+          "**In {} the supply air does not follow the setpoint** ({:.2f} K per K): learning is of no use there.\n\n",
+          season, r.supply_gain);
+  }
+  const bool rooms_answer = std::max(a.summer.room_gain, a.winter.room_gain) > 0.02;
+  if (a.loop.kind() == TerminalKind::fixed && !rooms_answer && a.summer.known) {
+    text += "**The rooms hardly answer the setpoint**: their own equipment holds them. It moves energy alone.\n";
+  } else if (a.loop.kind() == TerminalKind::fixed) {
+    text += "Flows are fixed: the setpoint moves the rooms themselves, which is what the default objective is for.\n";
+  } else {
+    text +=
+        "Thermostats hold the rooms with dampers or coils of their own, so the setpoint moves dampers and energy more "
+        "than the rooms: the objective for boxes that modulate is meant for this.\n";
+  }
+  return text;
+}
+
+std::string missing_text(const Adoption& a) {
+  std::string text = "- rain: `[stand_in] rain = 0`\n- on/off of the boxes: `[stand_in] vav_on = 1`\n";
+  if (!a.loop.outdoor_air_treated)
+    text += "- make-up air: nothing treats the outdoor air, `[stand_in] mau_temp = 20.0`\n";
+  if (!a.shows_people()) text += "- people: no point `occupied`\n";
+  if (a.choices.powers.empty()) text += "- power: no meter of fans, cooling or heating\n";
+  if (a.loop.fan.name.empty()) text += "- the supply fan: no point `ahu_on`\n";
+  for (const LoopTerminal& t : a.loop.terminals) {
+    if (!t.thermostat) text += "- a thermostat in zone " + t.zone + "\n";
+  }
+  if (a.sizes.open > 0)
+    text +=
+        fmt::format("- a size for {} autosized fields: they stay autosized, and the engine sizes them at each start\n",
+                    a.sizes.open);
+  return text;
+}
+
+}  // namespace
+
+std::string adoption_page(const Adoption& a) {
+  std::string text =
+      fmt::format("# {}: air loop {}\n\nWritten by `airside adopt` with EnergyPlus {}. Topology {}.\n\n## Found\n\n",
+                  a.model_name, a.loop.name, a.engine, a.topology());
+  text += found_table(a) + "\n";
+  for (const std::string& note : a.loop.notes) text += "- " + note + "\n";
+  text += "\n## Chosen\n\n" + chosen_table(a);
+  text += "\n## Changed in the model (twin.patch.json)\n\n";
+  text += "- the supply-air setpoint is the schedule \"" + a.setpoint.schedule + "\"\n";
+  for (const std::string& note : a.setpoint.notes) text += "- " + note + "\n";
+  text += fmt::format("- {} autosized fields have the sizes that the engine found\n", a.sizes.written);
+  for (const std::string& note : a.notes) text += "- " + note + "\n";
+  text += "\n## What the setpoint does\n\n" + response_text(a);
+  text += "\n## Not found\n\n" + missing_text(a);
+  text +=
+      "\n## Next\n\n```text\nairside check site.toml\nairside pretrain --site site.toml -o site.blob\n"
+      "airside serve --site site.toml --port 1502\nairsided --site site.toml\n```\n";
+  return text;
+}
+
+}  // namespace airside::tools

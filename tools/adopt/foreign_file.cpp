@@ -1,0 +1,157 @@
+#include "tools/adopt/foreign_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <regex>
+
+#include "hal/text/input_error.hpp"
+#include "hal/text/text_file.hpp"
+#include "sim/energyplus/process.hpp"
+#include "sim/json/json_file.hpp"
+#include "tools/adopt/engine_run.hpp"
+#include "tools/adopt/model_view.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// "25.2" of "25.2.0".
+std::string short_version(const std::string& version) {
+  const auto first = version.find('.');
+  return first == std::string::npos ? version : version.substr(0, version.find('.', first + 1));
+}
+
+void check_version(const std::string& place, const std::string& found, const std::string& engine) {
+  if (short_version(found) == short_version(engine)) return;
+  throw hal::InputError(
+      place + ": Version", found.empty() ? "no version" : "a model of EnergyPlus " + found,
+      "one of EnergyPlus " + short_version(engine),
+      found.empty() ? "add the object Version with the version that the model was written for"
+                    : "upgrade it with the transition programs of an EnergyPlus " + short_version(engine) +
+                          " install (IDFVersionUpdater, Transition-V*), which the package of the engine here lacks");
+}
+
+/// The text without comments, in upper case: enough to look for object types.
+std::string without_comments(const std::string& idf) {
+  std::string out;
+  out.reserve(idf.size());
+  bool comment = false;
+  for (const char c : idf) {
+    if (c == '!') comment = true;
+    if (c == '\n') comment = false;
+    if (!comment) out += c;
+  }
+  return engine_upper(std::move(out));
+}
+
+std::string idf_version(const std::string& bare) {
+  static const std::regex version(R"((?:^|[;\s])VERSION\s*,\s*([0-9][0-9.]*)\s*;)");
+  std::smatch found;
+  return std::regex_search(bare, found, version) ? found[1].str() : std::string();
+}
+
+void write_whole(const fs::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  if (!(out << text) || !out.flush()) {
+    throw hal::InputError(file.string(), "a file that cannot be written", "room in TMPDIR", "name another in TMPDIR");
+  }
+}
+
+/// in.idf of `folder` with its HVACTemplate objects replaced by what they stand for.
+void expand_templates(const fs::path& folder, const sim::EnergyPlusInstall& install, const std::string& place) {
+  fs::copy_file(install.folder / "Energy+.idd", folder / "Energy+.idd");
+  const EngineRun run = run_engine_program(install.folder / "ExpandObjects", {}, folder, 120);
+  const fs::path expanded = folder / "expanded.idf";
+  if (!run.done || !fs::is_regular_file(expanded) || fs::file_size(expanded) == 0) {
+    throw hal::InputError(place + ": HVACTemplate", "objects that ExpandObjects does not take" + run.words,
+                          "templates that the engine's ExpandObjects replaces", "correct them as the engine says");
+  }
+  fs::rename(expanded, folder / "in.idf");
+}
+
+json converted(const fs::path& file, const std::string& text, const sim::EnergyPlusInstall& install,
+               std::vector<std::string>& notes) {
+  const std::string bare = without_comments(text);
+  const std::string place = file.string();
+  if (bare.find(',') == std::string::npos || bare.find(';') == std::string::npos) {
+    throw hal::InputError(place, "text that is neither JSON nor an IDF", "an EnergyPlus model, .idf or .epJSON",
+                          "see that this is the right file");
+  }
+  check_version(place, idf_version(bare), sim::version_of(install));
+  const sim::RunFolder folder;
+  write_whole(folder.path() / "in.idf", text);
+  if (bare.find("HVACTEMPLATE:") != std::string::npos) {
+    expand_templates(folder.path(), install, place);
+    notes.emplace_back("its HVACTemplate objects were replaced by the engine's ExpandObjects");
+  }
+  const EngineRun run = run_engine_program(
+      install.folder / "energyplus", {"--convert-only", "-d", folder.path().string(), "in.idf"}, folder.path(), 300);
+  const fs::path made = folder.path() / "in.epJSON";
+  if (!run.done || !fs::is_regular_file(made)) {
+    throw hal::InputError(place, "an IDF that the engine's converter refuses: it " + run.words,
+                          "an IDF of EnergyPlus " + short_version(sim::version_of(install)),
+                          "correct it as the engine says");
+  }
+  notes.emplace_back("converted from IDF by the engine's own `energyplus --convert-only`");
+  return sim::read_json(made);
+}
+
+/// Fields that name a file beside the model.
+constexpr const char* file_fields[] = {"file_name", "external_file_name", "representation_file_name"};
+
+/// Named files by their whole path: a run has a folder of its own.
+void find_files(json& model, const fs::path& file) {
+  for (auto& [type, objects] : model.items()) {
+    if (!objects.is_object()) continue;
+    for (auto& [name, fields] : objects.items()) {
+      if (!fields.is_object()) continue;
+      for (const char* field : file_fields) {
+        const auto at = fields.find(field);
+        if (at == fields.end() || !at->is_string() || at->get<std::string>().empty()) continue;
+        const fs::path named = at->get<std::string>();
+        const fs::path whole =
+            fs::absolute(named.is_absolute() ? named : file.parent_path() / named).lexically_normal();
+        if (!fs::is_regular_file(whole)) {
+          throw hal::InputError(fmt::format("{}: {} / {} / {}", file.string(), type, name, field),
+                                "the file \"" + named.string() + "\", which is not there",
+                                "a file beside the model, or its whole path", "copy it there, or correct the name");
+        }
+        *at = whole.string();
+      }
+    }
+  }
+}
+
+}  // namespace
+
+ForeignModel read_foreign_model(const fs::path& file, const sim::EnergyPlusInstall& install) {
+  const std::string text = hal::read_text_file(file.string(), "an EnergyPlus model, .idf or .epJSON");
+  const std::string place = file.string();
+  const auto first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (first == std::string::npos) {
+    throw hal::InputError(place, "an empty file", "an EnergyPlus model, .idf or .epJSON", "see that the copy is whole");
+  }
+  const std::string ending = engine_upper(file.extension().string());
+  ForeignModel model;
+  if (text[first] == '{' || text[first] == '[' || ending == ".EPJSON" || ending == ".JSON") {
+    model.content = sim::parse_json(text, place);
+    const ModelView view(model.content, place);
+    const auto versions = view.all("Version");
+    check_version(place, versions.empty() ? "" : versions.front().text("version_identifier"), sim::version_of(install));
+    if (!view.all_of("HVACTemplate:").empty()) {
+      throw hal::InputError(place + ": HVACTemplate", "template objects in an epJSON model", "objects of equipment",
+                            "give the IDF instead, which is sent through the engine's ExpandObjects");
+    }
+  } else {
+    model.content = converted(file, text, install, model.notes);
+  }
+  find_files(model.content, file);
+  return model;
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,71 @@
+// airside adopt: a site from an EnergyPlus model that somebody else wrote.
+
+#include <fmt/format.h>
+
+#include "tools/adopt/adoption.hpp"
+#include "tools/cli/command.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+nlohmann::json json_of(const Response& r) {
+  if (!r.known) return nullptr;
+  return {{"supply_gain", r.supply_gain}, {"room_gain", r.room_gain}, {"kw_low", r.kw_low}, {"kw_high", r.kw_high}};
+}
+
+struct AdoptCommand {
+  std::string model, air_loop, weather, folder;
+  bool force = false, as_json = false;
+
+  void run() const {
+    AdoptRequest request{model, air_loop, weather, folder, force, {}};
+    request.progress = [](const std::string& what) { fmt::print(stderr, "airside: engine: {}\n", what); };
+    const Adoption a = adopt(request);
+    if (as_json) {
+      fmt::print("{}\n", nlohmann::json{{"site", folder + "/site.toml"},
+                                        {"topology", a.topology()},
+                                        {"air_loop", a.loop.name},
+                                        {"terminals", text_of(a.loop.kind())},
+                                        {"target_degc", a.choices.target_degc},
+                                        {"setpoint_min_degc", a.choices.min_degc},
+                                        {"setpoint_max_degc", a.choices.max_degc},
+                                        {"weather", a.weather_name},
+                                        {"summer", json_of(a.summer)},
+                                        {"winter", json_of(a.winter)},
+                                        {"sizes_written", a.sizes.written},
+                                        {"sizes_open", a.sizes.open}}
+                             .dump());
+      return;
+    }
+    fmt::print("adopted the air loop {} of {}: {}, terminals {}\n", a.loop.name, a.model_name, a.topology(),
+               text_of(a.loop.kind()));
+    fmt::print("target {:.2f} degC, setpoint {:.1f} to {:.1f} degC, weather {}\n", a.choices.target_degc,
+               a.choices.min_degc, a.choices.max_degc, a.weather_name);
+    for (const auto& [season, r] : {std::pair("summer", a.summer), std::pair("winter", a.winter)}) {
+      if (r.known)
+        fmt::print("{}: supply {:+.2f}, rooms {:+.3f} K per K of setpoint\n", season, r.supply_gain, r.room_gain);
+    }
+    fmt::print("Read {}/adopt.md, then:\n  airside check {}/site.toml\n", folder, folder);
+  }
+};
+
+}  // namespace
+
+void add_adopt(CLI::App& app) {
+  auto self = std::make_shared<AdoptCommand>();
+  CLI::App* c = app.add_subcommand(
+      "adopt",
+      "make a site from an EnergyPlus model that somebody else wrote: site file, points, the model with a patch that\n"
+      "frees its supply-air setpoint, and adopt.md, which says what was found, chosen and not found.\n"
+      "Runs the model for some days; takes 10 to 60 s.");
+  c->add_option("model", self->model, "an .idf or .epJSON file of the installed engine's version")->required();
+  c->add_option("--air-loop", self->air_loop, "which AirLoopHVAC, where the model has several");
+  c->add_option("--weather", self->weather, "an EPW file (default: the nearest station at hand)");
+  c->add_option("-o,--output", self->folder, "the site's folder; it must not have files yet")->required();
+  c->add_flag("--force", self->force, "replace files of the same names in a folder that has some");
+  c->add_flag("--json", self->as_json, "print one JSON object and nothing else on standard output");
+  c->callback([self] { self->run(); });
+}
+
+}  // namespace airside::tools
