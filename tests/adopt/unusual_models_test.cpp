@@ -1,0 +1,164 @@
+// Models that are odd and right: they are adopted, and what was odd is said.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "adopt/small_model.hpp"
+#include "tools/adopt/adoption.hpp"
+
+namespace airside::tools {
+namespace {
+
+using nlohmann::json;
+
+/// The model after the adoption's patch of the setpoint.
+json patched(const json& model, const Adoption& a) {
+  return sim::merge_patched(model, a.setpoint.patch, "twin.patch.json");
+}
+
+bool said(const std::vector<std::string>& notes, const std::string& part) {
+  return std::any_of(notes.begin(), notes.end(),
+                     [&](const std::string& note) { return note.find(part) != std::string::npos; });
+}
+
+/// Managers of temperature that set a node, "Type / schedule or reference".
+std::vector<std::string> managers_of(const json& model, const std::string& node) {
+  const ModelView view(model, "m");
+  std::vector<std::string> out;
+  for (const ModelObject& m : view.all_of("SetpointManager:")) {
+    for (const std::string& n : view.nodes(m.text("setpoint_node_or_nodelist_name"))) {
+      if (same_name(n, node))
+        out.push_back(m.type + " / " + m.text("schedule_name") + m.text("reference_setpoint_node_name"));
+    }
+  }
+  return out;
+}
+
+const std::vector<std::string> ours = {"SetpointManager:Scheduled / airside supply setpoint"};
+
+TEST(UnusualModel, SmallModelIsFoundWhole) {
+  const Adoption a = examine(small_model(), "m", "");
+  EXPECT_EQ(a.loop.name, "AHU");
+  EXPECT_EQ(a.loop.supply_outlet, "AHU Supply Fan Outlet");
+  EXPECT_EQ(a.loop.fan.name, "AHU Supply Fan");
+  ASSERT_EQ(a.loop.terminals.size(), 5U);
+  EXPECT_EQ(a.loop.terminals[0].zone, "Interior 1");
+  EXPECT_EQ(a.loop.terminals[4].zone, "Interior 5");
+  EXPECT_EQ(a.loop.kind(), TerminalKind::modulating);
+  EXPECT_TRUE(a.loop.terminals[0].damper && a.loop.terminals[0].thermostat);
+  EXPECT_TRUE(a.loop.outdoor_air_treated);
+  EXPECT_EQ(a.loop.outdoor_stream_node, "AHU Outside Air Inlet");
+}
+
+TEST(UnusualModel, ManagerAtTheOutletIsReplacedAndTheCoilsFollow) {
+  const Adoption a = examine(small_model(), "m", "");
+  const json model = patched(small_model(), a);
+  EXPECT_EQ(managers_of(model, "AHU Supply Fan Outlet"), ours);
+  EXPECT_EQ(managers_of(model, "AHU Cooling Coil Outlet"),
+            std::vector<std::string>{"SetpointManager:MixedAir / AHU Supply Fan Outlet"});
+  EXPECT_EQ(managers_of(model, "MAU Coil Outlet"), std::vector<std::string>{"SetpointManager:Scheduled / MAU Setpoint"})
+      << "a preheat or make-up air coil keeps its own setpoint";
+  EXPECT_EQ(managers_of(model, "ChW Supply Outlet"),
+            std::vector<std::string>{"SetpointManager:Scheduled / Chilled Water Setpoint"});
+}
+
+TEST(UnusualModel, TwoManagersAtTheOutletAreBothReplaced) {
+  const json two = small_model_with(R"({"SetpointManager:Warmest": {"Second": {"control_variable": "Temperature",
+      "hvac_air_loop_name": "AHU", "minimum_setpoint_temperature": 12, "maximum_setpoint_temperature": 18,
+      "setpoint_node_or_nodelist_name": "AHU Supply Fan Outlet"}}})");
+  const Adoption a = examine(two, "m", "");
+  EXPECT_EQ(managers_of(patched(two, a), "AHU Supply Fan Outlet"), ours);
+  EXPECT_TRUE(said(a.setpoint.notes, "SetpointManager:Warmest \"Second\""));
+  EXPECT_FALSE(patched(two, a).contains("SetpointManager:Warmest")) << "a type without objects goes as a whole";
+}
+
+TEST(UnusualModel, ManagerOfSeveralLoopsGoesOnAtTheOthers) {
+  const json shared = small_model_with(R"({"NodeList": {"All": {"nodes": [{"node_name": "AHU Supply Fan Outlet"},
+      {"node_name": "Another Outlet"}]}}, "SetpointManager:Scheduled": {"AHU Supply Air Setpoint Manager":
+      {"setpoint_node_or_nodelist_name": "All"}}})");
+  const json model = patched(shared, examine(shared, "m", ""));
+  EXPECT_EQ(managers_of(model, "AHU Supply Fan Outlet"), ours);
+  EXPECT_EQ(managers_of(model, "Another Outlet"),
+            std::vector<std::string>{"SetpointManager:Scheduled / Supply Air Setpoint"});
+}
+
+TEST(UnusualModel, CoilWithARuleOfItsOwnIsMadeToFollow) {
+  const json rule = small_model_with(R"({"SetpointManager:MixedAir": null, "SetpointManager:Scheduled": {"Coil":
+      {"control_variable": "Temperature", "schedule_name": "Supply Air Setpoint",
+       "setpoint_node_or_nodelist_name": "AHU Cooling Coil Outlet"}}})");
+  const json model = patched(rule, examine(rule, "m", ""));
+  EXPECT_EQ(managers_of(model, "AHU Cooling Coil Outlet"),
+            std::vector<std::string>{"SetpointManager:MixedAir / AHU Supply Fan Outlet"});
+}
+
+TEST(UnusualModel, UnitarySystemByLoadIsSwitchedToSetpoint) {
+  const json unit = small_model_with(R"({"AirLoopHVAC:UnitarySystem": {"Rooftop": {"control_type": "Load",
+      "supply_fan_object_type": "Fan:VariableVolume", "supply_fan_name": "AHU Supply Fan",
+      "cooling_coil_object_type": "Coil:Cooling:Water", "cooling_coil_name": "AHU Cooling Coil"}},
+      "Branch": {"AHU Main Branch": {"components": [{"component_object_type": "AirLoopHVAC:UnitarySystem",
+      "component_name": "Rooftop", "component_inlet_node_name": "AHU Air Loop Inlet",
+      "component_outlet_node_name": "AHU Supply Fan Outlet"}]}},
+      "SetpointManager:SingleZone:Cooling": {"Coil": {"setpoint_node_or_nodelist_name": "AHU Cooling Coil Outlet"}},
+      "SetpointManager:MixedAir": null})");
+  const Adoption a = examine(unit, "m", "");
+  const json model = patched(unit, a);
+  EXPECT_EQ(model["AirLoopHVAC:UnitarySystem"]["Rooftop"]["control_type"], "SetPoint");
+  const std::string running =
+      model["AirLoopHVAC:UnitarySystem"]["Rooftop"]["supply_air_fan_operating_mode_schedule_name"];
+  EXPECT_EQ(model["Schedule:Constant"][running]["hourly_value"], 1);
+  EXPECT_EQ(a.loop.fan.name, "AHU Supply Fan");
+  EXPECT_EQ(managers_of(model, "AHU Supply Fan Outlet"), ours);
+  EXPECT_EQ(managers_of(model, "AHU Cooling Coil Outlet"),
+            std::vector<std::string>{"SetpointManager:MixedAir / AHU Supply Fan Outlet"})
+      << "a manager at a coil inside the unit would compete";
+}
+
+TEST(UnusualModel, PlenumsAreNoRooms) {
+  const json plenums = small_model_with(R"({"AirLoopHVAC:SupplyPath": {"AHU Supply Path": {"components": [
+      {"component_object_type": "AirLoopHVAC:SupplyPlenum", "component_name": "Floor"},
+      {"component_object_type": "AirLoopHVAC:ZoneSplitter", "component_name": "AHU Zone Splitter"}]}},
+      "AirLoopHVAC:SupplyPlenum": {"Floor": {"zone_name": "Hollow Floor", "inlet_node_name": "AHU Supply Path Inlet",
+      "nodes": [{"outlet_node_name": "Behind Floor"}]}},
+      "AirLoopHVAC:ZoneSplitter": {"AHU Zone Splitter": {"inlet_node_name": "Behind Floor"}},
+      "AirLoopHVAC:ReturnPath": {"AHU Return Path": {"components": [
+      {"component_object_type": "AirLoopHVAC:ReturnPlenum", "component_name": "Ceiling"}]}},
+      "AirLoopHVAC:ReturnPlenum": {"Ceiling": {"zone_name": "Ceiling Void"}}})");
+  const Adoption a = examine(plenums, "m", "");
+  EXPECT_EQ(a.loop.terminals.size(), 5U);
+  EXPECT_TRUE(said(a.loop.notes, "supply plenum \"Hollow Floor\""));
+  EXPECT_TRUE(said(a.loop.notes, "return plenum \"Ceiling Void\""));
+}
+
+TEST(UnusualModel, NamesWithUmlautsAndAnotherCaseAreFound) {
+  std::string text = small_model().dump();
+  for (std::size_t at = 0; (at = text.find("Interior 1", at)) != std::string::npos;)
+    text.replace(at, 10, "Büro <Süd>, 1");
+  json model = sim::parse_json(text, "m");
+  model["AirLoopHVAC"]["AHU"]["branch_list_name"] = "ahu BRANCHES";
+  const Adoption a = examine(model, "m", "ahu");
+  EXPECT_EQ(a.loop.terminals[0].zone, "Büro <Süd>, 1");
+}
+
+TEST(UnusualModel, ScheduleOfOurNameIsLeftAlone) {
+  const json taken = small_model_with(R"({"Schedule:Constant": {"Airside Supply Setpoint": {"hourly_value": 3}}})");
+  const Adoption a = examine(taken, "m", "");
+  EXPECT_EQ(a.setpoint.schedule, "airside supply setpoint 2");
+  EXPECT_EQ(patched(taken, a)["Schedule:Constant"]["Airside Supply Setpoint"]["hourly_value"], 3);
+}
+
+TEST(UnusualModel, ZoneWithoutThermostatAndLoopWithoutOutdoorAirAreAdopted) {
+  const json bare = small_model_with(R"({"ZoneControl:Thermostat": null, "Branch": {"AHU Main Branch": {"components": [
+      {"component_object_type": "Coil:Cooling:Water", "component_name": "AHU Cooling Coil",
+       "component_inlet_node_name": "AHU Air Loop Inlet", "component_outlet_node_name": "AHU Cooling Coil Outlet"},
+      {"component_object_type": "Fan:VariableVolume", "component_name": "AHU Supply Fan",
+       "component_inlet_node_name": "AHU Cooling Coil Outlet",
+       "component_outlet_node_name": "AHU Supply Fan Outlet"}]}}})");
+  const Adoption a = examine(bare, "m", "");
+  EXPECT_FALSE(a.loop.terminals[0].thermostat);
+  EXPECT_TRUE(a.loop.mixed_air_node.empty());
+  EXPECT_FALSE(a.loop.outdoor_air_treated);
+}
+
+}  // namespace
+}  // namespace airside::tools
