@@ -7,7 +7,7 @@
 #include "adopt/small_model.hpp"
 #include "support/complaint.hpp"
 #include "support/program.hpp"
-#include "tools/adopt/foreign_file.hpp"
+#include "tools/adopt/model/foreign_file.hpp"
 
 namespace airside::tools {
 namespace {

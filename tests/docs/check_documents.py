@@ -77,6 +77,9 @@ def words(root):
                     yield f"{document}:{number}: \"{hit[0]}\"; write: {instead}"
 
 
+WRITTEN = {"adopt.md"}  # documents that a program writes for its user
+
+
 def references(root):
     """A document that the code names is there, and so is the heading that is quoted behind it."""
     named = re.compile(r"\b((?:docs/)?[A-Za-z_-]+\.md)\b(?:,? \"([^\"]+)\")?(?:, decisions? (\d+))?")
@@ -98,6 +101,8 @@ def references(root):
                 # Comments go on in the next line: a quoted heading may be broken there.
                 joined = re.sub(r"\n[ \t]*(?:///?|#|\*)?[ \t]*(?:\")?", " ", text.replace("\\\"", "\""))
                 for document, heading, decision in named.findall(joined):
+                    if document in WRITTEN:
+                        continue
                     path = document if document.startswith("docs/") else known.get(document)
                     where = os.path.relpath(file, root)
                     if path is None or not os.path.exists(os.path.join(root, path)):

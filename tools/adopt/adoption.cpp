@@ -11,9 +11,9 @@
 #include "sim/energyplus/epjson_lint.hpp"
 #include "sim/energyplus/process.hpp"
 #include "sim/json/merge_patch.hpp"
-#include "tools/adopt/foreign_file.hpp"
+#include "tools/adopt/model/foreign_file.hpp"
+#include "tools/adopt/model/weather_choice.hpp"
 #include "tools/adopt/site_text.hpp"
-#include "tools/adopt/weather_choice.hpp"
 
 namespace airside::tools {
 
@@ -116,6 +116,16 @@ void fit_range(Adoption& a) {
   if (high < c.max_degc - 1) c.max_degc = std::max(std::ceil(2 * high + 1) / 2, c.min_degc + 2);
   c.work_degc = std::clamp(c.work_degc, c.min_degc, c.max_degc);
   c.off_degc = std::clamp(c.off_degc, c.min_degc, c.max_degc);
+}
+
+/// What the week shows of each zone; a terminal whose damper the engine does not report has none.
+void note_zones(Adoption& a, const Observation& week) {
+  for (std::size_t z = 0; z < a.loop.terminals.size(); ++z) {
+    LoopTerminal& t = a.loop.terminals[z];
+    t.people = std::any_of(week.people[z].begin(), week.people[z].end(), [](double n) { return n > 0; });
+    t.damper = t.damper && !week.damper[z].empty();
+    t.thermostat = t.thermostat && !(week.cooling_sp[z].empty() && week.heating_sp[z].empty());
+  }
 }
 
 void note_powers(Adoption& a, const Observation& summer, const Observation& winter) {
@@ -233,6 +243,7 @@ Adoption adopt(const AdoptRequest& request) {
   say("a winter week");
   const Observation winter = runs.run(repaired, a.loop, false, 7, "own");
   a.choices = site_choices(summer, winter, a.loop.kind());
+  note_zones(a, summer);
   note_powers(a, summer, winter);
   a.setpoint = setpoint_patch(view, a.loop, a.choices.work_degc);
   probe(a, model.content, repairs, runs, say);

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/adopt/air_loop.hpp"
 #include "tools/adopt/choices.hpp"
-#include "tools/adopt/setpoint_patch.hpp"
+#include "tools/adopt/loop/air_loop.hpp"
+#include "tools/adopt/loop/setpoint_patch.hpp"
 #include "tools/adopt/sizes.hpp"
 
 namespace airside::tools {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "tools/adopt/site_text.hpp"
@@ -66,8 +67,10 @@ std::string chosen_table(const Adoption& a) {
       "| setpoint range | {:.1f} to {:.1f} degC | the model's own setpoints in both weeks, and what it reached |\n",
       c.min_degc, c.max_degc);
   text += fmt::format(
-      "| schedule | {:.1f} degC at work, {:.1f} otherwise | the model's own setpoint, means of the summer week |\n",
-      c.work_degc, c.off_degc);
+      "| schedule | {:.1f} degC at work, {:.1f} otherwise | the model's own setpoint, means of the summer week; at "
+      "work in "
+      "the winter week it was {:.1f} |\n",
+      c.work_degc, c.off_degc, c.winter_degc);
   text += fmt::format(
       "| power meters | {} | those of the model that are not always zero; they count the whole building |\n",
       powers.empty() ? "none" : powers);
@@ -98,6 +101,10 @@ std::string response_text(const Adoption& a) {
           "**In {} the supply air does not follow the setpoint** ({:.2f} K per K): learning is of no use there.\n\n",
           season, r.supply_gain);
   }
+  if (std::abs(a.choices.winter_degc - a.choices.work_degc) > 3)
+    text +=
+        "**The model's own setpoint differs by season**: the schedule of the site file is the summer's. Set [expert] "
+        "before a heating season.\n\n";
   const bool rooms_answer = std::max(a.summer.room_gain, a.winter.room_gain) > 0.02;
   if (a.loop.kind() == TerminalKind::fixed && !rooms_answer && a.summer.known) {
     text += "**The rooms hardly answer the setpoint**: their own equipment holds them. It moves energy alone.\n";

@@ -122,6 +122,7 @@ void choose_range(const Observation& summer, const Observation& winter, Terminal
   const double work = mean(working, 14);
   out.work_degc = std::clamp(round_to(work, 0.1), lowest, highest);
   out.off_degc = std::clamp(round_to(mean(resting, work), 0.1), lowest, highest);
+  out.winter_degc = mean(cold_working, work);
   std::vector<double> all = working;
   all.insert(all.end(), cold_working.begin(), cold_working.end());
   const double low = quantile(all, 0.02, work), high = quantile(all, 0.98, work);

@@ -1,5 +1,5 @@
 #pragma once
-// What an adopted site is told, from what its model did: hours, target, schedule, range, meters.
+// What an adopted site has as its settings, from what its model did: hours, target, schedule, range, meters.
 
 #include <string>
 #include <vector>
@@ -22,6 +22,7 @@ struct SiteChoices {
   bool assumed_hours = false;
   double min_degc = 12, max_degc = 20, step_k = 0.1;
   double work_degc = 14, off_degc = 14;  ///< the model's own setpoint, as the schedule to fall back to
+  double winter_degc = 14;               ///< the same at work in the winter week
   std::vector<std::string> powers;       ///< meters, at most 4
   double mean_flow_kg_s = 0;             ///< while the fan runs
 };

@@ -5,8 +5,8 @@
 
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/replay/eso.hpp"
-#include "tools/adopt/engine_run.hpp"
-#include "tools/adopt/model_view.hpp"
+#include "tools/adopt/model/engine_run.hpp"
+#include "tools/adopt/model/model_view.hpp"
 
 namespace airside::tools {
 

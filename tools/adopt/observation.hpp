@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/energyplus/install.hpp"
-#include "tools/adopt/air_loop.hpp"
+#include "tools/adopt/loop/air_loop.hpp"
 
 namespace airside::tools {
 

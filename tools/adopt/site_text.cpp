@@ -54,6 +54,7 @@ std::string names_table(const Adoption& a) {
   for (const LoopTerminal& t : a.loop.terminals) {
     zones.push_back(t.zone);
     terminals.push_back(t.damper ? t.name : "");
+    if (t.people) people.push_back(t.zone);
   }
   std::string text = "\n[twin.names]             # by which the model offers what the points show\n";
   text += "supply_setpoint_schedule = " + quoted(a.setpoint.schedule) + "\n";
@@ -64,7 +65,7 @@ std::string names_table(const Adoption& a) {
   if (!a.loop.fcu_zones.empty()) text += "fcu_zones = " + list_of(a.loop.fcu_zones) + "\n";
   if (!a.loop.fan.name.empty()) text += "supply_fan = " + quoted(a.loop.fan.name) + "\n";
   if (!a.choices.powers.empty()) text += "powers = " + list_of(a.choices.powers) + "\n";
-  if (a.shows_people()) text += "occupancy = " + list_of(zones) + "\n";
+  if (a.shows_people()) text += "occupancy = " + list_of(people) + "\n";
   return text;
 }
 
@@ -158,7 +159,7 @@ std::string adopted_points_text(const Adoption& a) {
       rows.add(fmt::format("zone_setpoint_{}", n + 1), "degc", 1, "int16,big,big,0.01,0,0,60,,1200,0x8000,,,,");
   }
   if (a.shows_people()) rows.add("occupied", "", 1, status);
-  rows.add("supply_flow", "m3s", 2, "float32,big,big,1,0,0,1000,,1200,,,,,");
+  rows.add("supply_flow", "m3/s", 2, "float32,big,big,1,0,0,1000,,1200,,,,,");
   if (!a.loop.fan.name.empty()) rows.add("ahu_on", "", 1, status);
   rows.add("clock_s", "s", 2, "int32,big,big,1,0,0,2147483647,,,,,,,");
   rows.add("map_fingerprint", "", 2, "uint32,big,big,1,0,0,4294967295,,,,,,,");

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "tools/adopt/model_view.hpp"
+#include "tools/adopt/model/model_view.hpp"
 
 namespace airside::tools {
 

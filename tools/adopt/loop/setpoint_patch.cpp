@@ -1,4 +1,4 @@
-#include "tools/adopt/setpoint_patch.hpp"
+#include "tools/adopt/loop/setpoint_patch.hpp"
 
 #include <fmt/format.h>
 

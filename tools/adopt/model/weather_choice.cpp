@@ -1,4 +1,4 @@
-#include "tools/adopt/weather_choice.hpp"
+#include "tools/adopt/model/weather_choice.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 // From an air loop's demand inlet to its zones: supply path, splitters and plenums, terminals, equipment lists.
 
-#include "tools/adopt/air_loop.hpp"
+#include "tools/adopt/loop/air_loop.hpp"
 
 namespace airside::tools {
 

@@ -1,4 +1,4 @@
-#include "tools/adopt/foreign_file.hpp"
+#include "tools/adopt/model/foreign_file.hpp"
 
 #include <fmt/format.h>
 
@@ -10,8 +10,8 @@
 #include "hal/text/text_file.hpp"
 #include "sim/energyplus/process.hpp"
 #include "sim/json/json_file.hpp"
-#include "tools/adopt/engine_run.hpp"
-#include "tools/adopt/model_view.hpp"
+#include "tools/adopt/model/engine_run.hpp"
+#include "tools/adopt/model/model_view.hpp"
 
 namespace airside::tools {
 

@@ -1,4 +1,4 @@
-#include "tools/adopt/air_loop.hpp"
+#include "tools/adopt/loop/air_loop.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <set>
 
 #include "hal/text/input_error.hpp"
-#include "tools/adopt/zone_side.hpp"
+#include "tools/adopt/loop/zone_side.hpp"
 
 namespace airside::tools {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sim/energyplus/install.hpp"
-#include "tools/adopt/model_view.hpp"
+#include "tools/adopt/model/model_view.hpp"
 
 namespace airside::tools {
 

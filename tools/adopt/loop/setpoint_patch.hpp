@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/adopt/air_loop.hpp"
+#include "tools/adopt/loop/air_loop.hpp"
 
 namespace airside::tools {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/adopt/model_view.hpp"
+#include "tools/adopt/model/model_view.hpp"
 
 namespace airside::tools {
 
@@ -22,6 +22,7 @@ struct LoopTerminal {
   TerminalKind kind = TerminalKind::fixed;
   bool damper = false;      ///< the engine reports its damper's position
   bool thermostat = false;  ///< the zone has one
+  bool people = false;      ///< and people; known after a run
 };
 
 /// Equipment on the supply side, between two nodes.
@@ -29,7 +30,7 @@ struct LoopComponent {
   std::string type, name, inlet, outlet;
 };
 
-/// What stands for the whole unit where coils and fan are not on the loop one by one.
+/// A packaged unit, where coils and fan are not on the loop one by one.
 struct UnitaryEquipment {
   std::string type, name;
   std::string control_type;               ///< of AirLoopHVAC:UnitarySystem: Load, SetPoint or SingleZoneVAV

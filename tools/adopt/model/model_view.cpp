@@ -1,4 +1,4 @@
-#include "tools/adopt/model_view.hpp"
+#include "tools/adopt/model/model_view.hpp"
 
 #include <fmt/format.h>
 

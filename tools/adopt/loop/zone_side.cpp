@@ -1,4 +1,4 @@
-#include "tools/adopt/zone_side.hpp"
+#include "tools/adopt/loop/zone_side.hpp"
 
 #include <fmt/format.h>
 

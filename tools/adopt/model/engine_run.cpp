@@ -1,4 +1,4 @@
-#include "tools/adopt/engine_run.hpp"
+#include "tools/adopt/model/engine_run.hpp"
 
 #include <fcntl.h>
 #include <signal.h>
