@@ -86,9 +86,10 @@ TEST(StandIn, TakesThePlaceOfARowInThePointMap) {
   const PointMap map = map_without({"rain,", "power_", "fcu_"});
   const StandIns all = site_with("rain = 0\npower = 4\nfcu_temp = 25\nfcu_on = 0\n").stand_ins;
   EXPECT_NO_THROW(map.check_topology(5, 5, 2, all));
-  const LimitsTable<FiveZone> limits = signal_limits<FiveZone>(map, all);
-  EXPECT_EQ(limits[Layout<FiveZone>::power].min, 4.0);
-  EXPECT_EQ(limits[Layout<FiveZone>::power].max, 4.0);
+  const LimitsTable<FiveZone> limits = signal_limits<FiveZone>(map, capacity_of<FiveZone>(), all);
+  EXPECT_FALSE(limits[Layout<FiveZone>::power].sensed);
+  EXPECT_EQ(limits[Layout<FiveZone>::power].stand_in, 4.0);
+  EXPECT_TRUE(limits[Layout<FiveZone>::mau_temp].sensed);
   expect_all(
       complaint_of([&] { map.check_topology(5, 5, 2, site_with("power = 4\nfcu_temp = 25\nfcu_on = 0\n").stand_ins); }),
       {"points.csv", "no point \"rain\", and no stand-in", "add the row", "add `rain = 0` to [stand_in]"});
@@ -131,7 +132,8 @@ TEST(StandIn, CheckSaysWhatTheSiteLacksAndWhatItCosts) {
   desk.write("site.toml", site + "[stand_in]\nrain = 0\npower = 4\n");
   const Outcome lacking = desk.run("airside", Desk::split("check site.toml"));
   EXPECT_EQ(lacking.code, 0) << lacking.out << lacking.err;
-  expect_all(lacking.out, {"lacks power_1 to power_2 (4 stands in, ", "rain (0 stands in, ", "of DAE", "study signals"});
+  expect_all(lacking.out,
+             {"lacks power_1 to power_2 (4 stands in, ", "rain (0 stands in, ", "of DAE", "study signals"});
 }
 
 TEST(StandIn, ExampleOfTheSiteFileIsTakenAsItIs) {
