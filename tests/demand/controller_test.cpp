@@ -56,7 +56,7 @@ struct Rig {
   BoxPlant plant{model};
   std::unique_ptr<Controller<Site>> controller = std::make_unique<Controller<Site>>();
   std::vector<double> setpoints;
-  int experts = 0;
+  int experts = 0, alarms = 0;
   ActiveMode last;
 
   explicit Rig(const char* scenario, int month)
@@ -76,6 +76,7 @@ struct Rig {
     setpoints.push_back(c.decision().command.setpoint_degc());
     last = c.control_mode(t);
     experts += last.mode == ControlMode::expert ? 1 : 0;
+    alarms += c.cycle().mode_arbiter.active(Reason::authority_lost, t) ? 1 : 0;
     return true;
   }
 
@@ -111,6 +112,13 @@ TEST(BandController, LearnsUnderTheScheduleThenSavesWithoutAnyWeights) {
   EXPECT_GE(*std::min_element(rig.setpoints.begin(), rig.setpoints.end()), 12);
   EXPECT_LE(*std::max_element(rig.setpoints.begin(), rig.setpoints.end()), 18);
   EXPECT_EQ(rig.experts, 0);
+}
+
+TEST(BandController, ASetpointAtItsLimitIsAChoice) {
+  Rig rig("duct", 7);  // cold air is right all day, and rooms are nowhere near the target of the other objective
+  (void)rig.live(8);
+  EXPECT_GT(std::count(rig.setpoints.end() - 80, rig.setpoints.end(), 12.0), 20);
+  EXPECT_EQ(rig.alarms, 0);
 }
 
 TEST(BandController, LostDampersGiveTheScheduleAndTheReason) {

@@ -9,6 +9,7 @@
 #include "airside/civil_time.hpp"
 #include "airside/command.hpp"
 #include "airside/controller/decision.hpp"
+#include "airside/demand_settings.hpp"
 #include "airside/fault.hpp"
 #include "airside/forecast/room_head.hpp"
 #include "airside/learning/learning_state.hpp"
@@ -87,7 +88,9 @@ class Supervisor {
   /// Whether the setpoint has been at a limit of its range for long and the rooms do not come nearer to their target:
   /// in working hours, while air flows. Nobody is called at night for rooms that nobody is in.
   void watch_authority(CivilTime t, const ValidReading<T>& valid, bool flows) {
-    const bool counts = flows && in_working_hours(settings_, t);
+    // Where boxes modulate, a setpoint at its limit is a choice, and the target is not what it serves.
+    const bool serves_mean = settings_.objective == Objective::mean;
+    const bool counts = serves_mean && flows && in_working_hours(settings_, t);
     const bool lost = cycle_.authority.row(settings_, t, cycle_.last_setpoint_degc,
                                            counts ? valid.room_mean_degc() : settings_.target_degc);
     cycle_.mode_arbiter.set(Reason::authority_lost, lost, t);
