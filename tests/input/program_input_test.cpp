@@ -207,7 +207,7 @@ TEST(ProgramInputTable, TheFilesThatCasesBreakAreAcceptedWhole) {
   EXPECT_EQ(o.code, 0) << o.out << o.err;
   const auto object = nlohmann::json::parse(o.out);
   EXPECT_TRUE(object["ok"]);
-  EXPECT_EQ(object["checked"].size(), 7u);
+  EXPECT_EQ(object["checked"].size(), 8u);
 }
 
 }  // namespace

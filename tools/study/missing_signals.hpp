@@ -18,7 +18,7 @@ struct MissingSignals {
 /// `counts`: of the site; each power meter is one of them, fan coils only where it has some.
 std::vector<MissingSignals> missing_signal_cases(const hal::SignalCounts& counts);
 
-/// DAE of the rooms without a kind of signal less that with all of them, degC: means of the study over rooms and seeds.
+/// DAE of the rooms without a kind of signal less that with all of them, degC; of one RC room, one seed, five days.
 /// Source: docs/results.md, "Sites that lack signals".
 double measured_cost_degc(SignalKind kind);
 

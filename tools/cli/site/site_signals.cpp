@@ -45,7 +45,8 @@ std::string signal_facts(const hal::TopologyCounts& site) {
     text = "each signal is sensed";
   } else {
     text += fmt::format(
-        "; as measured on RC rooms, each alone: {:.3f} °C with all signals, {:.3f} °C with room temperatures, setpoint "
+        "; as measured on one RC room, each alone: {:.3f} °C with all signals, {:.3f} °C with room temperatures, "
+        "setpoint "
         "and outdoor_temp alone (`airside study signals`)",
         measured_dae_degc.whole, measured_dae_degc.bare);
   }
