@@ -1,25 +1,14 @@
 #include "hal/site/twin_section.hpp"
 
-#include <cstdio>
 #include <set>
 #include <utility>
 
+#include "airside/topology.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/text/toml_section.hpp"
 
 namespace airside::hal {
 namespace {
-
-struct Counts {
-  int vavs = 0, fcus = 0, powers = 0;
-};
-
-Counts counts_of(const std::string& topology) {
-  Counts counts;
-  if (std::sscanf(topology.c_str(), "%dvav-%dfcu-%dpower", &counts.vavs, &counts.fcus, &counts.powers) == 3)
-    return counts;
-  return {};
-}
 
 enum class Blanks : std::uint8_t { refused, mean_none };
 
@@ -41,32 +30,32 @@ std::vector<std::string> names(TomlSection& table, const char* key, int count, c
   return list;
 }
 
-void read_own(TomlSection& table, const Counts& counts, TwinNames& out) {
+void read_own(TomlSection& table, const Shape& shape, TwinNames& out) {
   out.supply_setpoint_schedule = table.required_text("supply_setpoint_schedule", "airside supply setpoint");
   out.supply_air_node = table.required_text("supply_air_node", "VAV_1 Supply Equipment Outlet Node");
   out.mau_outlet_node = table.text("mau_outlet_node", "");
-  out.zones = names(table, "zones", counts.vavs, "room_temp point", Blanks::refused);
+  out.zones = names(table, "zones", shape.vavs, "room_temp point", Blanks::refused);
   if (out.zones.empty()) {
     throw InputError(table.place("zones"), "nothing", "the model's zones, one for each room_temp point",
                      "add zones = [\"Core_ZN\", ...] to [twin.names]");
   }
   out.terminals =
-      names(table, "terminals", counts.vavs, "room_temp point, \"\" where the kind shows no damper", Blanks::mean_none);
-  out.fcu_zones = names(table, "fcu_zones", counts.fcus, "fcu_temp point", Blanks::refused);
+      names(table, "terminals", shape.vavs, "room_temp point, \"\" where the kind shows no damper", Blanks::mean_none);
+  out.fcu_zones = names(table, "fcu_zones", shape.fcus, "fcu_temp point", Blanks::refused);
   out.supply_fan = table.text("supply_fan", "");
-  out.powers = names(table, "powers", counts.powers, "power point, \"\" where no meter shows it", Blanks::mean_none);
+  out.powers = names(table, "powers", shape.powers, "power point, \"\" where no meter shows it", Blanks::mean_none);
   out.occupancy = table.text_list("occupancy");
 }
 
-void read_external(TomlSection& table, const Counts& counts, TwinNames& out) {
+void read_external(TomlSection& table, const Shape& shape, TwinNames& out) {
   if (table.has("zones")) {
     throw InputError(table.place("zones"), "`zones` with control = \"external\", which is the default",
                      "zones for control = \"own\", interior_zones and perimeter_zones for \"external\"",
                      "add control = \"own\" to [twin] where the model's own thermostats run");
   }
-  out.interior_zones = names(table, "interior_zones", counts.vavs, "VAV box", Blanks::refused);
-  out.perimeter_zones = names(table, "perimeter_zones", counts.fcus, "fan coil", Blanks::refused);
-  out.powers = names(table, "powers", counts.powers, "power point", Blanks::refused);
+  out.interior_zones = names(table, "interior_zones", shape.vavs, "VAV box", Blanks::refused);
+  out.perimeter_zones = names(table, "perimeter_zones", shape.fcus, "fan coil", Blanks::refused);
+  out.powers = names(table, "powers", shape.powers, "power point", Blanks::refused);
   struct {
     const char* key;
     std::string& text;
@@ -108,12 +97,12 @@ TwinSection read_twin_section(TomlSection root, const std::string& topology) {
                      "`airside adopt` writes them; docs/formats.md lists the keys");
   }
   if (table.present()) {
-    const Counts counts = counts_of(topology);
+    const Shape shape = parse_shape(topology.c_str());
     TwinNames read;
     if (own) {
-      read_own(table, counts, read);
+      read_own(table, shape, read);
     } else {
-      read_external(table, counts, read);
+      read_external(table, shape, read);
     }
     table.refuse_unknown_keys();
     twin.names = std::move(read);
