@@ -128,7 +128,7 @@ class FreePlant {
 
 TEST(ModbusPlantClock, OneWrongReadingIsNotBelieved) {
   const PointMap map = PointMap::parse(default_point_map(3, 0, 1), "points.csv");
-  for (const double wrong_s : {24 * seconds_per_day, 3 * 365 * seconds_per_day, 20'000.0, -30'000.0}) {
+  for (const double wrong_s : {24.0 * seconds_per_day, 3 * 365.0 * seconds_per_day, 20'000.0, -30'000.0}) {
     FreePlant plant(map, 500);
     ModbusLink link(tcp_settings(plant.port()));
     ModbusPlantClock clock(map, link, {}, 5);
@@ -147,7 +147,7 @@ TEST(ModbusPlantClock, OneWrongReadingIsNotBelieved) {
 
 TEST(ModbusPlantClock, AJumpThatStaysIsFollowedWithinASecond) {
   const PointMap map = PointMap::parse(default_point_map(3, 0, 1), "points.csv");
-  for (const double jump_s : {24 * seconds_per_day, 10'000.0}) {
+  for (const double jump_s : {24.0 * seconds_per_day, 10'000.0}) {
     FreePlant plant(map, 100);
     ModbusLink link(tcp_settings(plant.port()));
     ModbusPlantClock clock(map, link, {}, 5);

@@ -149,9 +149,10 @@ TEST(GapStages, PredictTheTimeOfTheWholeWorkflow) {
   for (const RecordedRun& run : runs) {
     const std::vector<Shown> shown = played(stages, run);
     // A run that takes twice as long as one that finds nothing looks like it until the reference is fitted.
-    const double known_s = run.outlook.more == 3 ? run.seconds[0] + 0.6 * run.seconds[1] : 0.25 * shown.back().now_s;
+    const bool is_long = run.outlook.more == 3;
+    const double known_s = is_long ? run.seconds[0] + 0.6 * run.seconds[1] : 0.25 * shown.back().now_s;
     EXPECT_LT(worst_factor(shown, known_s), 2) << run.name;
-    EXPECT_LT(worst_factor(shown), 2.6) << run.name;
+    EXPECT_LT(worst_factor(shown), is_long ? 4 : 2) << run.name;
     EXPECT_LT(worst_error_at_the_end(shown), 0.2) << run.name;
     for (std::size_t i = 1; i < shown.size(); ++i) {
       if (shown[i].now_s < 0.1 * shown.back().now_s || shown[i].took_s < 0.2 * shown.back().now_s) continue;

@@ -19,7 +19,7 @@ class Box {
  public:
   Box(const hal::SiteFile& site, CivilTime start) : rig_(product_settings(), start), site_(site) {
     rig_.controller->configure(product_settings(), rig_.controller->limits(), hal::box_kernels(), 1);
-    memory_ = std::make_unique<Memory>(site_, hal::Sync::none, *rig_.controller);
+    memory_ = std::make_unique<Memory>(site_, hal::counts_of<FiveZone>(), hal::Sync::none, *rig_.controller);
     memory_->open();
     memory_->resume();
     if (memory_->state_lost()) rig_.controller->hold(Reason::state_lost, start, 0);

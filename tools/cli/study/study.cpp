@@ -169,7 +169,7 @@ struct StudyCommand : StudyOptions {
     const std::string floor = energyplus ? "floor-full" : "floor-frozen";
     nlohmann::json j;
     j["plant"] = kind;
-    add_to(j, facts);
+    tools::add_to(j, facts);
     j["rooms"] = rooms;
     for (int s = 0; s < seeds; ++s) j["seeds"].push_back(first_seed + s);
     j["pretrain_days"] = pretrain_days;

@@ -153,7 +153,7 @@ struct TuneCommand : StudyOptions {
     nlohmann::json j{
         {"plant", kind}, {"rooms", rooms},  {"seeds", seeds}, {"start", start}, {"expert_days", expert_days},
         {"days", days},  {"search", search}};
-    add_to(j, facts);
+    tools::add_to(j, facts);
     say_fallback(facts);
     for (const TunablePeer& peer : tunable_peers()) {
       if (std::find(methods.begin(), methods.end(), peer.method) == methods.end()) continue;
