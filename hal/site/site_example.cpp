@@ -78,7 +78,7 @@ fan_start = "00:00"      # local time; a point ahu_on (1 runs, 0 rests) in the p
 fan_end = "24:00"
 weekday_only = false     # true: it rests on Saturday and Sunday
 
-# Signals for which the site has no sensor: take their rows out of the point map and say here what stands in for them.
+# Signals for which the site has no sensor: take their rows out of the point map and give their stand-ins here.
 # Room temperatures and the setpoint need theirs. `airside check` says what each missing signal costs.
 # [stand_in]
 # rain = 0

@@ -16,7 +16,6 @@ constexpr int max_candidates = 192;  ///< setpoints scored in one decision
 
 struct ControllerSettings {
   Shape shape;  ///< counts of the site; of the site file. Only capacity classes read them (topology.hpp)
-
   // Goal and schedule
   Objective objective = Objective::mean;  ///< docs/method.md 17 for `band`
   DemandSettings demand{};                ///< of the objective `band`

@@ -21,7 +21,7 @@ PointMap map_with(int dampers, int setpoints, int powers = 1) {
   const auto add = [&](const std::string& name, const std::string& unit, const std::string& range) {
     csv += name + "," + unit + ",4," + std::to_string(addr++) + ",int16,big,big,0.01,0," + range + ",,1200,,,,,\n";
   };
-  for (int i = 1; i <= dampers; ++i) add("damper_" + std::to_string(i), "1", "0,1");
+  for (int i = 1; i <= dampers; ++i) add("damper_" + std::to_string(i), "", "0,1");
   for (int i = 1; i <= setpoints; ++i) add("zone_setpoint_" + std::to_string(i), "degc", "5,45");
   return PointMap::parse(csv, "points.csv");
 }

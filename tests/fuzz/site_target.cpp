@@ -193,7 +193,7 @@ std::vector<Bytes> register_seeds() {
 
 }  // namespace
 
-const Target site_file{"site_file", 4096, read_site, nullptr, site_seeds, site_words};
+const Target site_file{"site_file", 8192, read_site, nullptr, site_seeds, site_words};
 const Target point_map{"point_map", 2048, read_points, nullptr, point_seeds, point_words};
 const Target register_codec{"register_codec", 32, code_registers, nullptr, register_seeds, nullptr};
 

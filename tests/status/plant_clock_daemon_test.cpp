@@ -88,7 +88,7 @@ class PlantClock : public ::testing::Test {
 };
 
 TEST_F(PlantClock, WrongForAMomentNeitherHangsTheDaemonNorIsWrittenToTheLog) {
-  for (const double wrong_s : {24 * seconds_per_day, 3 * 365 * seconds_per_day}) {
+  for (const double wrong_s : {24.0 * seconds_per_day, 3 * 365.0 * seconds_per_day}) {
     added = wrong_s;
     closed_loop::sleep_s(0.15);
     added = 0;

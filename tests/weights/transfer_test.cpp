@@ -45,7 +45,7 @@ class Transfer : public testing::Test {
   }
 };
 
-TEST_F(Transfer, KeepsTheSourceWhereItForetellsTheHeldBackRowsBetter) {
+TEST_F(Transfer, KeepsTheSourceWhereItPredictsTheHeldBackRowsBetter) {
   // The room of the source itself, and a short log: what it learned in days of moving setpoints is better.
   const auto rows = schedule_days(site, sim::make_room(), 1);
   const Transferred made = transfer(site, source, rows, options);
@@ -55,7 +55,7 @@ TEST_F(Transfer, KeepsTheSourceWhereItForetellsTheHeldBackRowsBetter) {
   EXPECT_EQ(weights_of(made.blob), weights_of(source));
 }
 
-TEST_F(Transfer, FineTunesWhereThatForetellsTheHeldBackDayBetter) {
+TEST_F(Transfer, FineTunesWhereThatPredictsTheHeldBackDayBetter) {
   sim::RcRoom other = sim::perturbed_room(sim::make_room(), 77);
   other.occupancy_shift_h = 3;
   other.gain_occupied_w_m2 = 40;

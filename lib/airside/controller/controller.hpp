@@ -143,7 +143,7 @@ class Controller : public ControllerMemory<T, Scalar> {
     pending.g36_degc = decision_.g36_degc;
     pending.now = valid->value();
     pending.is_usable = valid->learnable();
-    if (!pending.is_usable) name_held_signal(pending);
+    if (!pending.is_usable) supervisor.name_held_signal(pending);
     pending.room_mean_degc = valid->room_mean_degc();
     if (serves_band()) return choose_for_band(sensed, *valid, supervisor, pending);
     CycleJudge<T, Scalar> judge(settings_, learner_settings_, learning_, cycle_, scratch_);
@@ -208,16 +208,6 @@ class Controller : public ControllerMemory<T, Scalar> {
     const double* vav_on = flows ? v.data() + L::vav_on : all_shut.data();  // its loops rest with the fan
     decision_.g36_degc = cycle_.guideline36.setpoint_degc(settings_, guideline36_, t, {v.data(), rooms},
                                                           {vav_on, rooms}, v(L::outdoor_temp));
-  }
-
-  /// A signal that is held at its last good value is named, though control goes on.
-  void name_held_signal(Pending& pending) const {
-    const auto& faults = cycle_.validator.faults();
-    for (std::size_t i = 0; i < faults.size() && pending.fault == Fault::none; ++i) {
-      if (faults[i] == Fault::none) continue;
-      pending.fault = faults[i];
-      pending.fault_signal = static_cast<int>(i);
-    }
   }
 
   /// A transition like the last one to the bit is no news: a device that repeats itself must not fill the memory.

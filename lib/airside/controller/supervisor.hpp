@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "airside/civil_time.hpp"
@@ -76,6 +77,16 @@ class Supervisor {
                                                      static_cast<std::int64_t>(settings_.supply_ignored_s));
     cycle_.mode_arbiter.set(Reason::supply_ignores_setpoint, ignores, t);
     return flows;
+  }
+
+  /// A signal that is held at its last good value is named in the decision, though control goes on.
+  void name_held_signal(Decision& decision) const {
+    const auto& faults = cycle_.validator.faults();
+    for (std::size_t i = 0; i < faults.size() && decision.fault == Fault::none; ++i) {
+      if (faults[i] == Fault::none) continue;
+      decision.fault = faults[i];
+      decision.fault_signal = static_cast<int>(i);
+    }
   }
 
   /// Whether a room sensor drifts.
