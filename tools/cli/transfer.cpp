@@ -77,10 +77,11 @@ struct TransferCommand {
 
 void add_transfer(CLI::App& app) {
   auto self = std::make_shared<TransferCommand>();
-  CLI::App* c = app.add_subcommand("transfer",
-                                   "fit a source room's weights to another room's log.
-The last day of the log (its last third, if it has less than three days) is held back first:
-where the source predicts it better than fine-tuned weights do, it is kept as it is.");
+  CLI::App* c = app.add_subcommand(
+      "transfer",
+      "fit a source room's weights to another room's log.\n"
+      "The last day of the log (its last third, if it has less than three days) is held back first:\n"
+      "where the source predicts it better than fine-tuned weights do, it is kept as it is.");
   add_site_options(*c, self->site);
   c->add_option("--from", self->from, "source blob (none: train from scratch)");
   c->add_option("--log", self->log, "CSV log of the target room under the schedule, 5 days or so")->required();
@@ -90,8 +91,7 @@ where the source predicts it better than fine-tuned weights do, it is kept as it
   c->add_option("--seed", self->options.seed, "of sampling")->capture_default_str();
   c->add_option("-o,--out", self->out, "blob to write")->capture_default_str();
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
-  c->callback([self] {
-    self->run(); });
+  c->callback([self] { self->run(); });
 }
 
 }  // namespace airside::tools
