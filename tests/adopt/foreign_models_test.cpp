@@ -13,6 +13,7 @@
 #include "sim/json/merge_patch.hpp"
 #include "support/program.hpp"
 #include "tools/adopt/adoption.hpp"
+#include "tools/run/site.hpp"
 
 namespace airside::tools {
 namespace {
@@ -53,6 +54,10 @@ void check_site(const Adoption& a, const std::filesystem::path& folder) {
                                         sim::read_json(folder / "twin.patch.json"), "twin.patch.json");
   EXPECT_TRUE(sim::epjson_complaints(model, sim::find_energyplus().schema, {"model"}).empty());
   EXPECT_TRUE(model["Schedule:Constant"].contains(a.setpoint.schedule));
+  const Site site = load_site((folder / "site.toml").string());
+  EXPECT_EQ(site.counts.name, a.topology());
+  const bool band = site.settings.objective == Objective::band;
+  EXPECT_EQ(band, a.loop.kind() == TerminalKind::reheat) << "where every box shows its damper";
 }
 
 /// The supply follows the setpoint, and the numbers of the site are those of a building.

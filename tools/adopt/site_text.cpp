@@ -69,6 +69,16 @@ std::string names_table(const Adoption& a) {
   return text;
 }
 
+/// Boxes that modulate and show it: least energy with zones in their band. Else the rooms' mean is the goal.
+std::string objective_of(const Adoption& a) {
+  const auto& boxes = a.loop.terminals;
+  const bool modulate = std::ranges::all_of(boxes, [](const LoopTerminal& t) { return t.damper && t.thermostat; });
+  if (!modulate) return "";
+  return "\n[controller]\nobjective = \"band\"       # least energy with every zone in its band; \"mean\" holds the "
+         "mean room "
+         "temperature\n";
+}
+
 std::string stand_ins(const Adoption& a) {
   std::string text =
       "\n[stand_in]               # what the controller takes for signals that this model does not show\n"
@@ -121,7 +131,7 @@ std::string adopted_site_text(const Adoption& a) {
       "\n[expert]                 # the model's own setpoint in summer\nwork_degc = {:.1f}\noff_degc = "
       "{:.1f}\n",
       c.work_degc, c.off_degc);
-  text += stand_ins(a);
+  text += objective_of(a) + stand_ins(a);
   text +=
       "\n[modbus]                 # as `airside serve --site` gives it\ntransport = \"tcp\"\nhost = \"127.0.0.1\"\n"
       "port = 1502\nunit_id = 1\npoints = \"points.csv\"\n"
