@@ -11,11 +11,11 @@
 
 #include "airside/civil_time.hpp"
 #include "airside/demand/demand_reading.hpp"
-#include "airside/demand_settings.hpp"
 #include "airside/demand/power_model.hpp"
 #include "airside/demand/power_shapes.hpp"
 #include "airside/demand/zone_loads.hpp"
 #include "airside/demand/zone_signals.hpp"
+#include "airside/demand_settings.hpp"
 
 namespace airside {
 

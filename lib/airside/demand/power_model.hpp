@@ -8,9 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "airside/demand_settings.hpp"
 #include "airside/demand/power_shapes.hpp"
 #include "airside/demand/recursive_least_squares.hpp"
+#include "airside/demand_settings.hpp"
 
 namespace airside {
 

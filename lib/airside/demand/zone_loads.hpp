@@ -9,9 +9,9 @@
 #include <cstdint>
 
 #include "airside/civil_time.hpp"
-#include "airside/demand_settings.hpp"
 #include "airside/demand/recursive_least_squares.hpp"
 #include "airside/demand/zone_signals.hpp"
+#include "airside/demand_settings.hpp"
 
 namespace airside {
 
