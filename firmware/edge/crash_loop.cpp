@@ -1,5 +1,6 @@
 #include "firmware/edge/crash_loop.hpp"
 
+#include "airside/civil_time.hpp"
 #include "firmware/edge/report/say.hpp"
 #include "hal/modbus/wire.hpp"
 

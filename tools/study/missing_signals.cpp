@@ -39,16 +39,7 @@ std::vector<MissingSignals> missing_signal_cases(const hal::SignalCounts& counts
 }
 
 double measured_cost_degc(SignalKind kind) {
-  switch (kind) {
-    case SignalKind::rain: return 0.000;
-    case SignalKind::mau_temp: return 0.000;
-    case SignalKind::outdoor_temp: return 0.000;
-    case SignalKind::power: return 0.000;
-    case SignalKind::fcu_temp:
-    case SignalKind::fcu_on: return 0.000;
-    case SignalKind::vav_on: return 0.005;
-    default: return 0;
-  }
+  return kind == SignalKind::vav_on ? 0.005 : 0.000;
 }
 
 }  // namespace airside::tools

@@ -34,7 +34,7 @@ StatusSnapshot row_status(CivilTime t, const Expected<Reading<T>>& sensed, const
   return s;
 }
 
-#define AIRSIDE_INSTANTIATE(Tag)                                                                            \
+#define AIRSIDE_INSTANTIATE(Tag) /* NOLINTNEXTLINE(bugprone-macro-parentheses): a type */                   \
   template StatusSnapshot row_status<Tag>(CivilTime, const Expected<Reading<Tag>>&, const Controller<Tag>&, \
                                           const hal::ModbusPlant<Tag>&);
 AIRSIDE_FOR_EACH_TOPOLOGY(AIRSIDE_INSTANTIATE)

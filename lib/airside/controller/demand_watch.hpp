@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "airside/demand/demand_reading.hpp"
+#include "airside/demand/zone_signals.hpp"
 #include "airside/learning/learning_state.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"

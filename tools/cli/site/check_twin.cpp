@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "airside/supervision/schedule.hpp"
 #include "sim/energyplus/epjson_lint.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/options.hpp"
