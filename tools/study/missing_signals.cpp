@@ -38,8 +38,6 @@ std::vector<MissingSignals> missing_signal_cases(const hal::SignalCounts& counts
   return cases;
 }
 
-double measured_cost_degc(SignalKind kind) {
-  return kind == SignalKind::vav_on ? 0.005 : 0.000;
-}
+double measured_cost_degc(SignalKind kind) { return kind == SignalKind::vav_on ? 0.005 : 0.000; }
 
 }  // namespace airside::tools
