@@ -182,7 +182,7 @@ TEST(Workflow, NamesASureFindingBesideAnUnsureOneAndListsThatApart) {
   EXPECT_EQ(v.kind, VerdictKind::named) << v.reason << "; " << sentence_of(v);
   ASSERT_EQ(v.findings.size(), 1U) << v.reason;
   EXPECT_EQ(v.findings[0].at.id(), "mixing_perimeter");
-  // Hidden at 4.5; what is not sure stays out of the model, so that its part of the error falls on this magnitude.
+  // Hidden at 4.5. The fit is joint with the unsure effect and gives 2.9 +- 0.7; why it is low is not known.
   EXPECT_GT(v.findings[0].magnitude, 2.0);
   EXPECT_LT(v.findings[0].magnitude, 6.0);
   ASSERT_EQ(v.unsure.size(), 1U);
