@@ -3,12 +3,18 @@
 
 #include <thread>
 
+#include "hal/storage/state_copy.hpp"
 #include "weights/trial_rig.hpp"
 
 namespace airside::weights {
 namespace {
 
 using WayBack = Trial;
+
+TEST(CopyOfTheState, IsNotBlockedByAFolderThatIsGone) {
+  // Of which the state itself complains.
+  EXPECT_TRUE(hal::StateCopy("no/such/folder", 7, hal::Sync::none).blocked());
+}
 
 TEST_F(WayBack, WeightsThatNobodyPushedAreNotTakenBack) {
   while (starts_cycle(rig.now)) rig.row();
