@@ -13,6 +13,7 @@
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/process.hpp"
+#include "sim/json/json_file.hpp"
 #include "tools/baselines/mpc.hpp"
 #include "tools/baselines/pid.hpp"
 #include "tools/baselines/tuned.hpp"
@@ -44,11 +45,15 @@ PlantChoice choice_of(const Site& site, CivilTime from, std::uint64_t seed) {
   return choice;
 }
 
-/// A patch that gives the model the schedule that a run acts on, which nothing in it follows.
+/// A patch that gives the model the schedule that a run acts on, which nothing in it follows, and the site's meters.
 void write_idle_schedule(const Site& site, const std::string& file) {
-  const nlohmann::json patch = {
+  nlohmann::json patch = {
       {"Schedule:Constant",
        {{site.file.twin->names->supply_setpoint_schedule, {{"hourly_value", site.settings.expert_work_degc}}}}}};
+  for (const std::string& of_site : site.file.twin->patches) {
+    const nlohmann::json content = sim::read_json(of_site);
+    if (content.contains("Meter:Custom")) patch["Meter:Custom"].merge_patch(content["Meter:Custom"]);
+  }
   std::ofstream(file) << patch.dump(1) << '\n';
 }
 

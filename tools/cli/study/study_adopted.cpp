@@ -25,6 +25,25 @@ using Kind = BuildingMethod::Kind;
 constexpr std::array gains_per_h = {0.5, 1.0, 2.0, 4.0, 8.0};
 constexpr int pretrain_days = 28;
 
+constexpr std::array<std::pair<const char*, Kind>, 7> kind_names = {{{"own", Kind::own},
+                                                                     {"schedule", Kind::schedule},
+                                                                     {"constants", Kind::constant},
+                                                                     {"integral", Kind::integral},
+                                                                     {"guideline-36", Kind::guideline36},
+                                                                     {"mpc", Kind::mpc},
+                                                                     {"ours", Kind::ours}}};
+std::string name_of(Kind kind) {
+  for (const auto& [name, of] : kind_names) {
+    if (of == kind) return name;
+  }
+  return {};
+}
+std::vector<std::string> all_kind_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, kind] : kind_names) names.emplace_back(name);
+  return names;
+}
+
 nlohmann::json json_of(const BuildingFigures& f) {
   return {{"dae_degc", f.dae_degc},       {"above_degch", f.above_degch},     {"below_degch", f.below_degch},
           {"saturated_h", f.saturated_h}, {"setpoint_degc", f.setpoint_degc}, {"darv_degc", f.darv_degc},
@@ -44,7 +63,7 @@ BuildingFigures figures_of(const nlohmann::json& j) {
 }
 
 struct AdoptedCommand {
-  std::vector<std::string> paths, starts = {"2021-07-05", "2021-10-04"};
+  std::vector<std::string> paths, starts = {"2021-07-05", "2021-10-04"}, only;
   std::string out;
   int seeds = 3, days = 14, schedule_days = 5, jobs = 2;
   bool json = false;
@@ -124,10 +143,15 @@ struct AdoptedCommand {
       BuildingRun run = run_of(list[c], 1);
       run.from.seconds -= 28 * seconds_per_day;
       const bool mean = list[c].site.settings.objective == Objective::mean;
-      if (mean) tasks.push_back({c, run_of(list[c], 1), {}, true});
-      for (const double degc : building_constants(list[c].site)) tasks.push_back({c, run, {Kind::constant, degc}});
-      for (const double gain : gains_per_h) tasks.push_back({c, run, {Kind::integral, gain}});
+      if (mean && wants(Kind::ours)) tasks.push_back({c, run_of(list[c], 1), {}, true});
+      if (wants(Kind::constant)) {
+        for (const double degc : building_constants(list[c].site)) tasks.push_back({c, run, {Kind::constant, degc}});
+      }
+      if (wants(Kind::integral)) {
+        for (const double gain : gains_per_h) tasks.push_back({c, run, {Kind::integral, gain}});
+      }
     }
+    if (tasks.empty()) return std::vector<Tuned>(list.size());
     const auto texts = run_all(fmt::format("tuning on other days, {} runs", tasks.size()), list, tasks);
     std::vector<Tuned> tuned(list.size());
     for (std::size_t i = 0; i < tasks.size(); ++i) {
@@ -144,12 +168,17 @@ struct AdoptedCommand {
   }
 
   static double best_gain(const Tuned& tuned) {
+    if (tuned.gains.empty()) return gains_per_h.front();
     const auto better = [](const BuildingFigures& a, const BuildingFigures& b) { return a.dae_degc < b.dae_degc; };
     const auto best = std::min_element(tuned.gains.begin(), tuned.gains.end(), better);
     return gains_per_h[static_cast<std::size_t>(best - tuned.gains.begin())];
   }
 
-  static std::vector<Line> lines_of(const Case& about, const Tuned& tuned) {
+  bool wants(Kind kind) const {
+    return only.empty() || std::find(only.begin(), only.end(), name_of(kind)) != only.end();
+  }
+
+  std::vector<Line> lines_of(const Case& about, const Tuned& tuned) const {
     std::vector<Line> lines = {{"own control", {Kind::own}, {}}, {"schedule", {Kind::schedule}, {}}};
     for (const double degc : building_constants(about.site))
       lines.push_back({fmt::format("constant {:.1f}", degc), {Kind::constant, degc}, {}});
@@ -160,6 +189,7 @@ struct AdoptedCommand {
     lines.push_back({"mpc", {Kind::mpc}, {}});
     const bool band = about.site.settings.objective == Objective::band;
     lines.push_back({band ? "ours, band" : "ours, mean", {Kind::ours}, {}});
+    std::erase_if(lines, [this](const Line& line) { return !wants(line.method.kind); });
     return lines;
   }
 
@@ -171,7 +201,9 @@ struct AdoptedCommand {
     for (std::size_t c = 0; c < list.size(); ++c) {
       const auto constants = building_constants(list[c].site);
       tables.push_back({list[c], lines_of(list[c], tuned[c]),
-                        fmt::format("constant {:.1f}", constants[best_for(list[c].site, tuned[c].constants)]),
+                        tuned[c].constants.empty()
+                            ? ""
+                            : fmt::format("constant {:.1f}", constants[best_for(list[c].site, tuned[c].constants)]),
                         best_gain(tuned[c])});
       for (const Line& line : tables.back().lines) {
         for (int seed = 1; seed <= seeds; ++seed) {
@@ -196,6 +228,12 @@ struct AdoptedCommand {
     std::vector<double> values;
     for (const BuildingFigures& f : line.runs) values.push_back(figure(f));
     return spread_of(values);
+  }
+
+  /// Whether ours and something simple are there.
+  static bool has_verdict(const Table& table) {
+    return table.lines.size() > 1 && table.lines.back().method.kind == Kind::ours &&
+           table.lines.front().method.kind != Kind::mpc;
   }
 
   /// Of the lines that need no learning (and, with `hindsight` false, no knowledge of the scored days) the best one.
@@ -267,7 +305,7 @@ struct AdoptedCommand {
           shown(spread(line, [](const auto& f) { return f.setpoint_degc; }).mean), by_meter,
           line.name == table.constant_of_other_days ? "  <- by other days" : "");
     }
-    fmt::print("{}{}", sentence(table, false), sentence(table, true));
+    if (has_verdict(table)) fmt::print("{}{}", sentence(table, false), sentence(table, true));
   }
 
   static nlohmann::json json_of_verdict(const Verdict& v) {
@@ -285,15 +323,18 @@ struct AdoptedCommand {
       for (const BuildingFigures& f : line.runs) runs.push_back(json_of(f));
       methods.push_back({{"method", line.name}, {"runs", runs}});
     }
-    return {{"site", table.about.path},
-            {"start", table.about.start},
-            {"meters", table.about.site.file.twin->names->powers},
-            {"objective", table.about.site.settings.objective == Objective::band ? "band" : "mean"},
-            {"constant_of_other_days", table.constant_of_other_days},
-            {"integral_gain_per_h", table.gain_per_h},
-            {"against_simple", json_of_verdict(verdict(table, false))},
-            {"against_hindsight", json_of_verdict(verdict(table, true))},
-            {"methods", methods}};
+    nlohmann::json j = {{"site", table.about.path},
+                        {"start", table.about.start},
+                        {"meters", table.about.site.file.twin->names->powers},
+                        {"objective", table.about.site.settings.objective == Objective::band ? "band" : "mean"},
+                        {"constant_of_other_days", table.constant_of_other_days},
+                        {"integral_gain_per_h", table.gain_per_h},
+                        {"methods", methods}};
+    if (has_verdict(table)) {
+      j["against_simple"] = json_of_verdict(verdict(table, false));
+      j["against_hindsight"] = json_of_verdict(verdict(table, true));
+    }
+    return j;
   }
 
   void run() {
@@ -336,6 +377,10 @@ void add_study_adopted(CLI::App& study) {
   c->add_option("--schedule-days", self->schedule_days, "days under the schedule before")
       ->check(CLI::Range(1, 20))
       ->capture_default_str();
+  c->add_option("--methods", self->only,
+                "of " + fmt::format("{}", fmt::join(all_kind_names(), ", ")) + " (default: all)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(all_kind_names()));
   c->add_option("--jobs", self->jobs, "child processes at a time")->check(CLI::Range(1, 256))->capture_default_str();
   c->add_option("-o,--out", self->out, "JSON file with every run");
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
