@@ -26,7 +26,6 @@
 #include "airside/settings.hpp"
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/control_mode.hpp"
-#include "airside/supervision/guideline36.hpp"
 #include "airside/supervision/mode_arbiter.hpp"
 #include "airside/supervision/validation.hpp"
 #include "airside/topology.hpp"
@@ -72,7 +71,6 @@ class ControllerMemory {
     learner_settings_.adam = {settings.learning_rate, settings.adam_beta1, settings.adam_beta2, settings.adam_epsilon};
     learner_settings_.sync_every = settings.target_sync_steps;
     proposer_.configure(settings_);
-    guideline36_ = guideline36_on_site(settings);
   }
 
   /// Draws the weights to start from. Source: docs/method.md 5.
@@ -232,7 +230,6 @@ class ControllerMemory {
   ControllerSettings settings_;
   LimitsTable<T> limits_{};
   LearnerSettings<T> learner_settings_;
-  Guideline36Settings guideline36_;
 
   Learning learning_;
   CycleState<T> cycle_;

@@ -68,16 +68,17 @@ class Proposer {
     return fuse(effective_confidence(s, cycle.confidence), chosen, at.expert_degc);
   }
 
-  /// What network and head expect of the cycle that begins now, at the setpoint that was really applied. Returns the
-  /// expectation that counts, degC, or NaN.
+  /// What network and head expect of the cycle that begins now, at the setpoint that was really applied, NaN: none.
+  /// Returns the expectation that counts, degC, or NaN.
   double expect(const ControllerSettings& s, const LearningState<T, Scalar>& learning, CycleState<T>& cycle,
-                NetworkScratch<T, Scalar>& scratch, const Pending& at, double setpoint_degc) {
-    if (cycle.has_weights == 0) return unknown;
+                NetworkScratch<T, Scalar>& scratch, const Pending& at, double applied_degc) {
+    cycle.network_expected_degc = cycle.head_expected_degc = unknown;
+    if (cycle.has_weights == 0 || !at.is_usable || !std::isfinite(applied_degc)) return unknown;
     const ForecastModel<T, Scalar> model{learning.scaler, scratch.packed, scratch};
-    cycle.network_expected_degc = search_.expected_mean_degc(model, at.now, setpoint_degc);
+    cycle.network_expected_degc = search_.expected_mean_degc(model, at.now, applied_degc);
     if (!at.has_features) return cycle.network_expected_degc;
     cycle.head_expected_degc = room_mean(s, at.now) + learning.head.drift_k(s, at.time, at.features) +
-                               learning.head.gain(s) * (setpoint_degc - cycle.last_setpoint_degc);
+                               learning.head.gain(s) * (applied_degc - cycle.last_setpoint_degc);
     return std::isfinite(cycle.head_expected_degc) ? cycle.head_expected_degc : cycle.network_expected_degc;
   }
 
