@@ -162,7 +162,7 @@ class Controller : public ControllerMemory<T, Scalar> {
 
   /// limit: the nearest safe command.
   Command limit(double proposal_degc, double expert_degc) const {
-    return SafetyEnvelope(settings_).limit(proposal_degc, cycle_.standing, expert_degc);
+    return SafetyEnvelope(settings_).limit(proposal_degc, cycle_.stored, expert_degc);
   }
 
   /// learn: a bounded number of steps on shadow weights.

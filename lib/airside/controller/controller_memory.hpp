@@ -36,7 +36,7 @@ namespace airside {
 template <Topology T, class Scalar>
 struct ControllerAccess;
 
-/// Everything is read by all; each change is one operation with a meaning. Shape: T.
+/// Every part can be read; each operation that changes one keeps the parts consistent. Shape: T.
 template <Topology T, class Scalar>
 class ControllerMemory {
  public:
@@ -145,7 +145,7 @@ class ControllerMemory {
   }
   /// The schedule again, until other weights come.
   void drop_weights() { weight_exchange().drop(); }
-  /// What forecasts of the weights in use have erred by: that of weights which come back is known from before. K^2.
+  /// Sets the mean squares of the forecast errors: of weights that come back they are known from before. Units: K^2.
   void take_forecast_errors(double network_k2, double head_k2) {
     cycle_.network_error_k2 = network_k2;
     cycle_.head_error_k2 = head_k2;

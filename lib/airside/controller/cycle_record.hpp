@@ -57,8 +57,8 @@ class CycleRecord {
     cycle_.last_value = pending.now;
     cycle_.last_time = pending.time;
     cycle_.last_setpoint_degc = outcome.setpoint_degc;
-    if (outcome.is_applied) cycle_.standing.is(outcome.setpoint_degc);
-    if (!outcome.is_applied && !outcome.is_released) cycle_.standing.may_be(pending.command.setpoint_degc());
+    if (outcome.is_applied) cycle_.stored.is(outcome.setpoint_degc);
+    if (!outcome.is_applied && !outcome.is_released) cycle_.stored.may_be(pending.command.setpoint_degc());
     cycle_.commanded_degc = outcome.is_applied ? pending.command.setpoint_degc() : Decision::none;
     cycle_.ours = outcome.is_applied && pending.mode <= ControlMode::run ? 1 : 0;
     const std::int32_t usable_before = follows ? cycle_.usable_cycles : 0;

@@ -31,7 +31,7 @@ class Proposer {
   void configure(const ControllerSettings& settings) { search_.configure(settings); }
   CandidateSearch<T, Scalar>& search() { return search_; }
 
-  /// The regressors of now. A row that was missed 6 min ago is thought to lie on the line from the last decision.
+  /// The regressors of now. A row that was missed 6 min ago is taken to lie on the line from the last decision.
   static void take_features(const ControllerSettings& s, const CycleState<T>& cycle, const Scaler<T>& scaler,
                             Pending& at) {
     Vector recent = cycle.row_value;
@@ -87,9 +87,9 @@ class Proposer {
 
   static double head_choice(const ControllerSettings& s, const RoomHead<T>& head, double last_degc, const Pending& at) {
     if (!at.has_features || head.updates() == 0) return unknown;
-    const double wish = head.setpoint_degc(s, at.time, at.features, room_mean(s, at.now), last_degc);
-    if (!std::isfinite(wish)) return unknown;  // before the clamp, which would make a bound of an infinite one
-    return std::clamp(wish, s.action_min_degc, s.action_max_degc);
+    const double ideal = head.setpoint_degc(s, at.time, at.features, room_mean(s, at.now), last_degc);
+    if (!std::isfinite(ideal)) return unknown;  // before the clamp, which would make a bound of an infinite one
+    return std::clamp(ideal, s.action_min_degc, s.action_max_degc);
   }
 
   static double room_mean(const ControllerSettings& s, const Vector& v) { return v.head(rooms_of<T>(s.shape)).mean(); }

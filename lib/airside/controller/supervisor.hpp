@@ -52,6 +52,7 @@ class Supervisor {
   /// The begin of a cycle: as that of a row, and who wrote what is stored. `resumed`: no row since a restart.
   void begin_cycle(CivilTime t, const Expected<Reading<T>>& sensed, bool resumed, ControlMode last_mode) {
     cycle_.mode_arbiter.tick(t);
+    if (settings_.objective == Objective::band) drop_forecast_reasons(t);
     cycle_.budget.earn(settings_.writes_per_day);
     if (!sensed) return;
     see_setpoint(sensed->setpoint_degc, resumed);
@@ -136,7 +137,8 @@ class Supervisor {
     cycle_.mode_arbiter.set(Reason::setpoint_altered, altered, t);
     if (!flows) return;
     const bool rests = cycle_.excitation.cycle(applied->setpoint_degc, settings_.excitation_k);
-    cycle_.mode_arbiter.set(Reason::no_excitation, rests && cycle_.has_weights != 0, t);
+    const bool learns = cycle_.has_weights != 0 && settings_.objective == Objective::mean;
+    cycle_.mode_arbiter.set(Reason::no_excitation, rests && learns, t);
   }
 
   /// Whether the schedule would do better, in working hours.
@@ -154,8 +156,8 @@ class Supervisor {
     cycle_.worse_cycles = 0;
   }
 
-  /// A gain that has turned round is believed again when it is sane beyond doubt. A head that was led astray would
-  /// take weeks to find back, so after a day it begins anew, and learns from the schedule's steps.
+  /// A gain that has turned round is believed again when it is sane beyond doubt. A head that has learned a wrong
+  /// gain would take weeks to recover, so after a day it begins anew, and learns from the schedule's steps.
   void watch_gain(CivilTime t, RoomHead<T>& head) {
     const bool suspect = cycle_.mode_arbiter.active(Reason::gain_reversed, t) && !head.gain_is_sane();
     const bool reversed = head.gain_is_reversed() || suspect;
@@ -177,17 +179,26 @@ class Supervisor {
  private:
   static constexpr double foreign_k = 0.05;  ///< a setpoint differs by more than a register's rounding
 
+  /// What was found of network and room head while the site had the objective "mean" would hold for ever under "band",
+  /// where neither is asked or judged.
+  void drop_forecast_reasons(CivilTime t) {
+    for (const Reason r : {Reason::no_excitation, Reason::worse_than_schedule, Reason::worse_for_long,
+                           Reason::learning_refused, Reason::gain_reversed, Reason::forecasts_doubted}) {
+      cycle_.mode_arbiter.set(r, false, t);
+    }
+  }
+
   /// What is stored in the register. A decision that is made again after a crash (`resumed`) may find its own write
   /// there, a step from the value before at most: then both count, so that it is made as it was.
   void see_setpoint(double stored_degc, bool resumed) {
     if (!std::isfinite(stored_degc)) return;
-    StandingSetpoint either = cycle_.standing;
+    StoredSetpoint either = cycle_.stored;
     either.may_be(stored_degc);
     if (!resumed || either.high_degc - either.low_degc > settings_.limit_change_k) either.is(stored_degc);
-    cycle_.standing = either;
+    cycle_.stored = either;
   }
 
-  /// The AHU's own word counts: after a start, a refused write or an external override, its setpoint is what it shows.
+  /// After a start, a refused write or an external override, the AHU's setpoint is what the register shows.
   /// Nothing is learned from the cycle that this breaks. An override is left alone for a while; a device that was out
   /// of touch may have fallen back to a default, and one that was slow shows the value written last.
   void adopt_setpoint(CivilTime t, const Reading<T>& sensed, bool resumed, ControlMode last_mode) {
@@ -195,10 +206,10 @@ class Supervisor {
     if (!std::isfinite(stored) || (std::isfinite(known) && std::abs(stored - known) <= foreign_k)) return;
     const bool late = std::abs(stored - cycle_.commanded_degc) <= foreign_k;
     if (std::isfinite(known) && !late && !resumed && sensed.contact == cycle_.contact) {
-      // Who sets again what was left to him fights nobody.
-      const bool fights = last_mode != ControlMode::release && cycle_.override_monitor.third_in_a_day(t);
+      // While control is released, a person may set it as often as he likes.
+      const bool competes = last_mode != ControlMode::release && cycle_.override_monitor.third_in_a_day(t);
       const auto patience_s = static_cast<std::int64_t>(settings_.override_h * 3600);
-      cycle_.mode_arbiter.hold(fights ? Reason::two_masters : Reason::overridden, t, patience_s);
+      cycle_.mode_arbiter.hold(competes ? Reason::two_masters : Reason::overridden, t, patience_s);
     }
     cycle_.last_setpoint_degc = stored;
     cycle_.usable_cycles = 0;

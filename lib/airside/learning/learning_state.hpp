@@ -67,7 +67,7 @@ struct CycleState {
   HeadFeatures features;                  ///< of the last decision, its own setpoint change left 0
   double last_setpoint_degc = unknown;    ///< applied since last_time
   double before_setpoint_degc = unknown;  ///< applied until last_time
-  StandingSetpoint standing;              ///< what may stand in the register
+  StoredSetpoint stored;                  ///< what may be in the register
   double commanded_degc = unknown;        ///< what was written at last_time, whatever the AHU made of it
   double confidence = 0.5;
   double network_expected_degc = unknown;

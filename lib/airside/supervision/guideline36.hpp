@@ -1,5 +1,5 @@
 #pragma once
-// ASHRAE Guideline 36 supply-air temperature reset by trim and respond: what a modern site runs without us. The box
+// ASHRAE Guideline 36 supply-air temperature reset by trim and respond: what a modern site runs otherwise. The box
 // logs it as a shadow beside its own choice; studies drive rooms with it.
 
 #include <algorithm>
