@@ -73,7 +73,7 @@ class Controller : public ControllerMemory<T, Scalar> {
   void absorb(const Pending& pending, const Expected<Applied>& applied) {
     CycleRecord<T, Scalar> record(cycle_);
     Supervisor<T> supervisor(settings_, cycle_);
-    const Outcome outcome = record.outcome_of(pending, applied);
+    const CommandOutcome outcome = record.outcome_of(pending, applied);
     if (!applied && !outcome.is_released) note(applied.error());
     supervisor.account(pending, applied, pending.flows);
     decision_.expected_mean_degc =

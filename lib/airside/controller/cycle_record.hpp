@@ -16,7 +16,7 @@
 namespace airside {
 
 /// What became of a command. Units: degC.
-struct Outcome {
+struct CommandOutcome {
   double setpoint_degc = Decision::none;  ///< in the AHU's register from now on, NaN: unknown
   bool is_applied = false;                ///< written and read back
   bool is_released = false;               ///< not to be written
@@ -42,14 +42,14 @@ class CycleRecord {
   }
 
   /// Where nothing was written, the register still holds what was read; where a write failed, nobody knows.
-  Outcome outcome_of(const Pending& pending, const Expected<Applied>& applied) const {
+  CommandOutcome outcome_of(const Pending& pending, const Expected<Applied>& applied) const {
     const bool released = pending.mode == ControlMode::release || (!applied && applied.error() == Fault::released);
     if (applied) return {.setpoint_degc = applied->setpoint_degc, .is_applied = true, .is_released = released};
     return {.setpoint_degc = released ? cycle_.last_setpoint_degc : Decision::none, .is_released = released};
   }
 
   /// Makes the cycle that begins now the last one.
-  void finish(const Pending& pending, const Outcome& outcome) {
+  void finish(const Pending& pending, const CommandOutcome& outcome) {
     const bool follows = pending.time.seconds - cycle_.last_time.seconds == cycle_s;
     cycle_.features = pending.features;
     cycle_.has_features = pending.has_features && outcome.is_applied ? 1 : 0;
