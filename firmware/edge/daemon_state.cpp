@@ -161,8 +161,7 @@ void DaemonState<T>::remember_history() {
   if (!history_) return;
   HistoryReader<T> reader(controller_, HistoryReader<T>::Head::leave);
   for (const hal::LogRow& row : history_->rows) {
-    const double flows = hal::side_of(columns_, row, hal::SideSignal::ahu_on);
-    reader.row(row.time, hal::signals_of<T>(row, shape_), row.setpoint_degc, flows);
+    reader.row(hal::reading_of<T>(row, shape_, columns_.sides), row.setpoint_degc);
   }
   say("remembered {} transitions of {}", reader.transitions(), site_.history_log);
 }

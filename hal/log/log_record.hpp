@@ -1,6 +1,7 @@
 #pragma once
 // One row of the log from one row of the loop.
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 
@@ -21,6 +22,26 @@ typename Reading<T>::Vector signals_of(const LogRow& row, const Shape& site) {
   Vector value = Vector::Constant(std::numeric_limits<double>::quiet_NaN());
   for (int i = 0; i + 1 < site.inputs(); ++i) value(slot_of<T>(site, i)) = row.value[static_cast<std::size_t>(i)];
   return value;
+}
+
+/// A row as the reading that it was made of, as far as it says: ages and contacts are not logged.
+template <Topology T>
+Reading<T> reading_of(const LogRow& row, const Shape& site, std::span<const SideColumn> sides) {
+  Reading<T> reading;
+  reading.time = row.time;
+  reading.value = signals_of<T>(row, site);
+  reading.supply_temp_degc = row.supply_temp_degc;
+  for (std::size_t i = 0; i < std::min(sides.size(), row.side.size()); ++i) {
+    const Eigen::Index place = sides[i].place - 1;
+    switch (sides[i].signal) {
+      case SideSignal::damper: reading.damper(place) = row.side[i]; break;
+      case SideSignal::zone_setpoint: reading.zone_setpoint_degc(place) = row.side[i]; break;
+      case SideSignal::occupied: reading.occupied = row.side[i]; break;
+      case SideSignal::supply_flow: reading.supply_flow_m3s = row.side[i]; break;
+      case SideSignal::ahu_on: reading.flows = row.side[i]; break;
+    }
+  }
+  return reading;
 }
 
 /// Fills `row` (from make_log_row) with what was sensed at t on a site of this shape, and what the controller last

@@ -145,7 +145,10 @@ void choose_target(const Observation& summer, SiteChoices& out) {
 /// The loop's own fans and coils; of the building what a water plant takes. A building's fans are those of all loops.
 void choose_meters(const Observation& summer, const Observation& winter, const LoopMeters& meters, SiteChoices& out) {
   const auto have = [&](const std::string& meter) {
-    return summer.meter_kw.contains(meter) || winter.meter_kw.contains(meter);
+    // A coil of the loop may rest under the model's own setpoint, and work under another.
+    const auto custom = meters.patch.find("Meter:Custom");
+    return summer.meter_kw.contains(meter) || winter.meter_kw.contains(meter) ||
+           (custom != meters.patch.end() && custom->contains(meter));
   };
   for (const std::string& meter : candidate_meters()) {
     const bool fans = meter.starts_with("Fans"), cooling = meter.starts_with("Cooling");

@@ -108,8 +108,7 @@ void read_history(const Site& site, Controller<T>& controller, std::span<const h
                   typename HistoryReader<T>::Starts starts = HistoryReader<T>::Starts::every_row) {
   HistoryReader<T> reader(controller, head, starts);
   for (const hal::LogRow& row : rows)
-    reader.row(row.time, hal::signals_of<T>(row, shape_of<T>(site)), row.setpoint_degc,
-               hal::side_of(site.counts, row, hal::SideSignal::ahu_on));
+    reader.row(hal::reading_of<T>(row, shape_of<T>(site), site.counts.sides), row.setpoint_degc);
 }
 
 /// Without a site scope: pretrained weights are meant to travel; a scope belongs to a signed blob.

@@ -29,6 +29,14 @@ class BandChooser {
     cycle_.band.observe(settings_.demand, DemandWatch<T>(settings_, cycle_, sensed, valid.value()).reading(counts));
   }
 
+  /// A row of a history: what would have been chosen is computed as well, since the fan's next start begins on it.
+  void remember(const Reading<T>& sensed, const ValidReading<T>& valid, bool counts) {
+    observe(sensed, valid, counts);
+    if (!starts_cycle(sensed.time)) return;
+    (void)propose(sensed, valid, air_flows(settings_, sensed.time, sensed.flows),
+                  expert_setpoint_degc(settings_, sensed.time));
+  }
+
   /// The setpoint of least cost; the schedule's while the fan rests or too little has been learned.
   /// Units: degC. Errors: reason signal_lost where the dampers or zone setpoints are lost that carry the objective.
   Proposal propose(const Reading<T>& sensed, const ValidReading<T>& valid, bool flows, double schedule_degc) const {

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "airside/civil_time.hpp"
+#include "airside/controller/band_chooser.hpp"
 #include "airside/controller/decision.hpp"
 #include "airside/controller/proposer.hpp"
 #include "airside/controller/weight_exchange.hpp"
@@ -112,6 +113,10 @@ class ControllerMemory {
   void remember(const Vector& before, double setpoint_degc, const Vector& after) {
     replay_.push(to_row<T, Scalar>(learning_.scaler, before, setpoint_degc, after));
   }
+  /// Lets the objective "band" learn from a history's row; `counts` as in BandChooser.
+  void remember_demand(const Reading<T>& sensed, const ValidReading<T>& valid, bool counts) {
+    BandChooser<T>(settings_, cycle_).remember(sensed, valid, counts);
+  }
   /// Lets the room head learn from a history's row. Overlapping rows carry less news each: noise_factor > 1.
   /// Returns by how much its forecast of the row was wrong before, K.
   double remember_change(CivilTime t, const HeadFeatures& f, double moved_k, double noise_factor) {
@@ -126,8 +131,7 @@ class ControllerMemory {
 
   /// How far other weights are from what a room can do. Cost: at most 36 forecasts and two packings.
   ForecastDeviation forecast_deviation(const Scaler<T>& scaler, const NetworkWeights<T, Scalar>& weights) {
-    const ForecastDeviation found =
-        weight_exchange().deviation(settings_, proposer_.search(), scratch_, scaler, weights);
+    const auto found = weight_exchange().deviation(settings_, proposer_.search(), scratch_, scaler, weights);
     prepare();
     return found;
   }

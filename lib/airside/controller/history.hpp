@@ -31,15 +31,27 @@ class HistoryReader {
   HistoryReader(Controller<T, Scalar>& controller, Head head, Starts starts = Starts::every_row)
       : controller_(controller), head_(head), starts_(starts), validator_(controller.limits(), controller.settings()) {}
 
-  /// One row: `setpoint_degc` was applied from `time` on; `flows` as in Reading. A row that may not be learned from,
-  /// such as one of still air, breaks the window and nothing else.
-  void row(CivilTime time, const typename Reading<T>::Vector& value, double setpoint_degc,
-           double flows = std::numeric_limits<double>::quiet_NaN()) {
+  /// One row of signals alone.
+  void row(CivilTime time, const typename Reading<T>::Vector& value, double setpoint_degc) {
     Reading<T> reading;
     reading.time = time;
     reading.value = value;
+    row(reading, setpoint_degc);
+  }
+
+  /// One row: `setpoint_degc` was applied from its time on. A row that may not be learned from, such as one of still
+  /// air, breaks the window and nothing else. Where boxes modulate, the objective "band" learns from dampers, zone
+  /// setpoints and meters.
+  void row(const Reading<T>& reading, double setpoint_degc) {
+    const CivilTime time = reading.time;
+    const auto& value = reading.value;
     const Expected<ValidReading<T>> valid = validator_.check(reading);
-    const bool learnable = valid && valid->learnable() && air_flows(controller_.settings(), time, flows);
+    const bool learnable = valid && valid->learnable() && air_flows(controller_.settings(), time, reading.flows);
+    if (valid && controller_.settings().objective == Objective::band) {
+      Reading<T> sensed = reading;
+      if (!std::isfinite(sensed.supply_temp_degc)) sensed.supply_temp_degc = setpoint_degc;
+      controller_.remember_demand(sensed, *valid, learnable);
+    }
     if (!learnable) {
       window_.push(time, value, std::numeric_limits<double>::quiet_NaN());
       ++refused_;

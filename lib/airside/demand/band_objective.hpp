@@ -92,6 +92,10 @@ class BandObjective {
       const DemandForecast f = evaluate(s, at, c, std::min(c.min_degc + i * c.step_k, c.max_degc));
       if (std::isfinite(f.cost_kw) && !(f.cost_kw >= best.cost_kw && std::isfinite(best.setpoint_degc))) best = f;
     }
+    if (c.last_degc >= c.min_degc && c.last_degc <= c.max_degc && rested_ == 0) {
+      const DemandForecast stays = evaluate(s, at, c, c.last_degc);
+      if (stays.cost_kw <= best.cost_kw + s.stay_share * power_.mean_kw()) best = stays;
+    }
     if (rested_ != 0 && std::isfinite(best.setpoint_degc)) start_degc_ = best.setpoint_degc;
     rested_ = 0;
     return best;
@@ -103,6 +107,13 @@ class BandObjective {
     double penalty = 0;  ///< shares of the mean power
     double most_open = 0;
   };
+
+  /// Quadratic, then linear: where every setpoint leaves a zone short of air, the colder one still is the better.
+  static double saturation(double over) {
+    constexpr double linear_from = 0.5, most = 1.5;
+    const double x = std::clamp(over, 0.0, most), low = std::min(x, linear_from);
+    return low * low + (x - low);
+  }
 
   /// Zones, flow and penalty at another supply temperature, the loads held.
   Outlook outlook(const DemandSettings& s, const DemandReading& at, double supply_degc, double growth,
@@ -123,8 +134,8 @@ class BandObjective {
         o.air.ventilation += s.outdoor_share;
       }
       cold += heats * f.damper * (at.zones.temp_degc[i] - supply_degc);
-      const double over = std::clamp(f.wanted - s.damper_high, 0.0, 0.5);
-      o.penalty += loads_.weight(i) * (s.saturation_cost * over * over + s.warm_cost * std::min(f.excess_k, 2.0));
+      const double excess_cost = s.warm_cost * std::min(f.excess_k, 2.0);
+      o.penalty += loads_.weight(i) * (s.saturation_cost * saturation(f.wanted - s.damper_high) + excess_cost);
       o.most_open = std::max(o.most_open, f.wanted);
     }
     if (seen == 0) {

@@ -113,8 +113,8 @@ class ZoneLoads {
   /// How near zone i is to where it heats: some 3 K below where it cools, and where it was seen to be held. In setback
   /// as well: a zone that is cooled that far in the evening is heated in the morning.  0..1.
   double heating_share(std::size_t i, double room_degc, double setpoint_degc) const {
-    const double cools = std::min(setpoint_degc, zones_[i].least_setpoint_degc);
-    const double held = std::clamp((zones_[i].held_degc + 0.6 - room_degc) / 0.4, 0.0, 1.0);
+    const double cools = std::min({setpoint_degc, zones_[i].least_setpoint_degc, warmest_cooling_degc});
+    const double held = std::clamp((zones_[i].held_degc + 0.4 - room_degc) / 0.3, 0.0, 1.0);
     return std::clamp(cools - 1.5 - room_degc, 0.0, 1.0) * held;
   }
 
@@ -142,7 +142,8 @@ class ZoneLoads {
   }
 
  private:
-  static constexpr double credited_rise_k = 0.3;  ///< in a cycle; a zone that rises faster is warming up
+  static constexpr double warmest_cooling_degc = 25;  ///< a room that is cooled at 30 is not heated at 27
+  static constexpr double credited_rise_k = 0.3;      ///< in a cycle; a zone that rises faster is warming up
 
   struct Zone {
     RecursiveLeastSquares<2> model;

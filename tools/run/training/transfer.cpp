@@ -64,7 +64,7 @@ double forecast_error_k(const Site& site, const BlobBytes& blob, std::span<const
   take_payload<T>(*controller, *payload);
   HistoryReader<T> reader(*controller, HistoryReader<T>::Head::learn);
   for (const hal::LogRow& row : rows) {
-    reader.row(row.time, hal::signals_of<T>(row, shape_of<T>(site)), row.setpoint_degc);
+    reader.row(hal::reading_of<T>(row, shape_of<T>(site), site.counts.sides), row.setpoint_degc);
   }
   return reader.forecast_error_k();
 }
