@@ -94,7 +94,7 @@ struct SimulateCommand {
     const RunFacts facts = run_facts(plant, trial.site);
     BlobBytes blob;
     if (ours) {
-      if (weights.empty() && !transfer) {
+      if (weights.empty() && !transfer && trial.site.settings.objective != Objective::band) {
         throw hal::InputError(
             "--weights", "no weights", "a blob for the controller",
             "give --weights (airside pretrain makes one), --transfer alone to train from scratch, or another --method");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "tools/adopt/adoption.hpp"
+#include "tools/adopt/site_text.hpp"
 #include "tools/cli/command.hpp"
 
 namespace airside::tools {
@@ -27,6 +28,7 @@ struct AdoptCommand {
                                         {"topology", a.topology()},
                                         {"air_loop", a.loop.name},
                                         {"terminals", text_of(a.loop.kind())},
+                                        {"objective", a.serves_band() ? "band" : "mean"},
                                         {"target_degc", a.choices.target_degc},
                                         {"setpoint_min_degc", a.choices.min_degc},
                                         {"setpoint_max_degc", a.choices.max_degc},
@@ -46,7 +48,7 @@ struct AdoptCommand {
       if (r.known)
         fmt::print("{}: supply {:+.2f}, rooms {:+.3f} K per K of setpoint\n", season, r.supply_gain, r.room_gain);
     }
-    fmt::print("Read {}/adopt.md, then:\n  airside check {}/site.toml\n", folder, folder);
+    fmt::print("Read {}/adopt.md, then:\n{}", folder, next_steps(a, folder + "/"));
   }
 };
 
