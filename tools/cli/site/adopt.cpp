@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "tools/adopt/adoption.hpp"
 #include "tools/adopt/site_text.hpp"
 #include "tools/cli/command.hpp"
@@ -48,7 +50,8 @@ struct AdoptCommand {
       if (r.known)
         fmt::print("{}: supply {:+.2f}, rooms {:+.3f} K per K of setpoint\n", season, r.supply_gain, r.room_gain);
     }
-    fmt::print("Read {}/adopt.md, then:\n{}", folder, next_steps(a, folder + "/"));
+    const std::string inside = (std::filesystem::path(folder) / "").string();
+    fmt::print("Read {}adopt.md, then:\n{}", inside, next_steps(a, inside));
   }
 };
 
