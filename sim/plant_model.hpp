@@ -24,8 +24,9 @@ struct Sensors {
   /// One meter: all; two: fans, chiller and pump; more: AHU fan, other fans, then the chiller in equal circuits. Of a
   /// model whose meters the site names, those.
   std::vector<double> power_kw;
-  std::vector<double> damper;              ///< 0..1, one a VAV
-  std::vector<double> zone_setpoint_degc;  ///< what the zone's own thermostat cools to, one a VAV
+  std::vector<double> damper;                 ///< 0..1, one a VAV
+  std::vector<double> zone_setpoint_degc;     ///< what the zone's own thermostat cools to, one a VAV
+  std::vector<double> heating_setpoint_degc;  ///< what it heats to; for scores, no point shows it
   double mau_temp_degc = 0;
   double outdoor_temp_degc = 0;
   double rain = 0;

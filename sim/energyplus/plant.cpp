@@ -110,6 +110,7 @@ void EnergyPlusPlant::take(const WorkerReply& reply) {
   copy(reply.power_kw, static_cast<std::size_t>(reply.powers), sensors_.power_kw);
   copy(reply.damper, static_cast<std::size_t>(reply.dampers), sensors_.damper);
   copy(reply.zone_setpoint_degc, static_cast<std::size_t>(reply.zone_setpoints), sensors_.zone_setpoint_degc);
+  copy(reply.heating_setpoint_degc, static_cast<std::size_t>(reply.zone_setpoints), sensors_.heating_setpoint_degc);
   sensors_.occupied = reply.occupied;
   sensors_.supply_flow_m3s = reply.supply_flow_m3s;
   sensors_.ahu_on = reply.ahu_on;

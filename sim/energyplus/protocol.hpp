@@ -11,7 +11,7 @@ namespace airside::sim {
 
 constexpr int max_zones = 32;                         ///< interior or perimeter zones of a model
 constexpr int max_powers = 8;                         ///< meters of a model
-constexpr std::uint32_t protocol_magic = 0x41450003;  ///< changes with any struct here
+constexpr std::uint32_t protocol_magic = 0x41450004;  ///< changes with any struct here
 constexpr double not_offered = std::numeric_limits<double>::quiet_NaN();
 constexpr int worker_socket = 3;  ///< the worker's end of the pair
 
@@ -40,7 +40,7 @@ struct WorkerReply {
   std::int32_t vavs = 0, fcus = 0, powers = 0;
   std::int32_t dampers = 0, zone_setpoints = 0;  ///< 0 or vavs
   std::array<double, max_zones> room_temp_degc{}, true_room_temp_degc{}, fcu_temp_degc{}, vav_on{}, fcu_on{};
-  std::array<double, max_zones> damper{}, zone_setpoint_degc{};
+  std::array<double, max_zones> damper{}, zone_setpoint_degc{}, heating_setpoint_degc{};
   std::array<double, max_powers> power_kw{};
   double mau_temp_degc = 0, outdoor_temp_degc = 0, rain = 0, supply_temp_degc = 0, setpoint_degc = 0;
   double occupied = not_offered, supply_flow_m3s = not_offered, ahu_on = not_offered;

@@ -22,14 +22,14 @@ BandObjective learned_objective(FormulaBuilding& building, int days = 9) {
   return objective;
 }
 
-double chosen(const BandObjective& objective, FormulaBuilding& building, const DemandSettings& s = {},
+double chosen(BandObjective& objective, FormulaBuilding& building, const DemandSettings& s = {},
               const DemandChoice& c = {}) {
   return objective.choose(s, building.read(noon), c).setpoint_degc;
 }
 
 /// The learned objective at an instant whose loads and weather the test sets.
 double chosen_at(FormulaBuilding building, double outdoor, double load_factor) {
-  const BandObjective objective = learned_objective(building);
+  BandObjective objective = learned_objective(building);
   building.outdoor_degc = outdoor;
   for (double& q : building.load_k) q *= load_factor;
   return chosen(objective, building);
@@ -77,7 +77,7 @@ TEST(BandObjective, MoreLoadNeverMakesTheAirWarmerInWarmWeather) {
 TEST(BandObjective, NoZoneIsLeftShortOfColdAirForAFewWatts) {
   FormulaBuilding building;
   building.fan_kw = 0.01;  // flow costs nothing, so that warm air would always pay
-  const BandObjective objective = learned_objective(building);
+  BandObjective objective = learned_objective(building);
   building.outdoor_degc = 17;
   building.load_k = {10, 4, 4, 4};
   const double setpoint = chosen(objective, building);
@@ -87,7 +87,7 @@ TEST(BandObjective, NoZoneIsLeftShortOfColdAirForAFewWatts) {
 
 TEST(BandObjective, WithoutDampersOrSetpointsTheScheduleHolds) {
   FormulaBuilding building;
-  const BandObjective objective = learned_objective(building);
+  BandObjective objective = learned_objective(building);
   DemandReading at = building.read(noon);
   ASSERT_TRUE(std::isfinite(objective.choose({}, at, {}).setpoint_degc));
   for (std::vector<double>* signal : {&building.damper, &building.set, &building.room}) {
@@ -110,7 +110,7 @@ TEST(BandObjective, WithoutDampersOrSetpointsTheScheduleHolds) {
 
 TEST(BandObjective, OneLostDamperOfFourIsBorne) {
   FormulaBuilding building;
-  const BandObjective objective = learned_objective(building);
+  BandObjective objective = learned_objective(building);
   const DemandReading at = building.read(noon);
   building.damper[2] = unknown;
   EXPECT_TRUE(std::isfinite(objective.choose({}, at, {}).setpoint_degc));
@@ -145,7 +145,7 @@ TEST(BandObjective, LostPowerMetersTeachNothingAndHarmNothing) {
 
 TEST(BandObjective, TheChoiceStaysOnTheGridOfItsRange) {
   FormulaBuilding building;
-  const BandObjective objective = learned_objective(building);
+  BandObjective objective = learned_objective(building);
   for (const double low : {12.0, 13.3, 15.0}) {
     const DemandChoice c{.min_degc = low, .max_degc = low + 1.5};
     const double a = chosen(objective, building, {}, c);
@@ -157,7 +157,7 @@ TEST(BandObjective, TheChoiceStaysOnTheGridOfItsRange) {
 
 TEST(BandObjective, ACostlyMoveKeepsTheSetpointCalm) {
   FormulaBuilding building;
-  const BandObjective objective = learned_objective(building);
+  BandObjective objective = learned_objective(building);
   DemandSettings calm;
   calm.move_cost = 1000;
   EXPECT_NEAR(chosen(objective, building, calm, {.last_degc = 16.0}), 16.0, 0.11);

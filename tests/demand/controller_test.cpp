@@ -121,6 +121,24 @@ TEST(BandController, ASetpointAtItsLimitIsAChoice) {
   EXPECT_EQ(rig.alarms, 0);
 }
 
+TEST(BandController, ReasonsOfAnEarlierObjectiveEndWithIt) {
+  Rig rig("mild", 4);
+  for (const Reason r : {Reason::gain_reversed, Reason::forecasts_doubted, Reason::worse_than_schedule}) {
+    rig.controller->report(r, true, rig.model.time());
+  }
+  rig.controller->hold(Reason::worse_for_long, rig.model.time(), 30 * std::int64_t{seconds_per_day});
+  (void)rig.live(1);
+  EXPECT_EQ(rig.last, (ActiveMode{ControlMode::learn, Reason::none}));
+}
+
+TEST(BandController, ASetpointThatRestsIsNoAlarmThoughThereAreWeights) {
+  Rig rig("mild", 4);
+  rig.controller->start(Scaler<Site>());
+  (void)rig.live(2);  // the schedule's setpoint all the time
+  EXPECT_NE(rig.controller->cycle().has_weights, 0);
+  EXPECT_EQ(rig.last, (ActiveMode{ControlMode::learn, Reason::none}));
+}
+
 TEST(BandController, LostDampersGiveTheScheduleAndTheReason) {
   Rig rig("mild", 10);
   (void)rig.live(6);

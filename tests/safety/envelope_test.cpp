@@ -47,7 +47,7 @@ TEST(SafetyEnvelope, KnowsNoRateWhereTheLastSetpointIsUnknown) {
 
 TEST(SafetyEnvelope, KeepsWithinOneStepOfWhateverMayStandAfterAWriteOfUnknownFate) {
   const SafetyEnvelope envelope(limits(2.0));
-  StandingSetpoint standing;
+  StoredSetpoint standing;
   EXPECT_EQ(envelope.limit(19, standing, 25).setpoint_degc(), 19) << "nothing is known yet";
   standing.is(22);
   standing.may_be(23.5);
@@ -57,7 +57,7 @@ TEST(SafetyEnvelope, KeepsWithinOneStepOfWhateverMayStandAfterAWriteOfUnknownFat
   EXPECT_LE(standing.high_degc - standing.low_degc, 2.0 + 1e-12) << "and never closes in on nothing";
   standing.is(25);
   EXPECT_NEAR(envelope.limit(26, standing, 25).setpoint_degc(), 26, 1e-12) << "one reading ends the doubt";
-  StandingSetpoint first_write;
+  StoredSetpoint first_write;
   first_write.may_be(20);
   EXPECT_NEAR(envelope.limit(26, first_write, 25).setpoint_degc(), 22, 1e-12);
 }
@@ -66,9 +66,9 @@ TEST(SafetyEnvelope, KnowsNoRateWhereOneEndOfTheRangeIsNoNumber) {
   const ControllerSettings s = product_settings();
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   const SafetyEnvelope envelope(s);
-  EXPECT_EQ(envelope.limit(s.limit_min_degc, StandingSetpoint{s.limit_max_degc, unknown}, 22).setpoint_degc(),
+  EXPECT_EQ(envelope.limit(s.limit_min_degc, StoredSetpoint{s.limit_max_degc, unknown}, 22).setpoint_degc(),
             s.limit_min_degc);
-  EXPECT_EQ(envelope.limit(s.limit_min_degc, StandingSetpoint{unknown, s.limit_max_degc}, 22).setpoint_degc(),
+  EXPECT_EQ(envelope.limit(s.limit_min_degc, StoredSetpoint{unknown, s.limit_max_degc}, 22).setpoint_degc(),
             s.limit_min_degc);
 }
 
@@ -95,7 +95,7 @@ TEST(SafetyEnvelope, JumpsInsideWhereTheSiteSaysSo) {
 
 TEST(SafetyEnvelope, FollowsWhateverMayBeStoredOutsideTheLimits) {
   const SafetyEnvelope envelope(limits(6.0));
-  StandingSetpoint standing;
+  StoredSetpoint standing;
   standing.is(8.8);
   standing.may_be(14.8);
   EXPECT_NEAR(envelope.limit(22, standing, 25).setpoint_degc(), 14.8, 1e-12) << "a step from the farther end";

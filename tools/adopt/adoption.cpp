@@ -1,4 +1,5 @@
 #include "tools/adopt/adoption.hpp"
+#include "tools/adopt/loop/loop_meters.hpp"
 
 #include <fmt/format.h>
 
@@ -230,6 +231,8 @@ Adoption adopt(const AdoptRequest& request) {
   a.model_name = request.model.filename().string();
   a.engine = sim::version_of(install);
   json repairs = without_lost_limits(view, a.notes);
+  const LoopMeters meters = loop_meters(view, a.loop);
+  repairs.update(meters.patch);
   if (!view.all("RunPeriodControl:DaylightSavingTime").empty()) {
     repairs["RunPeriodControl:DaylightSavingTime"] = nullptr;
     a.notes.emplace_back("daylight saving dropped: logs and schedules keep standard time");
@@ -246,7 +249,8 @@ Adoption adopt(const AdoptRequest& request) {
   a.sizes = sizes_of_run(view, runs.run_folder("own") / "eplusout.eio", install.schema);
   say("a winter week");
   const Observation winter = runs.run(repaired, a.loop, false, 7, "own");
-  a.choices = site_choices(summer, winter, a.loop.kind());
+  a.choices = site_choices(summer, winter, a.loop.kind(), meters);
+  a.choices.outdoor_share = least_outdoor_share(view, a.loop, a.sizes.patch);
   note_zones(a, summer);
   note_powers(a, summer, winter);
   a.setpoint = setpoint_patch(view, a.loop, a.choices.work_degc);

@@ -142,12 +142,16 @@ void choose_target(const Observation& summer, SiteChoices& out) {
 }
 
 /// Fan, one of cooling, and what heats; where the model meters none of these, the whole.
-void choose_meters(const Observation& summer, const Observation& winter, SiteChoices& out) {
+/// The loop's own fans and coils; of the building what a water plant takes. A building's fans are those of all loops.
+void choose_meters(const Observation& summer, const Observation& winter, const LoopMeters& meters, SiteChoices& out) {
   const auto have = [&](const std::string& meter) {
     return summer.meter_kw.contains(meter) || winter.meter_kw.contains(meter);
   };
   for (const std::string& meter : candidate_meters()) {
-    const bool single = meter.starts_with("Fans") || meter.starts_with("Cooling") || meter.starts_with("Heating");
+    const bool fans = meter.starts_with("Fans"), cooling = meter.starts_with("Cooling");
+    const bool heating = meter.starts_with("Heating");
+    if ((fans && meters.fans) || (cooling && meters.cooling) || (heating && meters.heating)) continue;
+    const bool single = fans || cooling || heating || meter.starts_with("Loop ");
     if (single && have(meter) && out.powers.size() < 4) out.powers.push_back(meter);
   }
   if (!out.powers.empty()) return;
@@ -189,12 +193,13 @@ std::vector<bool> fan_runs(const Observation& week) {
   return on;
 }
 
-SiteChoices site_choices(const Observation& summer, const Observation& winter, TerminalKind kind) {
+SiteChoices site_choices(const Observation& summer, const Observation& winter, TerminalKind kind,
+                         const LoopMeters& meters) {
   SiteChoices out;
   choose_hours(summer, out);
   choose_range(summer, winter, kind, out);
   choose_target(summer, out);
-  choose_meters(summer, winter, out);
+  choose_meters(summer, winter, meters, out);
   std::vector<double> flow;
   const auto fan = fan_runs(summer);
   for (std::size_t i = 0; i < summer.steps(); ++i) {

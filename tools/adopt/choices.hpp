@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/adopt/loop/loop_meters.hpp"
 #include "tools/adopt/observation.hpp"
 
 namespace airside::tools {
@@ -24,11 +25,13 @@ struct SiteChoices {
   double work_degc = 14, off_degc = 14;  ///< the model's own setpoint, as the schedule to fall back to
   double winter_degc = 14;               ///< the same at work in the winter week
   std::vector<std::string> powers;       ///< meters, at most 4
+  double outdoor_share = 0;              ///< least outdoor air, share of the design flow; 0: unknown
   double mean_flow_kg_s = 0;             ///< while the fan runs
 };
 
 /// From a week of summer and one of winter under the model's own control.
-SiteChoices site_choices(const Observation& summer, const Observation& winter, TerminalKind kind);
+SiteChoices site_choices(const Observation& summer, const Observation& winter, TerminalKind kind,
+                         const LoopMeters& meters);
 
 /// Steps at which the supply fan runs: more than 3 % of its largest flow.
 std::vector<bool> fan_runs(const Observation& week);

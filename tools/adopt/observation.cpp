@@ -5,6 +5,7 @@
 
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/replay/eso.hpp"
+#include "tools/adopt/loop/loop_meters.hpp"
 #include "tools/adopt/model/engine_run.hpp"
 #include "tools/adopt/model/model_view.hpp"
 
@@ -114,10 +115,13 @@ Observation read_observation(const sim::EsoFile& eso, const AirLoop& loop, int p
 }  // namespace
 
 const std::vector<std::string>& candidate_meters() {
-  static const std::vector<std::string> meters = {
-      "Fans:Electricity",   "Cooling:Electricity",          "Cooling:DistrictCooling", "Heating:Electricity",
-      "Heating:NaturalGas", "Heating:DistrictHeatingWater", "Pumps:Electricity",       "Electricity:HVAC",
-      "Electricity:Plant",  "Electricity:Facility"};
+  static const std::vector<std::string> meters = {loop_fans_meter,           loop_cooling_meter,
+                                                  loop_heating_meter,        loop_gas_meter,
+                                                  "Fans:Electricity",        "Cooling:Electricity",
+                                                  "Cooling:DistrictCooling", "Heating:Electricity",
+                                                  "Heating:NaturalGas",      "Heating:DistrictHeatingWater",
+                                                  "Pumps:Electricity",       "Electricity:HVAC",
+                                                  "Electricity:Plant",       "Electricity:Facility"};
   return meters;
 }
 

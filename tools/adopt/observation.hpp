@@ -40,7 +40,7 @@ struct ObservationPlan {
   int days = 7;
 };
 
-/// Meters of power that a site may show, in the order of preference.
+/// Meters of power that a site may show: the loop's own, then the building's.
 const std::vector<std::string>& candidate_meters();
 
 /// Runs the engine once in `folder`, where its files stay (eplusout.eio, for sizes).

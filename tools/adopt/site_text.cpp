@@ -69,11 +69,21 @@ std::string names_table(const Adoption& a) {
   return text;
 }
 
+/// What the model says of its ventilation, where that is not the default.
+std::string outdoor_share_of(const Adoption& a) {
+  if (a.choices.outdoor_share <= 0) return "";
+  return fmt::format(
+      "\n[controller.override]\nband_outdoor_share = {:.2f} # least outdoor air, share of the design flow\n",
+      a.choices.outdoor_share);
+}
+
 std::string objective_of(const Adoption& a) {
   if (!a.serves_band()) return "";
-  return "\n[controller]\nobjective = \"band\"       # least energy with every zone in its band; \"mean\" holds the "
-         "mean room "
-         "temperature\n";
+  return std::string(
+             "\n[controller]\nobjective = \"band\"       # least energy with every zone in its band; \"mean\" holds "
+             "the "
+             "mean room temperature\n") +
+         outdoor_share_of(a);
 }
 
 std::string stand_ins(const Adoption& a) {

@@ -54,11 +54,11 @@ struct FootprintCommand {
     constexpr auto entries = footprint_ledger<T>();
     fmt::print("{}: {} rooms, {} network inputs, {} parameters; a blob has at most {} bytes\n", T::name, T::vavs,
                Layout<T>::inputs, NetworkWeights<T, float>::count, WeightBlob<T>::max_bytes);
-    fmt::print("  {:<11} {:<50} {:>10} {:>11} {:>8} {:>7}\n", "part", "what it is", "bytes", "budget", "of that",
+    fmt::print("  {:<11} {:<62} {:>10} {:>11} {:>8} {:>7}\n", "part", "what it is", "bytes", "budget", "of that",
                "share");
     for (const FootprintEntry& e : entries) {
       const bool last = &e == &entries.back();
-      fmt::print("  {:<11} {:<50} {:>10} {:>11} {:>6.0f} % {:>5.1f} %\n", last ? "total" : e.name, e.what, e.bytes,
+      fmt::print("  {:<11} {:<62} {:>10} {:>11} {:>6.0f} % {:>5.1f} %\n", last ? "total" : e.name, e.what, e.bytes,
                  e.budget_bytes, percent(e.bytes, e.budget_bytes), percent(e.bytes, entries.back().bytes));
     }
     fmt::print("\n");

@@ -26,7 +26,6 @@
 #include "airside/settings.hpp"
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/control_mode.hpp"
-#include "airside/supervision/guideline36.hpp"
 #include "airside/supervision/mode_arbiter.hpp"
 #include "airside/supervision/validation.hpp"
 #include "airside/topology.hpp"
@@ -37,7 +36,7 @@ namespace airside {
 template <Topology T, class Scalar>
 struct ControllerAccess;
 
-/// Everything is read by all; each change is one operation with a meaning. Shape: T.
+/// Every part can be read; each operation that changes one keeps the parts consistent. Shape: T.
 template <Topology T, class Scalar>
 class ControllerMemory {
  public:
@@ -72,7 +71,6 @@ class ControllerMemory {
     learner_settings_.adam = {settings.learning_rate, settings.adam_beta1, settings.adam_beta2, settings.adam_epsilon};
     learner_settings_.sync_every = settings.target_sync_steps;
     proposer_.configure(settings_);
-    guideline36_ = guideline36_on_site(settings);
   }
 
   /// Draws the weights to start from. Source: docs/method.md 5.
@@ -147,7 +145,7 @@ class ControllerMemory {
   }
   /// The schedule again, until other weights come.
   void drop_weights() { weight_exchange().drop(); }
-  /// What forecasts of the weights in use have erred by: that of weights which come back is known from before. K^2.
+  /// Sets the mean squares of the forecast errors: of weights that come back they are known from before. Units: K^2.
   void take_forecast_errors(double network_k2, double head_k2) {
     cycle_.network_error_k2 = network_k2;
     cycle_.head_error_k2 = head_k2;
@@ -232,7 +230,6 @@ class ControllerMemory {
   ControllerSettings settings_;
   LimitsTable<T> limits_{};
   LearnerSettings<T> learner_settings_;
-  Guideline36Settings guideline36_;
 
   Learning learning_;
   CycleState<T> cycle_;

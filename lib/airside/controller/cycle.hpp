@@ -22,8 +22,8 @@ constexpr CivilTime next_row(CivilTime t) {
 /// Runs rows from `from` until `until` (exclusive): every 6 min sense, every 18 min decide, actuate, learn.
 /// `sink.row(t, sensed, controller)` logs the row and commits the state; it returns false to stop.
 /// A row whose instant has passed while the program was away, or while it slept for that row because the machine was
-/// suspended, is skipped, never made up for in a burst. A clock that was
-/// set back by more than a cycle is followed: waiting until it catches up would leave the room alone for that long.
+/// suspended, is skipped, never made up for in a burst. A clock that was set back by more than a cycle is followed:
+/// waiting until it catches up would leave the room without control for that long.
 /// Returns the first instant that was not run.
 /// Errors: none; a plant that cannot be read yields the schedule's command through the controller.
 template <class Topology_, class Plant_, class Clock_, class Controller_, class Sink_>

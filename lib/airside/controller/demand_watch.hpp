@@ -33,7 +33,7 @@ class DemandWatch {
       damper_[i] = within(sensed.damper(k), 0.0, 1.0);
       setpoint_[i] = within(sensed.zone_setpoint_degc(k), 5.0, 45.0);
     }
-    meters_ = static_cast<std::size_t>(s.shape.powers > 0 ? std::min(s.shape.powers, T::powers) : T::powers);
+    meters_ = static_cast<std::size_t>(shape_in<T>(s.shape).powers);
     for (std::size_t i = 0; i < meters_; ++i) power_[i] = valid(L::power + static_cast<Eigen::Index>(i));
     reading_.time = sensed.time;
     // A supply temperature that no sensor shows is its setpoint, once one is known.

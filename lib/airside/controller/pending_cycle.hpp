@@ -5,9 +5,16 @@
 #include "airside/forecast/head_features.hpp"
 #include "airside/learning/replay_ring.hpp"
 #include "airside/reading.hpp"
+#include "airside/supervision/control_mode.hpp"
 #include "airside/topology.hpp"
 
 namespace airside {
+
+/// What an objective proposes, not yet limited. Units: degC.
+struct Proposal {
+  double setpoint_degc = Decision::none;
+  Reason missing = Reason::none;  ///< why there is no setpoint; none: there is one
+};
 
 /// A decision that the AHU has not answered yet. Shape: T. Units: SI, but for the scaled row.
 template <Topology T, class Scalar>

@@ -31,7 +31,7 @@ class Proposer {
   void configure(const ControllerSettings& settings) { search_.configure(settings); }
   CandidateSearch<T, Scalar>& search() { return search_; }
 
-  /// The regressors of now. A row that was missed 6 min ago is thought to lie on the line from the last decision.
+  /// The regressors of now. A row that was missed 6 min ago is taken to lie on the line from the last decision.
   static void take_features(const ControllerSettings& s, const CycleState<T>& cycle, const Scaler<T>& scaler,
                             Pending& at) {
     Vector recent = cycle.row_value;
@@ -68,16 +68,17 @@ class Proposer {
     return fuse(effective_confidence(s, cycle.confidence), chosen, at.expert_degc);
   }
 
-  /// What network and head expect of the cycle that begins now, at the setpoint that was really applied. Returns the
-  /// expectation that counts, degC, or NaN.
+  /// What network and head expect of the cycle that begins now, at the setpoint that was really applied, NaN: none.
+  /// Returns the expectation that counts, degC, or NaN.
   double expect(const ControllerSettings& s, const LearningState<T, Scalar>& learning, CycleState<T>& cycle,
-                NetworkScratch<T, Scalar>& scratch, const Pending& at, double setpoint_degc) {
-    if (cycle.has_weights == 0) return unknown;
+                NetworkScratch<T, Scalar>& scratch, const Pending& at, double applied_degc) {
+    cycle.network_expected_degc = cycle.head_expected_degc = unknown;
+    if (cycle.has_weights == 0 || !at.is_usable || !std::isfinite(applied_degc)) return unknown;
     const ForecastModel<T, Scalar> model{learning.scaler, scratch.packed, scratch};
-    cycle.network_expected_degc = search_.expected_mean_degc(model, at.now, setpoint_degc);
+    cycle.network_expected_degc = search_.expected_mean_degc(model, at.now, applied_degc);
     if (!at.has_features) return cycle.network_expected_degc;
     cycle.head_expected_degc = room_mean(s, at.now) + learning.head.drift_k(s, at.time, at.features) +
-                               learning.head.gain(s) * (setpoint_degc - cycle.last_setpoint_degc);
+                               learning.head.gain(s) * (applied_degc - cycle.last_setpoint_degc);
     return std::isfinite(cycle.head_expected_degc) ? cycle.head_expected_degc : cycle.network_expected_degc;
   }
 
@@ -86,9 +87,9 @@ class Proposer {
 
   static double head_choice(const ControllerSettings& s, const RoomHead<T>& head, double last_degc, const Pending& at) {
     if (!at.has_features || head.updates() == 0) return unknown;
-    const double wish = head.setpoint_degc(s, at.time, at.features, room_mean(s, at.now), last_degc);
-    if (!std::isfinite(wish)) return unknown;  // before the clamp, which would make a bound of an infinite one
-    return std::clamp(wish, s.action_min_degc, s.action_max_degc);
+    const double ideal = head.setpoint_degc(s, at.time, at.features, room_mean(s, at.now), last_degc);
+    if (!std::isfinite(ideal)) return unknown;  // before the clamp, which would make a bound of an infinite one
+    return std::clamp(ideal, s.action_min_degc, s.action_max_degc);
   }
 
   static double room_mean(const ControllerSettings& s, const Vector& v) { return v.head(rooms_of<T>(s.shape)).mean(); }

@@ -3,6 +3,7 @@
 // schedule would do better, and which control mode follows from all that.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +19,7 @@
 #include "airside/settings.hpp"
 #include "airside/supervision/control_mode.hpp"
 #include "airside/supervision/envelope.hpp"
+#include "airside/supervision/guideline36.hpp"
 #include "airside/supervision/mode_arbiter.hpp"
 #include "airside/supervision/mode_table.hpp"
 #include "airside/supervision/schedule.hpp"
@@ -41,31 +43,22 @@ class Supervisor {
                                                                 : expert_setpoint_degc(settings_, t);
   }
 
-  /// What is stored in the register. A decision that is made again after a crash (`resumed`) may find its own write
-  /// there, a step from the value before at most: then both count, so that it is made as it was.
-  void see_setpoint(double stored_degc, bool resumed) {
-    if (!std::isfinite(stored_degc)) return;
-    StandingSetpoint either = cycle_.standing;
-    either.may_be(stored_degc);
-    if (!resumed || either.high_degc - either.low_degc > settings_.limit_change_k) either.is(stored_degc);
-    cycle_.standing = either;
+  /// The begin of a row between two decisions: the clock, and what is stored in the register.
+  void begin_row(CivilTime t, const Expected<Reading<T>>& sensed) {
+    cycle_.mode_arbiter.tick(t);
+    if (sensed) see_setpoint(sensed->setpoint_degc, false);
   }
 
-  /// The AHU's own word counts: after a start, a refused write or an external override, its setpoint is what it shows.
-  /// Nothing is learned from the cycle that this breaks. An override is left alone for a while; a device that was out
-  /// of touch may have fallen back to a default, and one that was slow shows the value written last.
-  void adopt_setpoint(CivilTime t, const Reading<T>& sensed, bool resumed, ControlMode last_mode) {
-    const double stored = sensed.setpoint_degc, known = cycle_.last_setpoint_degc;
-    if (!std::isfinite(stored) || (std::isfinite(known) && std::abs(stored - known) <= foreign_k)) return;
-    const bool late = std::abs(stored - cycle_.commanded_degc) <= foreign_k;
-    if (std::isfinite(known) && !late && !resumed && sensed.contact == cycle_.contact) {
-      // Who sets again what was left to him fights nobody.
-      const bool fights = last_mode != ControlMode::release && cycle_.override_monitor.third_in_a_day(t);
-      const auto patience_s = static_cast<std::int64_t>(settings_.override_h * 3600);
-      cycle_.mode_arbiter.hold(fights ? Reason::two_masters : Reason::overridden, t, patience_s);
-    }
-    cycle_.last_setpoint_degc = stored;
-    cycle_.usable_cycles = 0;
+  /// The begin of a cycle: as that of a row, and who wrote what is stored. `resumed`: no row since a restart.
+  void begin_cycle(CivilTime t, const Expected<Reading<T>>& sensed, bool resumed, ControlMode last_mode) {
+    cycle_.mode_arbiter.tick(t);
+    if (settings_.objective == Objective::band) drop_forecast_reasons(t);
+    cycle_.budget.earn(settings_.writes_per_day);
+    if (!sensed) return;
+    see_setpoint(sensed->setpoint_degc, resumed);
+    const bool made_again = resumed && t.seconds - cycle_.last_time.seconds == cycle_s;
+    if (!made_again) adopt_setpoint(t, *sensed, resumed, last_mode);
+    cycle_.contact = sensed->contact;
   }
 
   /// Whether supply air follows its setpoint. Returns whether air flows: where it does not, it cannot follow, and its
@@ -89,22 +82,17 @@ class Supervisor {
     }
   }
 
-  /// Whether a room sensor drifts.
-  void watch_rooms(CivilTime t, const ValidReading<T>& valid) {
-    if (!valid.learnable()) return;
-    const bool drifts = cycle_.drift.row(valid.value().head(rooms_of<T>(settings_.shape)), settings_.drift_k);
-    cycle_.mode_arbiter.set(Reason::sensor_drifts, drifts, t);
-  }
-
-  /// Whether the setpoint has been at a limit of its range for long and the rooms do not come nearer to their target:
-  /// in working hours, while air flows. Nobody is called at night for rooms that nobody is in.
-  void watch_authority(CivilTime t, const ValidReading<T>& valid, bool flows) {
-    // Where boxes modulate, a setpoint at its limit is a choice, and the target is not what it serves.
-    const bool serves_mean = settings_.objective == Objective::mean;
-    const bool counts = serves_mean && flows && in_working_hours(settings_, t);
-    const bool lost = cycle_.authority.row(settings_, t, cycle_.last_setpoint_degc,
-                                           counts ? valid.room_mean_degc() : settings_.target_degc);
-    cycle_.mode_arbiter.set(Reason::authority_lost, lost, t);
+  /// What takes more than one reading to see: sensors that drift, authority that is lost, and what Guideline 36 would
+  /// command. Returns the latter, degC.
+  double watch(CivilTime t, const ValidReading<T>& valid, bool flows) {
+    if (flows) watch_rooms(t, valid);
+    watch_authority(t, valid, flows);
+    static constexpr std::array<double, static_cast<std::size_t>(L::rooms)> all_shut{};
+    const auto& v = valid.value();
+    const auto rooms = static_cast<std::size_t>(rooms_of<T>(settings_.shape));
+    const double* vav_on = flows ? v.data() + L::vav_on : all_shut.data();  // its loops rest with the fan
+    return cycle_.guideline36.setpoint_degc(settings_, guideline36_on_site(settings_), t, {v.data(), rooms},
+                                            {vav_on, rooms}, v(L::outdoor_temp));
   }
 
   /// What nothing may be learned from though each reading is good: a room that drifts, air that does not follow its
@@ -149,7 +137,8 @@ class Supervisor {
     cycle_.mode_arbiter.set(Reason::setpoint_altered, altered, t);
     if (!flows) return;
     const bool rests = cycle_.excitation.cycle(applied->setpoint_degc, settings_.excitation_k);
-    cycle_.mode_arbiter.set(Reason::no_excitation, rests && cycle_.has_weights != 0, t);
+    const bool learns = cycle_.has_weights != 0 && settings_.objective == Objective::mean;
+    cycle_.mode_arbiter.set(Reason::no_excitation, rests && learns, t);
   }
 
   /// Whether the schedule would do better, in working hours.
@@ -167,8 +156,8 @@ class Supervisor {
     cycle_.worse_cycles = 0;
   }
 
-  /// A gain that has turned round is believed again when it is sane beyond doubt. A head that was led astray would
-  /// take weeks to find back, so after a day it begins anew, and learns from the schedule's steps.
+  /// A gain that has turned round is believed again when it is sane beyond doubt. A head that has learned a wrong
+  /// gain would take weeks to recover, so after a day it begins anew, and learns from the schedule's steps.
   void watch_gain(CivilTime t, RoomHead<T>& head) {
     const bool suspect = cycle_.mode_arbiter.active(Reason::gain_reversed, t) && !head.gain_is_sane();
     const bool reversed = head.gain_is_reversed() || suspect;
@@ -189,6 +178,60 @@ class Supervisor {
 
  private:
   static constexpr double foreign_k = 0.05;  ///< a setpoint differs by more than a register's rounding
+
+  /// What was found of network and room head while the site had the objective "mean" would hold for ever under "band",
+  /// where neither is asked or judged.
+  void drop_forecast_reasons(CivilTime t) {
+    for (const Reason r : {Reason::no_excitation, Reason::worse_than_schedule, Reason::worse_for_long,
+                           Reason::learning_refused, Reason::gain_reversed, Reason::forecasts_doubted}) {
+      cycle_.mode_arbiter.set(r, false, t);
+    }
+  }
+
+  /// What is stored in the register. A decision that is made again after a crash (`resumed`) may find its own write
+  /// there, a step from the value before at most: then both count, so that it is made as it was.
+  void see_setpoint(double stored_degc, bool resumed) {
+    if (!std::isfinite(stored_degc)) return;
+    StoredSetpoint either = cycle_.stored;
+    either.may_be(stored_degc);
+    if (!resumed || either.high_degc - either.low_degc > settings_.limit_change_k) either.is(stored_degc);
+    cycle_.stored = either;
+  }
+
+  /// After a start, a refused write or an external override, the AHU's setpoint is what the register shows.
+  /// Nothing is learned from the cycle that this breaks. An override is left alone for a while; a device that was out
+  /// of touch may have fallen back to a default, and one that was slow shows the value written last.
+  void adopt_setpoint(CivilTime t, const Reading<T>& sensed, bool resumed, ControlMode last_mode) {
+    const double stored = sensed.setpoint_degc, known = cycle_.last_setpoint_degc;
+    if (!std::isfinite(stored) || (std::isfinite(known) && std::abs(stored - known) <= foreign_k)) return;
+    const bool late = std::abs(stored - cycle_.commanded_degc) <= foreign_k;
+    if (std::isfinite(known) && !late && !resumed && sensed.contact == cycle_.contact) {
+      // While control is released, a person may set it as often as he likes.
+      const bool competes = last_mode != ControlMode::release && cycle_.override_monitor.third_in_a_day(t);
+      const auto patience_s = static_cast<std::int64_t>(settings_.override_h * 3600);
+      cycle_.mode_arbiter.hold(competes ? Reason::two_masters : Reason::overridden, t, patience_s);
+    }
+    cycle_.last_setpoint_degc = stored;
+    cycle_.usable_cycles = 0;
+  }
+
+  /// Whether a room sensor drifts.
+  void watch_rooms(CivilTime t, const ValidReading<T>& valid) {
+    if (!valid.learnable()) return;
+    const bool drifts = cycle_.drift.row(valid.value().head(rooms_of<T>(settings_.shape)), settings_.drift_k);
+    cycle_.mode_arbiter.set(Reason::sensor_drifts, drifts, t);
+  }
+
+  /// Whether the setpoint has been at a limit of its range for long and the rooms do not come nearer to their target:
+  /// in working hours, while air flows. Nobody is called at night for rooms that nobody is in.
+  void watch_authority(CivilTime t, const ValidReading<T>& valid, bool flows) {
+    // Where boxes modulate, a setpoint at its limit is a choice, and the target is not what it serves.
+    const bool serves_mean = settings_.objective == Objective::mean;
+    const bool counts = serves_mean && flows && in_working_hours(settings_, t);
+    const bool lost = cycle_.authority.row(settings_, t, cycle_.last_setpoint_degc,
+                                           counts ? valid.room_mean_degc() : settings_.target_degc);
+    cycle_.mode_arbiter.set(Reason::authority_lost, lost, t);
+  }
 
   const ControllerSettings& settings_;
   CycleState<T>& cycle_;

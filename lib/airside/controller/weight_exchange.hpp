@@ -55,7 +55,8 @@ class WeightExchange {
     return found;
   }
 
-  /// Takes weights and their scaler: memories are put into their units, target net a copy, moments zero, trust anew.
+  /// Takes weights and their scaler: the replay is put into their units, target net a copy, moments zero, confidence
+  /// at most its initial value.
   void exchange(const ControllerSettings& settings, const Scaler<T>& scaler, std::span<const Scalar> weights) {
     std::copy(weights.begin(), weights.end(), learning_.weights.flat().begin());
     rescale_memories(learning_.scaler, scaler);
@@ -70,7 +71,7 @@ class WeightExchange {
     cycle_.has_weights = 1;
   }
 
-  /// The learning state of before, whose scaler may differ from the one in use.
+  /// Goes back to an earlier learning state, whose scaler may differ from the one in use.
   void roll_back(const Learning& before) {
     const Scaler<T> present = learning_.scaler;
     learning_ = before;
@@ -94,7 +95,7 @@ class WeightExchange {
     }
   }
 
-  /// Other weights do not answer for what those before them did, and get a day of their own to show it.
+  /// Other weights are not judged by what those before them did.
   void forget_comparison() {
     cycle_.network_expected_degc = cycle_.head_expected_degc = std::numeric_limits<double>::quiet_NaN();
     cycle_.shadow.reset();

@@ -200,7 +200,7 @@ class WeightTrial {
 
  private:
   static double mean(double sum_k2, const WeightTrialRecord& record) {
-    return sum_k2 / std::max(record.tried_cycles, 1U);
+    return sum_k2 / std::max<std::uint32_t>(record.tried_cycles, 1U);
   }
   static bool is_bad(double error_k2, double before_k2) {
     return error_k2 > bad_error_k * bad_error_k && error_k2 > before_k2;

@@ -75,16 +75,25 @@ class BandObjective {
     return f;
   }
 
-  /// The setpoint of least cost. Errors: setpoint_degc NaN where the signals do not carry the objective, or too little
-  /// has been learned: the schedule holds then.
-  DemandForecast choose(const DemandSettings& s, const DemandReading& at, const DemandChoice& c) const {
+  /// The setpoint of least cost; while the fan rests the one that was chosen first after the last rest, since the fan
+  /// will start on it. Errors: setpoint_degc NaN where the signals do not carry the objective, or too little has been
+  /// learned: the schedule holds then.
+  DemandForecast choose(const DemandSettings& s, const DemandReading& at, const DemandChoice& c) {
     DemandForecast best;
-    if (!at.flows || !carries(at) || !std::isfinite(at.outdoor_degc) || !is_ready(s)) return best;
+    if (!is_ready(s)) return best;
+    if (!at.flows) {
+      rested_ = 1;
+      if (std::isfinite(start_degc_)) best.setpoint_degc = std::clamp(start_degc_, c.min_degc, c.max_degc);
+      return best;
+    }
+    if (!carries(at) || !std::isfinite(at.outdoor_degc)) return best;
     const int n = std::clamp(static_cast<int>(std::lround((c.max_degc - c.min_degc) / c.step_k)), 0, 400);
     for (int i = 0; i <= n; ++i) {
       const DemandForecast f = evaluate(s, at, c, std::min(c.min_degc + i * c.step_k, c.max_degc));
       if (std::isfinite(f.cost_kw) && !(f.cost_kw >= best.cost_kw && std::isfinite(best.setpoint_degc))) best = f;
     }
+    if (rested_ != 0 && std::isfinite(best.setpoint_degc)) start_degc_ = best.setpoint_degc;
+    rested_ = 0;
     return best;
   }
 
@@ -199,7 +208,10 @@ class BandObjective {
                   {.total_kw = total_sum_ / rows_, .fan_kw = fan_sum_ / rows_, .flow_m3_s = flow_sum_ / rows_});
     const std::size_t n = std::min(at.zones.count(), max_zones);
     for (std::size_t i = 0; i < n; ++i) {
-      loads_.update(s, i, demand_sum_[i] / rows_, at.zones.temp_degc[i] - begin_temp_[i]);
+      const double moved_k = at.zones.temp_degc[i] - begin_temp_[i];
+      loads_.update(s, i, demand_sum_[i] / rows_, moved_k);
+      if (zone_is_seen(at.zones, i))
+        loads_.note_held(i, at.zones.temp_degc[i], moved_k, at.zones.damper[i], at.zones.setpoint_degc[i]);
     }
     loads_.note_profile(at.time, n, mean_setpoint_degc(at));
   }
@@ -209,9 +221,12 @@ class BandObjective {
   PowerShapes shape_sum_;
   std::array<double, max_zones> demand_sum_{}, begin_temp_{};
   double total_sum_ = 0, fan_sum_ = 0, flow_sum_ = 0;
+  double start_degc_ = std::numeric_limits<double>::quiet_NaN();  ///< the first choice after the last rest
   CivilTime begin_;
   std::int32_t rows_ = 0;
   std::int32_t has_begin_ = 0;
+  std::int32_t rested_ = 0;
+  std::int32_t spare_ = 0;  ///< the bytes of a saved state are all written
 };
 
 }  // namespace airside

@@ -98,7 +98,7 @@ class PowerModel {
     return std::isfinite(odds) ? odds / (1 + odds) : 1.0;
   }
   double mean_kw() const { return mean_kw_; }
-  int learned() const { return std::max(0, samples_ - prior_samples); }
+  int learned() const { return std::max<std::int32_t>(0, samples_ - prior_samples); }
   const Rest& lift_law() const { return lift_; }
   const Rest& coil_law() const { return coil_; }
   const RecursiveLeastSquares<3>& fan_law() const { return fan_; }

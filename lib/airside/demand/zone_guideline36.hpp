@@ -10,16 +10,14 @@
 #include <span>
 
 #include "airside/demand/zone_signals.hpp"
-#include "airside/supervision/guideline36.hpp"
+#include "airside/supervision/guideline36_settings.hpp"
+#include "airside/supervision/trim_and_respond.hpp"
 
 namespace airside {
 
-/// Each step of T = 2 min, with R the sum of importance times requests (either trim or respond):
-///   Tmax = clamp(Tmax + (R <= I ? trim : -min(respond (R - I), respond_max)), SPmin, SPmax)
-/// and the setpoint is Tmax below `oat_min_degc` outdoors, SPmin above `oat_max_degc`, linear between.
-/// Requests of a zone: 3 when it was 3 K above its setpoint for 2 min, 2 at 2 K, 1 from 95 % cooling loop until below
-/// 85 %; none for a while after its setpoint changed (9 min a K, at most 30). The loop is seen by the damper.
-/// Plain bytes. Source: docs/method.md 17.7.
+/// The reset of trim_and_respond.hpp. A zone counts as 2 or 3 K above its setpoint when it was so for 2 min, and not
+/// for a while after its setpoint changed (9 min a K, at most 30). Its cooling loop is seen by the damper.
+/// Shape: at most max_zones zones. Plain bytes.  Source: docs/method.md 17.7.
 class ZoneGuideline36 {
  public:
   static constexpr std::size_t max_rooms = max_zones;
@@ -40,27 +38,23 @@ class ZoneGuideline36 {
       const double weight = i < importance.size() ? importance[i] : 1.0;
       requests_ += weight * zone_requests(settings, zones_[i], zones, i);
     }
-    step(settings);
-    if (!settings.oat_reset || !std::isfinite(outdoor_temp_degc)) return reset_degc_;
-    const double warm = std::clamp(
-        (outdoor_temp_degc - settings.oat_min_degc) / (settings.oat_max_degc - settings.oat_min_degc), 0.0, 1.0);
-    return reset_degc_ + warm * (settings.sp_min_degc - reset_degc_);
+    reset_.row(settings, requests_);
+    return reset_.setpoint_degc(settings, outdoor_temp_degc);
   }
 
-  double requests() const { return requests_; }  ///< of the last reading
-  double reset_degc() const { return reset_degc_; }
+  double requests() const { return requests_; }  ///< of the last reading, importance included
+  double reset_degc() const { return reset_.reset_degc(); }
 
  private:
   struct Zone {
     double setpoint_degc = 0;
     double suppressed_s = 0;
     double above_3k_s = 0, above_2k_s = 0;
-    std::int64_t calls = 0;
+    CoolingRequests cooling;
   };
 
   void restart(const Guideline36Settings& s) {
-    reset_degc_ = s.sp_max_degc;
-    running_s_ = pending_s_ = 0;
+    reset_.restart(s);
     zones_ = {};
   }
 
@@ -78,29 +72,13 @@ class ZoneGuideline36 {
     zone.above_3k_s = error_k >= 3 ? zone.above_3k_s + s.period_s : 0;
     zone.above_2k_s = error_k >= 2 ? zone.above_2k_s + s.period_s : 0;
     const double damper = i < zones.damper.size() ? zones.damper[i] : 0;
-    if (damper > 0.95) zone.calls = 1;
-    if (!(damper >= 0.85)) zone.calls = 0;
-    if (zone.suppressed_s <= 0 && zone.above_3k_s >= 120) return 3;
-    if (zone.suppressed_s <= 0 && zone.above_2k_s >= 120) return 2;
-    return zone.calls != 0 ? 1 : 0;
-  }
-
-  void step(const Guideline36Settings& s) {
-    const std::int32_t before_s = running_s_;
-    running_s_ += s.period_s;
-    pending_s_ += running_s_ - std::max(before_s, std::min<std::int32_t>(s.delay_s, running_s_));
-    for (; pending_s_ >= s.step_s; pending_s_ -= s.step_s) {
-      const double excess = requests_ - s.ignored_requests;
-      const double change = excess <= 0 ? s.trim_k : -std::min(s.respond_k * excess, s.respond_max_k);
-      reset_degc_ = std::clamp(reset_degc_ + change, s.sp_min_degc, s.sp_max_degc);
-    }
+    const bool counts = zone.suppressed_s <= 0;
+    return zone.cooling.row(damper, counts && zone.above_2k_s >= 120, counts && zone.above_3k_s >= 120);
   }
 
   std::array<Zone, max_rooms> zones_{};
-  double reset_degc_ = 0;  ///< Tmax
+  TrimAndRespond reset_;
   double requests_ = 0;
-  std::int32_t running_s_ = 0;
-  std::int32_t pending_s_ = 0;
   std::int32_t started_ = 0;
 };
 

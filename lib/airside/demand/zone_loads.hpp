@@ -100,11 +100,22 @@ class ZoneLoads {
   bool is_set_back(std::size_t i, double setpoint_degc) const {
     return setpoint_degc > zones_[i].least_setpoint_degc + 1.0;
   }
-  /// How near zone i is to where it heats, some 3 K below where it cools. In setback as well: a zone that is cooled
-  /// that far in the evening is heated in the morning.  0..1.
+  /// The lowest temperature at which a zone has been standing still with its damper at its least: there it heats, or
+  /// nowhere. Forgotten by 0.7 K a day of running fan, since seasons and thermostats change.
+  void note_held(std::size_t i, double room_degc, double moved_k, double damper, double setpoint_degc) {
+    Zone& zone = zones_[i];
+    if (!std::isfinite(moved_k) || is_set_back(i, setpoint_degc)) return;
+    zone.held_degc += 0.7 / cycles_per_day;
+    const bool held = std::abs(moved_k) < 0.1 && damper < zone.least_damper + 0.02;
+    if (held) zone.held_degc = std::min(zone.held_degc, room_degc);
+  }
+
+  /// How near zone i is to where it heats: some 3 K below where it cools, and where it was seen to be held. In setback
+  /// as well: a zone that is cooled that far in the evening is heated in the morning.  0..1.
   double heating_share(std::size_t i, double room_degc, double setpoint_degc) const {
     const double cools = std::min(setpoint_degc, zones_[i].least_setpoint_degc);
-    return std::clamp(cools - 1.5 - room_degc, 0.0, 1.0);
+    const double held = std::clamp((zones_[i].held_degc + 0.6 - room_degc) / 0.4, 0.0, 1.0);
+    return std::clamp(cools - 1.5 - room_degc, 0.0, 1.0) * held;
   }
 
   bool is_known(std::size_t i) const { return zones_[i].seen != 0; }
@@ -139,6 +150,7 @@ class ZoneLoads {
     double least_damper = 1.0;
     double least_setpoint_degc = 100.0;
     double weight = 1.0;
+    double held_degc = 100.0;  ///< see note_held()
     std::int64_t seen = 0;
   };
 

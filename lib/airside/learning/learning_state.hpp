@@ -26,7 +26,7 @@ namespace airside {
 
 /// Counts up whenever the meaning of a byte of LearningState or CycleState changes, sizes apart: saved state of another
 /// number is not read.
-constexpr std::uint32_t state_version = 8;
+constexpr std::uint32_t state_version = 10;
 
 /// What learning has produced: saved as one generation. Plain bytes, no pointers.
 template <Topology T, class Scalar>
@@ -67,7 +67,7 @@ struct CycleState {
   HeadFeatures features;                  ///< of the last decision, its own setpoint change left 0
   double last_setpoint_degc = unknown;    ///< applied since last_time
   double before_setpoint_degc = unknown;  ///< applied until last_time
-  StandingSetpoint standing;              ///< what may stand in the register
+  StoredSetpoint stored;                  ///< what may be in the register
   double commanded_degc = unknown;        ///< what was written at last_time, whatever the AHU made of it
   double confidence = 0.5;
   double network_expected_degc = unknown;

@@ -28,6 +28,10 @@ class ReplayRing {
     rows_[static_cast<std::size_t>(total_ % Capacity)] = row;
     ++total_;
   }
+  /// The same, unless it is the newest one again to the bit: a device that repeats itself must not fill the memory.
+  void push_news(const Row& row) {
+    if (size() == 0 || newest(0) != row) push(row);
+  }
   void clear() { total_ = 0; }
 
   int size() const { return static_cast<int>(std::min<std::uint64_t>(total_, Capacity)); }

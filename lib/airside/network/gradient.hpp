@@ -1,8 +1,6 @@
 #pragma once
-// The reverse and tangent passes of one tile, by hand. LeakyReLU networks are piecewise linear, so the gradient
-// constraint needs no second derivative (docs/method.md 4.4):
-//   delta_l = d(sum S')/d(pre-activation l), u_l = tangent of v after layer l:  dL_GC/dW_l = delta_l u_{l-1}^T.
-// Rows 0..n-1 carry the losses' own gradient, rows n..2n-1 the constraint's: one product sums both.
+// Losses of a batch and the gradient of their weighted total, tile by tile: targets, forward pass, losses, the passes
+// of reverse_pass.hpp, and the sums that they leave for each weight.
 
 #include <algorithm>
 #include <array>
@@ -13,6 +11,7 @@
 #include "airside/network/kernels/kernels.hpp"
 #include "airside/network/losses.hpp"
 #include "airside/network/network.hpp"
+#include "airside/network/reverse_pass.hpp"
 #include "airside/network/scratch.hpp"
 #include "airside/topology.hpp"
 
@@ -51,106 +50,6 @@ void bootstrap_tile(const BatchView<T, Scalar>& batch, int first, int rows, doub
     Scalar* const y = s.bootstrap_of(first + r);
     for (int i = 0; i < L::rooms; ++i) y[i] = g * (later[i] - s1[i]);
   }
-}
-
-/// dx = phi'(gate) * (start + dz W), W in its canonical layout: one step of the reverse pass.
-/// Shape: dz rows x outputs; dx rows x inputs.
-template <class Scalar>
-void layer_reverse(const Kernels<Scalar>& kernels, int rows, const Scalar* dz, int dz_width, const Scalar* w,
-                   int outputs, int inputs, Scalar* dx, int dx_stride, const Scalar* gate, bool accumulate = false) {
-  ProductArgs<Scalar> p{dz, dz_width, w, inputs, dx, dx_stride, rows, outputs, inputs};
-  p.accumulate = accumulate;
-  p.gate = gate;
-  p.gate_stride = dx_stride;
-  kernels.product(p);
-}
-
-/// Reverse pass of the constraint rows n..2n-1: delta with the output seed ones, and F to slope_s, slope_a.
-template <Topology T, class Scalar>
-void constraint_reverse(const NetworkWeights<T, Scalar>& w, int n, NetworkScratch<T, Scalar>& s) {
-  const Kernels<Scalar>& k = s.kernels;
-  auto& d = s.delta;
-  const auto& a = s.act;
-  std::array<Scalar, latent_width> column_sum{};
-  const Scalar* const dec = w.weight_of(Layer::dec);
-  for (int o = 0; o < s.rooms(); ++o)
-    for (int i = 0; i < latent_width; ++i) column_sum[static_cast<std::size_t>(i)] += dec[o * latent_width + i];
-  const Scalar slope = static_cast<Scalar>(leaky_slope);
-  for (int r = 0; r < n; ++r)
-    for (int i = 0; i < latent_width; ++i) {
-      const Scalar g = column_sum[static_cast<std::size_t>(i)];
-      d.strb_1.row(n + r)[i] = a.strb_1.row(r)[i] > 0 ? g : slope * g;
-    }
-  const auto back = [&](Layer layer, auto& dz, int column, auto& dx, const auto& gate) {
-    const LayerShape shape = layer_shape<T>(layer);
-    layer_reverse(k, n, dz.row(n) + column, dz.width, w.weight_of(layer), shape.outputs, shape.inputs, dx.row(n),
-                  dx.width, gate.row(0));
-  };
-  back(Layer::strb_1, d.strb_1, 0, d.strb_0, a.strb_0);
-  back(Layer::strb_0, d.strb_0, 0, d.share_2, a.share_2);
-  back(Layer::share_2, d.share_2, 0, d.share_1, a.share_1);
-  back(Layer::share_1, d.share_1, 0, d.share_0, a.share_0);
-  back(Layer::share_0, d.share_0, 0, d.joint, a.joint);
-  back(Layer::enc_s_1, d.joint, 0, d.enc_s, a.enc_s);
-  back(Layer::enc_a_1, d.joint, encoder_width, d.enc_a, a.enc_a);
-  k.product({d.enc_s.row(n), encoder_width, s.weight_s.row(0), s.weight_s.width, s.slope_s.row(0), s.slope_s.width, n,
-             encoder_width, s.slope_s.width});
-  k.product({d.enc_a.row(n), encoder_width, s.weight_a.row(0), s.weight_a.width, s.slope_a.row(0), s.slope_a.width, n,
-             encoder_width, s.slope_a.width});
-}
-
-/// Reverse pass of the losses, rows 0..n-1, from scratch.d_*.
-template <Topology T, class Scalar>
-void losses_reverse(const NetworkWeights<T, Scalar>& w, int n, NetworkScratch<T, Scalar>& s) {
-  const Kernels<Scalar>& k = s.kernels;
-  auto& d = s.delta;
-  const auto& a = s.act;
-  constexpr int width = TileOutputs<T, Scalar>::width;
-  const auto decoder = [&](const auto& dy, Scalar* dx, int stride, const Scalar* gate) {
-    layer_reverse(k, n, dy.row(0), width, w.weight_of(Layer::dec), s.rooms(), latent_width, dx, stride, gate);
-  };
-  const auto back = [&](Layer layer, const auto& dz, int column, auto& dx, const Scalar* gate, bool accumulate) {
-    const LayerShape shape = layer_shape<T>(layer);
-    layer_reverse(k, n, dz.row(0) + column, dz.width, w.weight_of(layer), shape.outputs, shape.inputs, dx.row(0),
-                  dx.width, gate, accumulate);
-  };
-  decoder(s.d_short_term, d.strb_1.row(0), latent_width, a.strb_1.row(0));
-  decoder(s.d_deviation, d.tdb_1.row(0), latent_width, a.tdb_1.row(0));
-  back(Layer::strb_1, d.strb_1, 0, d.strb_0, a.strb_0.row(0), false);
-  back(Layer::tdb_1, d.tdb_1, 0, d.tdb_0, a.tdb_0.row(0), false);
-  back(Layer::strb_0, d.strb_0, 0, d.share_2, nullptr, false);
-  back(Layer::tdb_0, d.tdb_0, 0, d.share_2, a.share_2.row(0), true);
-  back(Layer::share_2, d.share_2, 0, d.share_1, a.share_1.row(0), false);
-  back(Layer::share_1, d.share_1, 0, d.share_0, a.share_0.row(0), false);
-  decoder(s.d_reconstruction, d.joint.row(0), share_width, nullptr);
-  for (int r = 0; r < n; ++r) std::fill_n(d.joint.row(r) + encoder_width, encoder_width, Scalar(0));
-  back(Layer::share_0, d.share_0, 0, d.joint, a.joint.row(0), true);
-  back(Layer::enc_s_1, d.joint, 0, d.enc_s, a.enc_s.row(0), false);
-  back(Layer::enc_a_1, d.joint, encoder_width, d.enc_a, a.enc_a.row(0), false);
-}
-
-/// Tangent pass u_l = phi' (W_l u_{l-1}) from the seeds in rows n..2n-1 of the inputs.
-/// Source: docs/method.md 4.4, step 4.
-template <Topology T, class Scalar>
-void constraint_tangent(int n, NetworkScratch<T, Scalar>& s) {
-  auto& a = s.act;
-  const auto along = [&](Layer layer, const auto& x, auto& out, int column) {
-    const LayerShape shape = layer_shape<T>(layer);
-    ProductArgs<Scalar> p{x.row(n),  x.width, s.packed.weight(layer), shape.outputs, out.row(n) + column,
-                          out.width, n,       shape.inputs,           shape.outputs};
-    p.gate = out.row(0) + column;
-    p.gate_stride = out.width;
-    s.kernels.product(p);
-  };
-  along(Layer::enc_s_0, a.input_s, a.enc_s, 0);
-  along(Layer::enc_s_1, a.enc_s, a.joint, 0);
-  along(Layer::enc_a_0, a.input_a, a.enc_a, 0);
-  along(Layer::enc_a_1, a.enc_a, a.joint, encoder_width);
-  along(Layer::share_0, a.joint, a.share_0, 0);
-  along(Layer::share_1, a.share_0, a.share_1, 0);
-  along(Layer::share_2, a.share_1, a.share_2, 0);
-  along(Layer::strb_0, a.share_2, a.strb_0, 0);
-  along(Layer::strb_1, a.strb_0, a.strb_1, 0);
 }
 
 /// bias += column sums of rows 0..n-1.

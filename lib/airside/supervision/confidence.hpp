@@ -1,5 +1,6 @@
 #pragma once
-// How far the schedule is left behind: confidence grows while forecasts come true and falls after a surprise.
+// Confidence: how much of the model's setpoint replaces the schedule's. It grows while forecasts come true and falls
+// after a surprise.
 
 #include <algorithm>
 #include <cmath>

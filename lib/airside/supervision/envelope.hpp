@@ -10,9 +10,9 @@
 
 namespace airside {
 
-/// What stands in the AHU's register, degC: one value where it is known, a range after writes whose fate is not, NaN
-/// where nothing was ever written or read.
-struct StandingSetpoint {
+/// The setpoint in the AHU's register: one value where it is known, a range after writes whose fate is not, NaN where
+/// nothing was ever written or read. Units: degC.
+struct StoredSetpoint {
   double low_degc = std::numeric_limits<double>::quiet_NaN();
   double high_degc = std::numeric_limits<double>::quiet_NaN();
 
@@ -45,17 +45,17 @@ class SafetyEnvelope {
   /// A register's values that lie all beyond that step are reached in one of their own.
   /// Errors: none; every input, NaN included, yields a safe Command.
   Command limit(double proposal_degc, double last_degc, double fallback_degc) const {
-    return limit(proposal_degc, StandingSetpoint{last_degc, last_degc}, fallback_degc);
+    return limit(proposal_degc, StoredSetpoint{last_degc, last_degc}, fallback_degc);
   }
-  /// The same, within one step of whatever may stand. A range stays narrower than a step, since each setpoint that
+  /// The same, within one step of whatever may be stored. A range stays narrower than a step, since each setpoint that
   /// was written lay within one of both its ends.
-  Command limit(double proposal_degc, const StandingSetpoint& standing, double fallback_degc) const {
+  Command limit(double proposal_degc, const StoredSetpoint& stored, double fallback_degc) const {
     double a = std::isfinite(proposal_degc) ? proposal_degc : fallback_degc;
-    if (!std::isfinite(a)) a = std::isfinite(standing.low_degc) ? standing.low_degc : max_;
+    if (!std::isfinite(a)) a = std::isfinite(stored.low_degc) ? stored.low_degc : max_;
     double low = min_, high = max_;
-    if (std::isfinite(standing.low_degc) && std::isfinite(standing.high_degc)) {
-      const double coldest = jump_ ? std::clamp(standing.low_degc, min_, max_) : standing.low_degc;
-      const double warmest = jump_ ? std::clamp(standing.high_degc, min_, max_) : standing.high_degc;
+    if (std::isfinite(stored.low_degc) && std::isfinite(stored.high_degc)) {
+      const double coldest = jump_ ? std::clamp(stored.low_degc, min_, max_) : stored.low_degc;
+      const double warmest = jump_ ? std::clamp(stored.high_degc, min_, max_) : stored.high_degc;
       if (warmest < min_ && coldest + change_ < lowest_held()) return Command(towards(coldest, coldest + change_));
       if (coldest > max_ && warmest - change_ > highest_held()) return Command(towards(warmest, warmest - change_));
       low = std::max(min_, warmest - change_);

@@ -36,7 +36,7 @@ class ModeArbiter {
   constexpr void hand_back() {
     for (int i = 1; i < reason_count; ++i) {
       const auto r = static_cast<Reason>(i);
-      if (r == Reason::map_differs) continue;  // nobody's word makes it the right device
+      if (r == Reason::map_differs) continue;  // no operator can make it the right device
       if (request_of(r).for_person || request_of(r).mode == ControlMode::release) until(r) = 0;
     }
   }

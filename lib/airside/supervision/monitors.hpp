@@ -57,22 +57,23 @@ class OverrideMonitor {
 /// anew.
 class AuthorityMonitor {
  public:
+  /// Takes one row. Returns whether it has been so for `authority_s`.
   bool row(const ControllerSettings& s, CivilTime t, double setpoint_degc, double room_mean_degc) {
     const double error_k = room_mean_degc - s.target_degc, off_k = std::abs(error_k);
     const double slack_k = 0.5 * s.action_step_k;
     const bool coldest = setpoint_degc <= s.action_min_degc + slack_k && error_k > s.authority_k;
     const bool warmest = setpoint_degc >= s.action_max_degc - slack_k && error_k < -s.authority_k;
-    const bool stands = coldest || warmest;
-    const bool begins = stands && off_k < begun_k_ - follows_k;
-    if (begins) stood_ = PersistentCondition();
-    if (begins || !stands) begun_k_ = stands ? off_k : unknown_k;
-    return stood_.lasts(stands, t, static_cast<std::int64_t>(s.authority_s));
+    const bool is_stuck = coldest || warmest;
+    const bool begins = is_stuck && off_k < begun_k_ - follows_k;
+    if (begins) stuck_ = PersistentCondition();
+    if (begins || !is_stuck) begun_k_ = is_stuck ? off_k : unknown_k;
+    return stuck_.lasts(is_stuck, t, static_cast<std::int64_t>(s.authority_s));
   }
 
  private:
   static constexpr double follows_k = 0.3, unknown_k = 1e9;
 
-  PersistentCondition stood_;
+  PersistentCondition stuck_;
   double begun_k_ = unknown_k;  ///< distance from the target when it began
 };
 

@@ -20,7 +20,8 @@
 
 namespace airside {
 
-/// A reading that passed.  Values that were lost for less than `hold_s` are held at the last good one.
+/// A reading that passed. Shape: T. Units: SI.  Values that were lost for less than `hold_s` are held at the last good
+/// one.
 template <Topology T>
 class ValidReading {
  public:
@@ -42,7 +43,8 @@ class ValidReading {
   Shape site_;
 };
 
-/// Keeps what it must know of the past; a plain struct that is part of the durable state.
+/// Checks each row against limits and the rows before, of which it keeps what that needs. Shape: T, of which the site's
+/// own signals. Plain bytes: part of the durable state.
 template <Topology T>
 class Validator {
  public:
@@ -135,9 +137,9 @@ class Validator {
     last_good_[k] = v;
     seen_[k] = true;
     const bool can_stick = signal_id<T>(i).kind == SignalKind::room_temp;
-    const bool stood = t.seconds - changed_at_[k] > static_cast<std::int64_t>(l.stuck_s);
+    const bool rests = t.seconds - changed_at_[k] > static_cast<std::int64_t>(l.stuck_s);
     // Once found stuck it stays so until it moves, also while the peers rest.
-    if (can_stick && stood && (peers_moved || faults_[k] == Fault::stuck)) {
+    if (can_stick && rests && (peers_moved || faults_[k] == Fault::stuck)) {
       return Fault::stuck;
     }
     good_at_[k] = t.seconds;
@@ -152,8 +154,8 @@ class Validator {
     return suspects_[k] >= 3;
   }
 
-  /// Excitation: some room has moved by 0.5 K within the present window of at most stuck_s. A room that has stood
-  /// still for longer than stuck_s has not moved in it, so it was another one.
+  /// Excitation: some room has moved by 0.5 K within the present window of at most stuck_s. A room that has not
+  /// changed for longer than stuck_s has not moved in it, so it was another one.
   bool peers_moved(const Reading<T>& reading, CivilTime t) {
     double widest = 0;
     const std::int64_t window_s = t.seconds - window_at_;  // negative after the clock was set back

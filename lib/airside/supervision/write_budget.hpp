@@ -23,7 +23,7 @@ class WriteBudget {
   /// Whether a move of `move_k` is worth a write now.
   bool allows(double move_k, double writes_per_day) const {
     const double least_k = tokens_ < 1 ? 2.0 : std::max(0.05, 0.5 - 0.09 * tokens_);
-    return std::abs(move_k) >= least_k && tokens_ >= 1 - writes_per_day;  // no debt of ours is forgiven
+    return std::abs(move_k) >= least_k && tokens_ >= 1 - writes_per_day;  // nor while the debt is a day's
   }
   /// A setpoint was written, allowed or forced by the mode arbiter; what is forced makes a debt of a day at most.
   void spend(double writes_per_day) { tokens_ = std::max(tokens_ - 1, -writes_per_day); }

@@ -67,6 +67,7 @@ class OwnDriver final : public ModelDriver {
     int mau_temp = no_handle, outdoor_temp = no_handle;
   };
 
+  static double setpoint_degc(const EngineNames& engine, int handle);
   double zone_setpoint_degc(const EngineNames& engine, std::size_t zone) const;
 
   const RunConfig& config_;
@@ -119,12 +120,14 @@ void OwnDriver::find_handles(const EngineNames& engine) {
   handles_.supply_setpoint = engine.schedule(names_.supply_setpoint_schedule);
 }
 
+double OwnDriver::setpoint_degc(const EngineNames& engine, int handle) {
+  const double degc = handle == no_handle ? 0 : engine.value(handle);
+  return degc > no_thermostat_degc ? std::round(degc * 100.0) / 100.0 : not_offered;
+}
+
 double OwnDriver::zone_setpoint_degc(const EngineNames& engine, std::size_t zone) const {
-  for (const int handle : {handles_.cooling_setpoints[zone], handles_.heating_setpoints[zone]}) {
-    const double degc = handle == no_handle ? 0 : engine.value(handle);
-    if (degc > no_thermostat_degc) return std::round(degc * 100.0) / 100.0;
-  }
-  return not_offered;
+  const double cooling = setpoint_degc(engine, handles_.cooling_setpoints[zone]);
+  return std::isfinite(cooling) ? cooling : setpoint_degc(engine, handles_.heating_setpoints[zone]);
 }
 
 void OwnDriver::sense(const EngineNames& engine, WorkerReply& shown) {
@@ -144,6 +147,7 @@ void OwnDriver::sense(const EngineNames& engine, WorkerReply& shown) {
     shown.true_room_temp_degc[i] = room_temps_[i];
     shown.room_temp_degc[i] = sensors_.sensed_degc(room_temps_[i]);
     shown.zone_setpoint_degc[i] = zone_setpoint_degc(engine, i);
+    shown.heating_setpoint_degc[i] = setpoint_degc(engine, handles_.heating_setpoints[i]);
     shown.vav_on[i] = flag(runs);
   }
   for (std::size_t i = 0; i < handles_.dampers.size(); ++i) {

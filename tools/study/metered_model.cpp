@@ -1,0 +1,99 @@
+#include "tools/study/metered_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include "tools/run/control_run.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+constexpr double band_k = 0.5;
+constexpr double open_damper = 0.95;
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+}  // namespace
+
+double BuildingFigures::total_kwh() const { return std::accumulate(kwh_per_day.begin(), kwh_per_day.end(), 0.0); }
+
+MeteredModel::MeteredModel(sim::PlantModel& inner, const Site& site, CivilTime from)
+    : inner_(inner), site_(site), from_(from) {
+  sums_.kwh_per_day.assign(inner.sensors().power_kw.size(), 0);
+}
+
+void MeteredModel::advance_to(CivilTime t) {
+  while (inner_.time() < t) {
+    const CivilTime now = inner_.time();
+    const bool counts = !(now < from_);
+    if (counts && starts_cycle(now)) count_cycle();
+    const CivilTime next{std::min(t.seconds, now.seconds + step_s())};
+    inner_.advance_to(next);
+    if (counts) count_step(static_cast<double>(next.seconds - now.seconds) / 3600);
+  }
+}
+
+void MeteredModel::count_step(double hours) {
+  const sim::Sensors& now = inner_.sensors();
+  counted_h_ += hours;
+  for (std::size_t i = 0; i < sums_.kwh_per_day.size(); ++i) {
+    if (std::isfinite(now.power_kw[i])) sums_.kwh_per_day[i] += now.power_kw[i] * hours;
+  }
+  const bool people =
+      std::isfinite(now.occupied) ? now.occupied > 0.5 : is_scored(inner_.time(), metrics_settings(site_));
+  if (people) count_comfort(now, hours);
+}
+
+void MeteredModel::count_comfort(const sim::Sensors& now, double hours) {
+  const auto at = [](const std::vector<double>& list, std::size_t i) {
+    return i < list.size() ? list[i] : sim::not_shown;
+  };
+  for (std::size_t i = 0; i < now.room_temp_degc.size(); ++i) {
+    const double room = now.room_temp_degc[i];
+    const double above = room - at(now.zone_setpoint_degc, i) - band_k;
+    const double below = at(now.heating_setpoint_degc, i) - band_k - room;
+    if (above > 0) sums_.above_degch += above * hours;
+    if (below > 0) sums_.below_degch += below * hours;
+    if (at(now.damper, i) > open_damper) sums_.saturated_h += hours;
+  }
+}
+
+void MeteredModel::count_cycle() {
+  const CivilTime t = inner_.time();
+  if (t.second_of_day() == 0 || day_cycles_ == 0) {
+    if (day_cycles_ > 3) darv_sum_ += second_differences_ / (day_cycles_ - 3), ++darv_days_;
+    second_differences_ = 0;
+    day_cycles_ = 0;
+  }
+  if (!is_scored(t, metrics_settings(site_))) return;
+  const sim::Sensors& now = inner_.sensors();
+  ++cycles_;
+  sums_.dae_degc += std::abs(mean_of(now.room_temp_degc) - site_.settings.target_degc);
+  sums_.setpoint_degc += now.setpoint_degc;
+  if (day_cycles_ >= 2) second_differences_ += std::abs(now.setpoint_degc - 2 * last_degc_ + before_degc_);
+  before_degc_ = last_degc_;
+  last_degc_ = now.setpoint_degc;
+  ++day_cycles_;
+}
+
+BuildingFigures MeteredModel::figures() const {
+  if (counted_h_ < 24 || cycles_ == 0) throw std::logic_error("figures of less than a working day");
+  BuildingFigures f = sums_;
+  const double days = counted_h_ / 24;
+  for (double& kwh : f.kwh_per_day) kwh /= days;
+  f.above_degch /= days;
+  f.below_degch /= days;
+  f.saturated_h /= days;
+  f.dae_degc /= cycles_;
+  f.setpoint_degc /= cycles_;
+  const double last_day = day_cycles_ > 3 ? second_differences_ / (day_cycles_ - 3) : 0;
+  f.darv_degc = (darv_sum_ + last_day) / std::max(1, darv_days_ + (day_cycles_ > 3 ? 1 : 0));
+  return f;
+}
+
+}  // namespace airside::tools
