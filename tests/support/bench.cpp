@@ -127,7 +127,11 @@ void Bench::write_site(const std::string& transport) const {
                   options_.topology, options_.plant.seed, transport, history, options_.more_site));
 }
 
-std::filesystem::path Bench::program(const std::string& name) const { return fs::path(AIRSIDE_BIN_DIR) / name; }
+std::filesystem::path Bench::program(const std::string& name) const {
+  const char* daemon = std::getenv("AIRSIDE_DAEMON");
+  if (name == "airsided" && daemon != nullptr && *daemon != '\0') return daemon;
+  return fs::path(AIRSIDE_BIN_DIR) / name;
+}
 
 const LogText& Bench::expected() {
   if (expected_.rows.empty()) {

@@ -56,6 +56,7 @@ class Bench {
 
   tools::Trial trial() const { return trial_; }
   std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+  /// Of this build; airsided is that of $AIRSIDE_DAEMON where it is set, such as the one of an unpacked package.
   std::filesystem::path program(const std::string& name) const;
   const tools::ControlRun& run() const { return run_; }
   std::size_t rows() const { return static_cast<std::size_t>(options_.days) * rows_per_day; }

@@ -205,6 +205,10 @@ std::string Adoption::topology() const {
   return fmt::format("{}vav-{}fcu-{}power", loop.terminals.size(), loop.fcu_zones.size(), choices.powers.size());
 }
 
+bool Adoption::serves_band() const {
+  return std::ranges::all_of(loop.terminals, [](const LoopTerminal& t) { return t.damper && t.thermostat; });
+}
+
 Adoption examine(const json& model, const std::string& place, const std::string& air_loop) {
   const ModelView view(model, place);
   Adoption a;

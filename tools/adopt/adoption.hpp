@@ -37,6 +37,8 @@ struct Adoption {
   std::vector<std::string> notes;  ///< of conversion and repair
 
   bool shows_people() const { return choices.people; }
+  /// Boxes that modulate and show it: the objective is "band", which needs no weights. Else it is the rooms' mean.
+  bool serves_band() const;
   std::string topology() const;  ///< "5vav-0fcu-2power"
 };
 

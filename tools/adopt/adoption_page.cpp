@@ -137,6 +137,17 @@ std::string missing_text(const Adoption& a) {
 
 }  // namespace
 
+std::string next_steps(const Adoption& a, const std::string& folder) {
+  std::string text;
+  if (!a.serves_band()) text += fmt::format("airside pretrain --site {0}site.toml -o {0}site.blob\n", folder);
+  return text + fmt::format(
+                    "airside check {0}site.toml\n"
+                    "airside serve --site {0}site.toml --twin --start 2021-07-05 --days 7 &\n"
+                    "airsided --site {0}site.toml --until 2021-07-12T00:00:00 --no-sync\n"
+                    "airside report {0}log --site {0}site.toml -o {0}report\n",
+                    folder);
+}
+
 std::string adoption_page(const Adoption& a) {
   std::string text =
       fmt::format("# {}: air loop {}\n\nWritten by `airside adopt` with EnergyPlus {}. Topology {}.\n\n## Found\n\n",
@@ -151,10 +162,7 @@ std::string adoption_page(const Adoption& a) {
   for (const std::string& note : a.notes) text += "- " + note + "\n";
   text += "\n## What the setpoint does\n\n" + response_text(a);
   text += "\n## Not found\n\n" + missing_text(a);
-  text +=
-      "\n## Next\n\n```text\nairside check site.toml\nairside pretrain --site site.toml -o site.blob\n"
-      "airside serve --site site.toml --port 1502\nairsided --site site.toml\n```\n";
-  return text;
+  return text + "\n## Next\n\nIn this folder:\n\n```text\n" + next_steps(a, "") + "```\n";
 }
 
 }  // namespace airside::tools

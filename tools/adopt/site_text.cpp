@@ -77,11 +77,8 @@ std::string outdoor_share_of(const Adoption& a) {
       a.choices.outdoor_share);
 }
 
-/// Boxes that modulate and show it: least energy with zones in their band. Else the rooms' mean is the goal.
 std::string objective_of(const Adoption& a) {
-  const auto& boxes = a.loop.terminals;
-  const bool modulate = std::ranges::all_of(boxes, [](const LoopTerminal& t) { return t.damper && t.thermostat; });
-  if (!modulate) return "";
+  if (!a.serves_band()) return "";
   return std::string(
              "\n[controller]\nobjective = \"band\"       # least energy with every zone in its band; \"mean\" holds "
              "the "
@@ -146,7 +143,11 @@ std::string adopted_site_text(const Adoption& a) {
       "\n[modbus]                 # as `airside serve --site` gives it\ntransport = \"tcp\"\nhost = \"127.0.0.1\"\n"
       "port = 1502\nunit_id = 1\npoints = \"points.csv\"\n"
       "\n[clock]\nsource = \"plant\"         # \"system\" beside a real AHU\n"
-      "\n[state]\ndir = \"state\"\n\n[log]\ndir = \"log\"\n\n[weights]\nblob = \"\"\nkeys = \"keys\"\n"
+      "\n[state]\ndir = \"state\"\n\n[log]\ndir = \"log\"\n\n[weights]\n";
+  text += a.serves_band() ? "blob = \"\"                # the objective \"band\" learns on the box\n"
+                          : "blob = \"site.blob\"       # airside pretrain --site site.toml -o site.blob\n";
+  text +=
+      "keys = \"keys\"\n"
       "\n[inbox]\ndir = \"inbox\"\n";
   text += fmt::format(
       "\n[twin]\nmodel = \"model.epJSON\"\npatches = [\"twin.patch.json\"]\nweather = {}\n"

@@ -13,5 +13,7 @@ std::string adopted_site_text(const Adoption& adoption);
 std::string adopted_points_text(const Adoption& adoption);
 /// adopt.md: what was found, chosen, changed and not found.
 std::string adoption_page(const Adoption& adoption);
+/// The commands from the site to a report of a week of control, one a line. `folder` goes before file names.
+std::string next_steps(const Adoption& adoption, const std::string& folder);
 
 }  // namespace airside::tools

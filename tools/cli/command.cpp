@@ -46,6 +46,9 @@ OnProgress show_progress(Progress& bar) {
   return [&bar](double share) { bar.set(static_cast<std::uint64_t>(share * progress_steps)); };
 }
 
+/// Of energy: a run without a meter has none, which is not nothing used.
+nlohmann::json measured(double kwh) { return kwh > 0 ? nlohmann::json(kwh) : nlohmann::json(); }
+
 nlohmann::json json_of(const Metrics& m) {
   nlohmann::json days = nlohmann::json::array();
   for (const DayMetrics& d : m.days) days.push_back(d.dae_degc);
@@ -58,8 +61,8 @@ nlohmann::json json_of(const Metrics& m) {
           {"hdh_degch", m.hdh_degch},
           {"degree_hours_per_day_degch", m.degree_hours_degch},
           {"degree_hours_above_per_day_degch", m.degree_hours_above_degch},
-          {"hvac_kwh", m.hvac_kwh},
-          {"hvac_kwh_per_day", m.hvac_kwh_per_day},
+          {"hvac_kwh", measured(m.hvac_kwh)},
+          {"hvac_kwh_per_day", measured(m.hvac_kwh_per_day)},
           {"saved_area_per_day_degch", m.saved_area_degch},
           {"room_dae_degc", m.room_dae_degc},
           {"daily_dae_degc", days}};
@@ -71,9 +74,9 @@ void print_figures_header() {
 }
 
 void print_figures(const std::string& name, const Metrics& m) {
-  fmt::print("{:<26} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.1f} {:>9.1f} {:>10.2f} {:>9.1f}\n", name, m.dae_degc,
-             m.me_degc, m.day1_dae_degc, m.darv_degc, m.cdh_degch, m.hdh_degch, m.degree_hours_degch,
-             m.hvac_kwh_per_day);
+  const std::string energy = m.hvac_kwh > 0 ? fmt::format("{:.1f}", m.hvac_kwh_per_day) : "-";
+  fmt::print("{:<26} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.1f} {:>9.1f} {:>10.2f} {:>9}\n", name, m.dae_degc,
+             m.me_degc, m.day1_dae_degc, m.darv_degc, m.cdh_degch, m.hdh_degch, m.degree_hours_degch, energy);
 }
 
 std::string digest_text(const BlobBytes& blob) { return fmt::format("{:08x}", crc32c(blob)); }

@@ -17,6 +17,7 @@
 #include "tools/report/logged_method.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/run_record.hpp"
+#include "tools/report/zone_band.hpp"
 #include "tools/run/run_facts.hpp"
 
 namespace airside::tools {
@@ -133,6 +134,10 @@ struct ReportCommand {
         figures["files"] = m.paths;
         figures["rows"] = m.log.summary.rows;
         figures["missing_rows"] = m.log.summary.missing_rows;
+        if (const ZoneBand band = zone_band(s, m.run.rows); !band.zones.empty()) {
+          figures["zone_degree_hours_above_per_day_degch"] = band.above_degch_per_day();
+          figures["boxes_fully_open_per_day_h"] = band.saturated_h_per_day();
+        }
         j["methods"][m.name] = figures;
       }
       if (png) j["picture"] = hindrance.empty() ? nlohmann::json(picture) : nlohmann::json();

@@ -189,12 +189,27 @@ std::string pushed_text(const Snapshot& s) {
   return text + '.';
 }
 
+bool serves_band(const Snapshot& s) { return s.object().value("objective", "") == "band"; }
+
+/// Of the objective "band", which has no target of its own.
+std::string zones_text(const Snapshot& s, const std::string& rooms) {
+  const auto above = s.number("warmest_zone_above_setpoint_k"), open = s.number("most_open_damper");
+  std::string text = rooms.empty() ? "No zone temperature is known now." : fmt::format("Zones: {} degC", rooms);
+  if (rooms.empty()) return text;
+  if (above)
+    text +=
+        fmt::format("; the warmest is {:.2f} K {} its own setpoint", std::abs(*above), *above > 0 ? "above" : "below");
+  if (open) text += fmt::format("; the most open damper stands at {:.0f} %", 100 * *open);
+  return text + '.';
+}
+
 std::string rooms_text(const Snapshot& s) {
   std::string rooms;
   for (const auto& value : s.numbers("room_temp_degc")) {
     rooms += (rooms.empty() ? "" : ", ") + (value ? fmt::format("{:.2f}", *value) : std::string("no value"));
   }
   const auto mean = s.number("room_mean_degc"), target = s.number("target_degc");
+  if (serves_band(s)) return zones_text(s, rooms);
   if (rooms.empty()) return "No room temperature is known now.";
   if (!mean || !target) return fmt::format("Rooms: {} degC; their mean is not known.", rooms);
   const double off = *mean - *target;
@@ -225,6 +240,13 @@ std::string setpoint_text(const Snapshot& s) {
 
 std::string learning_text(const Snapshot& s) {
   std::string text;
+  if (serves_band(s)) {
+    const std::uint64_t learned = s.count("band_cycles"), needed = s.count("band_ready_cycles");
+    return fmt::format(
+        "Least energy with every zone in its band: {} cycles learned, {}. {} decisions so far.", learned,
+        learned < needed ? fmt::format("the schedule holds until {}", needed) : fmt::format("{} were needed", needed),
+        s.count("cycles"));
+  }
   if (const auto confidence = s.number("confidence")) {
     text = fmt::format("Confidence in its own forecast is {:.2f} of 1. ", *confidence);
   }

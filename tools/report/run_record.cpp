@@ -43,6 +43,24 @@ std::vector<double> column(const std::vector<const hal::LogRow*>& cycles, Column
   return values;
 }
 
+/// As the twin's section of the site file names them, else by number.
+std::vector<std::string> meter_names(const Site& site) {
+  const auto powers = static_cast<std::size_t>(site.counts.powers);
+  const auto& twin = site.file.twin;
+  std::vector<std::string> names;
+  if (twin && twin->control == hal::TwinControl::own && twin->names) names = twin->names->powers;
+  names.resize(powers);
+  for (std::size_t i = 0; i < powers; ++i) {
+    if (names[i].empty()) names[i] = powers == 1 ? "power" : "meter " + std::to_string(i + 1);
+  }
+  return names;
+}
+
+/// Whether a meter that EnergyPlus names by use and fuel, such as Heating:NaturalGas, is of electricity.
+bool is_electric(const std::string& meter) {
+  return meter.find(':') == std::string::npos || meter.find("Electricity") != std::string::npos;
+}
+
 bool whole_cycle(const hal::LogRow& row, std::size_t rooms) {
   return std::isfinite(row.setpoint_degc) && std::isfinite(room_mean(row, rooms));
 }
@@ -54,7 +72,8 @@ RunRecord make_run_record(const Site& site, const ControlRun& run) {
   const Places at(site.counts);
   r.site = site.file.name;
   r.metrics = metrics_settings(site);
-  for (std::size_t i = 0; i < at.rooms; ++i) r.room_names.push_back("room " + std::to_string(i + 1));
+  r.room_names = room_names(site);
+  const std::vector<std::string> meters = meter_names(site);
 
   std::vector<const hal::LogRow*> cycles;
   for (const hal::LogRow& row : run.rows) {
@@ -66,7 +85,12 @@ RunRecord make_run_record(const Site& site, const ControlRun& run) {
   r.outdoor_degc = column(run.rows, at.outdoor);
   for (std::size_t i = 0; i < at.powers; ++i) {
     if (site.counts.stand_in(static_cast<int>(at.power + i))) continue;
-    r.power_kw.push_back({at.powers == 1 ? "power" : "meter " + std::to_string(i + 1), column(run.rows, at.power + i)});
+    r.power_kw.push_back({meters[i], column(run.rows, at.power + i)});
+    r.all_electric = r.all_electric && is_electric(meters[i]);
+  }
+  if (site.settings.objective == Objective::band) {
+    ZoneBand band = zone_band(site, run.rows);
+    if (!band.zones.empty()) r.band = std::move(band);
   }
 
   for (const hal::LogRow* row : cycles) {
@@ -77,7 +101,7 @@ RunRecord make_run_record(const Site& site, const ControlRun& run) {
   r.expert_setpoint_degc = column(cycles, &C::a_expert_degc);
   r.network_setpoint_degc = column(cycles, &C::a_network_degc);
   r.head_setpoint_degc = column(cycles, &C::a_head_degc);
-  r.confidence = column(cycles, &C::confidence);
+  if (!r.band) r.confidence = column(cycles, &C::confidence);  // the objective "band" has none
   constexpr std::pair<const char*, Column> losses[] = {{"short term", &C::loss_strb},
                                                        {"deviation", &C::loss_tdb},
                                                        {"gradient constraint", &C::loss_gc},

@@ -59,6 +59,15 @@ std::string rooms_text(std::size_t rooms) {
 std::string headline(const RunRecord& r, const MethodResult& ours, const MethodResult* schedule) {
   const std::size_t days = ours.runs[0].days.size();
   const std::size_t rooms = r.room_temp_degc.size();
+  const char* energy = r.all_electric ? "electricity" : "energy";
+  const double used = mean_of(ours, &Metrics::hvac_kwh_per_day);
+  const double before = schedule ? mean_of(*schedule, &Metrics::hvac_kwh_per_day) : 0;
+  if (r.band) {
+    std::string said = band_headline(*r.band, days_text(r.row_time.size() / rows_per_day));
+    if (!(used > 0 && before > 0)) return said;
+    return said + fmt::format(" The schedule used {} kWh of {} a day on the same days, this control {} kWh.",
+                              number_text(before, 1), energy, number_text(used, 1));
+  }
   std::string text = fmt::format(
       "Over {} the mean of the {} stayed within {} °C of the {} °C target on average in working hours, and within {} "
       "°C "
@@ -72,15 +81,13 @@ std::string headline(const RunRecord& r, const MethodResult& ours, const MethodR
   if (!schedule) return text;
   text += fmt::format(" The expert schedule was {} °C off on the same days",
                       number_text(mean_of(*schedule, &Metrics::dae_degc), 2));
-  const double used = mean_of(ours, &Metrics::hvac_kwh_per_day);
-  const double before = mean_of(*schedule, &Metrics::hvac_kwh_per_day);
   if (!(used > 0 && before > 0)) return text + ".";
   // No "less" or "more": rooms differ by more than any two methods do in one room (README.md, "Limits").
-  return text + fmt::format(" and used {} kWh of electricity a day, this control {} kWh.", number_text(before, 1),
+  return text + fmt::format(" and used {} kWh of {} a day, this control {} kWh.", number_text(before, 1), energy,
                             number_text(used, 1));
 }
 
-std::vector<KeyFigure> key_figures(const MethodResult& ours, const MethodResult* schedule) {
+std::vector<KeyFigure> key_figures(const RunRecord& r, const MethodResult& ours, const MethodResult* schedule) {
   const auto figure = [&](const char* label, double Metrics::*member, const char* unit, int decimals) {
     const Spread s = spread_of(ours.runs, member);
     std::string note;
@@ -94,10 +101,27 @@ std::vector<KeyFigure> key_figures(const MethodResult& ours, const MethodResult*
                                     figure("Error on the worst day", &Metrics::me_degc, "°C", 3),
                                     figure("Error on the first day", &Metrics::day1_dae_degc, "°C", 3),
                                     figure("Setpoint unrest (DARV)", &Metrics::darv_degc, "°C", 3)};
+  if (r.band) {
+    figures.erase(figures.begin(), figures.begin() + 3);
+    figures.insert(figures.begin(),
+                   {{number_text(r.band->above_degch_per_day(), 2), "°C h", "Zones too warm a day", "all zones"},
+                    {number_text(r.band->saturated_h_per_day(), 1), "h", "Boxes fully open a day", "all zones"}});
+  }
   if (mean_of(ours, &Metrics::hvac_kwh_per_day) > 0) {
-    figures.push_back(figure("Electricity a day", &Metrics::hvac_kwh_per_day, "kWh", 1));
+    figures.push_back(
+        figure(r.all_electric ? "Electricity a day" : "Energy a day", &Metrics::hvac_kwh_per_day, "kWh", 1));
   }
   return figures;
+}
+
+void add_dampers(const RunRecord& r, LineChart chart, ReportInput& out) {
+  for (std::size_t i = 0; i < r.band->dampers.size(); ++i) {
+    chart.series.push_back({r.band->zones[i].name, r.band->dampers[i], SeriesRole::muted, false});
+  }
+  chart.series.push_back({"most open", r.band->most_open, SeriesRole::main, false});
+  chart.y_min = 0;
+  chart.y_max = 1;
+  if (!r.band->dampers.empty()) out.blocks.emplace_back(std::move(chart));
 }
 
 void add_line_charts(const RunRecord& r, ReportInput& out) {
@@ -123,22 +147,32 @@ void add_line_charts(const RunRecord& r, ReportInput& out) {
     if (!y.empty()) c.series.push_back({std::move(name), y, role, stepped});
   };
 
-  LineChart rooms = chart("Room temperature", "Working hours are shaded; only they are scored.", "°C", r.row_time);
+  LineChart rooms = chart("Room temperature",
+                          r.band ? "Zone setpoint: mean of the zones' own thermostats. Working hours are shaded."
+                                 : "Working hours are shaded; only they are scored.",
+                          "°C", r.row_time);
   for (const NamedValues& room : r.room_temp_degc) line(rooms, room.name, room.values, SeriesRole::muted, false);
   line(rooms, "mean", r.room_mean_degc, SeriesRole::main, false);
-  line(rooms, "target", {r.metrics.target_degc}, SeriesRole::reference, false);
+  if (r.band) {
+    line(rooms, "zone setpoint", r.band->setpoint_degc, SeriesRole::reference, true);
+  } else {
+    line(rooms, "target", {r.metrics.target_degc}, SeriesRole::reference, false);
+  }
   add(rooms);
 
   LineChart setpoint =
       chart("Supply-air setpoint",
-            "The setpoint that the AHU took, beside what the schedule, the network and the room head would "
-            "each have chosen.",
+            r.band ? "The setpoint that the AHU took, beside that of the schedule."
+                   : "The setpoint that the AHU took, beside what the schedule, the network and the room head would "
+                     "each have chosen.",
             "°C", r.cycle_time);
   line(setpoint, "expert schedule", r.expert_setpoint_degc, SeriesRole::reference, true);
   line(setpoint, "network", r.network_setpoint_degc, SeriesRole::muted, true);
   line(setpoint, "room head", r.head_setpoint_degc, SeriesRole::muted, true);
   line(setpoint, "applied", r.setpoint_degc, SeriesRole::main, true);
   add(setpoint);
+
+  if (r.band) add_dampers(r, chart("Dampers", "At 1 a box has no more to give.", "0 to 1", r.row_time), out);
 
   LineChart confidence = chart("Confidence",
                                "How far the controller trusts its own forecast: at 1 the schedule has no say, at 0 the "
@@ -159,7 +193,7 @@ void add_line_charts(const RunRecord& r, ReportInput& out) {
   losses.log_axis = true;
   add(losses);
 
-  LineChart power = chart("Electric power", "", "kW", r.row_time);
+  LineChart power = chart(r.all_electric ? "Electric power" : "Power", "", "kW", r.row_time);
   for (const NamedValues& p : r.power_kw) line(power, p.name, p.values, SeriesRole::plain, false);
   power.y_min = 0;
   add(power);
@@ -254,7 +288,8 @@ ReportTable rooms_table(const RunRecord& r, const MethodResult& ours) {
     }
     table.rows.push_back(std::move(row));
   }
-  return table;
+  constexpr std::size_t side_by_side = 8;
+  return rooms > side_by_side ? turned(table, "room") : table;
 }
 
 }  // namespace
@@ -273,7 +308,7 @@ std::vector<ChartBand> working_hours(CivilTime from, CivilTime to, const Metrics
   return bands;
 }
 
-ReportTable methods_table(const std::vector<MethodResult>& methods) {
+ReportTable methods_table(const std::vector<MethodResult>& methods, const char* energy) {
   struct Figure {
     const char* name;
     const char* unit;
@@ -298,7 +333,9 @@ ReportTable methods_table(const std::vector<MethodResult>& methods) {
       "Mean ± spread over the runs; the same plant, weather, days and seeds for all. DAE is the daily average "
       "error, ME that of the worst day, DARV the mean change of the setpoint's step from cycle to cycle; CDH "
       "and HDH are gaps between setpoint and room, not energy.";
-  for (const Figure& f : figures) table.columns.push_back({f.name, f.unit, f.decimals, f.mark});
+  for (const Figure& f : figures) {
+    table.columns.push_back({f.member == &Metrics::hvac_kwh_per_day ? energy : f.name, f.unit, f.decimals, f.mark});
+  }
   for (const MethodResult* m : table_order(methods)) {
     TableRow row = empty_row(*m);
     for (const Figure& f : figures) {
@@ -328,11 +365,12 @@ ReportInput make_run_report(const RunRecord& r) {
   }
   if (!r.versions.empty()) out.subtitle += ", " + r.versions;
   out.headline = headline(r, ours, schedule);
-  out.figures = key_figures(ours, schedule);
+  out.figures = key_figures(r, ours, schedule);
   add_line_charts(r, out);
-  out.blocks.emplace_back(daily_bars(r, ours));
-  out.blocks.emplace_back(methods_table(r.methods));
-  if (!ours.runs[0].room_dae_degc.empty()) out.blocks.emplace_back(rooms_table(r, ours));
+  if (r.band) out.blocks.emplace_back(zones_table(*r.band));
+  if (!r.band) out.blocks.emplace_back(daily_bars(r, ours));
+  out.blocks.emplace_back(methods_table(r.methods, r.all_electric ? "electricity" : "energy"));
+  if (!r.band && !ours.runs[0].room_dae_degc.empty()) out.blocks.emplace_back(rooms_table(r, ours));
   out.command = r.command;
   const auto fact = [&](const char* name, const std::string& value) {
     if (!value.empty()) out.facts.push_back({name, value});

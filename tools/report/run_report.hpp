@@ -1,11 +1,13 @@
 #pragma once
 // The report of a control run: what the AHU's rooms did under each method, in the same order every time.
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "airside/civil_time.hpp"
 #include "tools/report/charts/report_input.hpp"
+#include "tools/report/zone_band.hpp"
 #include "tools/run/metrics.hpp"
 
 namespace airside::tools {
@@ -53,6 +55,9 @@ struct RunRecord {
   std::vector<double> confidence;             ///< 0..1
   std::vector<NamedValues> losses;
 
+  std::optional<ZoneBand> band;  ///< where the objective is "band": judged by zones, not by the rooms' mean
+  bool all_electric = true;      ///< false: some meter is of gas or of district energy
+
   std::vector<MethodResult> methods;
 };
 
@@ -64,6 +69,7 @@ ReportInput make_run_report(const RunRecord& record);
 std::vector<ChartBand> working_hours(CivilTime from, CivilTime to, const MetricsSettings& settings);
 
 /// The table of DAE, ME, DARV, CDH, HDH, energy, degree-hours and day 1: mean and spread over each method's runs.
-ReportTable methods_table(const std::vector<MethodResult>& methods);
+/// `energy` heads the column of the meters' sum.
+ReportTable methods_table(const std::vector<MethodResult>& methods, const char* energy = "electricity");
 
 }  // namespace airside::tools

@@ -1,8 +1,27 @@
 #include "firmware/edge/report/row_status.hpp"
 
+#include <cmath>
 #include <cstdint>
 
 namespace airside::edge {
+
+namespace {
+
+/// What people ask of a site whose objective is "band".
+template <Topology T>
+void add_band(StatusSnapshot& s, const Expected<Reading<T>>& sensed, const Controller<T>& controller) {
+  s.serves_band = controller.settings().objective == Objective::band;
+  if (!s.serves_band) return;
+  s.band_cycles = static_cast<std::uint64_t>(controller.cycle().band.learned());
+  s.band_ready_cycles = static_cast<std::uint64_t>(controller.settings().demand.ready_cycles);
+  if (!sensed) return;
+  for (int i = 0; i < controller.settings().shape.vavs; ++i) {  // fmax passes over what is no number
+    s.warmest_above_k = std::fmax(s.warmest_above_k, sensed->value[i] - sensed->zone_setpoint_degc(i));
+    s.most_open_damper = std::fmax(s.most_open_damper, sensed->damper(i));
+  }
+}
+
+}  // namespace
 
 template <Topology T>
 StatusSnapshot row_status(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller,
@@ -31,6 +50,7 @@ StatusSnapshot row_status(CivilTime t, const Expected<Reading<T>>& sensed, const
   s.mode_arbiter = &controller.cycle().mode_arbiter;
   s.ours_error_k = controller.cycle().shadow.ours_k();
   s.schedule_error_k = controller.cycle().shadow.schedule_k();
+  add_band<T>(s, sensed, controller);
   return s;
 }
 

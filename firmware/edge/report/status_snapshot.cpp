@@ -108,6 +108,13 @@ std::size_t StatusFile::format(CivilTime now, const StatusSnapshot& s) {
   text.number("g36_setpoint_degc", s.decision.g36_degc);
   text.number("mean_error_k", s.ours_error_k);
   text.number("schedule_mean_error_k", s.schedule_error_k);
+  text.string("objective", s.serves_band ? "band" : "mean");
+  if (s.serves_band) {
+    text.count("band_cycles", s.band_cycles);
+    text.count("band_ready_cycles", s.band_ready_cycles);
+    text.number("warmest_zone_above_setpoint_k", s.warmest_above_k);
+    text.number("most_open_damper", s.most_open_damper);
+  }
   text.number("confidence", s.decision.confidence);
   text.number("expected_room_mean_degc", s.decision.expected_mean_degc);
   text.count("cycles", s.cycles);

@@ -41,6 +41,10 @@ struct StatusSnapshot {
   /// After its instant, when the row began and when it had been committed; none where a simulated plant sets the pace.
   double row_late_ms = Decision::none, row_done_ms = Decision::none;
   double ours_error_k = Decision::none, schedule_error_k = Decision::none;
+  bool serves_band = false;                              ///< the objective is "band"; what follows is of it
+  std::uint64_t band_cycles = 0, band_ready_cycles = 0;  ///< learned, and needed before its choice counts
+  double warmest_above_k = Decision::none;               ///< most that a zone is above its own setpoint
+  double most_open_damper = Decision::none;              ///< 0..1
 };
 
 /// Writes `status.json` into a folder, replacing it atomically. A link, a pipe or a device in its place, or in that of

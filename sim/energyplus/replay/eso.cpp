@@ -49,7 +49,7 @@ class LineWalk {
 
 }  // namespace
 
-EsoFile::EsoFile(const std::filesystem::path& file) : file_(file.string()) {
+EsoFile::EsoFile(const std::filesystem::path& file, Periods periods) : file_(file.string()) {
   const auto refuse = [this](const std::string& found) {
     throw hal::InputError(file_, found, "the outputs of one EnergyPlus run, to its end", "run the engine again");
   };
@@ -76,7 +76,10 @@ EsoFile::EsoFile(const std::filesystem::path& file) : file_(file.string()) {
   while (!ended && lines.next(line)) {
     ended = line == end_of_series;
     const std::size_t number = number_of(line);
-    if (number == environment && ++environments > 1) refuse("more than one run period");
+    if (number == environment && ++environments > 1) {
+      if (periods == Periods::one) refuse("more than one run period");
+      for (auto& [name, values] : series_) values.clear();
+    }
     if (ended || number >= by_number.size() || by_number[number] == nullptr) continue;
     const auto comma = line.find(',');
     if (comma == std::string_view::npos) refuse("the line '" + std::string(line) + "'");

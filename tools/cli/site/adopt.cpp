@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "tools/adopt/adoption.hpp"
+#include "tools/adopt/site_text.hpp"
 #include "tools/cli/command.hpp"
 
 namespace airside::tools {
@@ -27,6 +30,7 @@ struct AdoptCommand {
                                         {"topology", a.topology()},
                                         {"air_loop", a.loop.name},
                                         {"terminals", text_of(a.loop.kind())},
+                                        {"objective", a.serves_band() ? "band" : "mean"},
                                         {"target_degc", a.choices.target_degc},
                                         {"setpoint_min_degc", a.choices.min_degc},
                                         {"setpoint_max_degc", a.choices.max_degc},
@@ -46,7 +50,8 @@ struct AdoptCommand {
       if (r.known)
         fmt::print("{}: supply {:+.2f}, rooms {:+.3f} K per K of setpoint\n", season, r.supply_gain, r.room_gain);
     }
-    fmt::print("Read {}/adopt.md, then:\n  airside check {}/site.toml\n", folder, folder);
+    const std::string inside = (std::filesystem::path(folder) / "").string();
+    fmt::print("Read {}adopt.md, then:\n{}", inside, next_steps(a, inside));
   }
 };
 
