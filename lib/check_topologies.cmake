@@ -1,9 +1,6 @@
 # Refuses a list AIRSIDE_TOPOLOGIES that this source cannot be built with. A build folder keeps the list of its first
 # configuration: after an update it may name a type that is gone, or lack one that came in since.
 
-if(CMAKE_SCRIPT_MODE_FILE)
-  cmake_minimum_required(VERSION 3.25)  # the test runs this file alone
-endif()
 file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/airside/topology.hpp lines REGEX "^struct [A-Za-z0-9_]+ {$")
 file(READ ${CMAKE_CURRENT_LIST_DIR}/airside/topology.hpp text)
 set(known "")
