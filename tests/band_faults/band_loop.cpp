@@ -178,7 +178,8 @@ void BandLoop::look(const Expected<Reading<BandSite>>& sensed) {
   for (Eigen::Index i = 0; sensed && i < five_zones.vavs; ++i) {
     seen += sensed->damper(i) >= 0 && sensed->damper(i) <= 1 && std::isfinite(sensed->zone_setpoint_degc(i)) ? 1 : 0;
   }
-  if (2 * seen >= five_zones.vavs) return;
+  // While the fan rests nothing is held: what stands then is for its next start.
+  if (2 * seen >= five_zones.vavs || (sensed && sensed->flows < 0.5)) return;
   ++watch_.blind;
   const Decision& d = controller_->decision();
   const double a = d.command.setpoint_degc();
