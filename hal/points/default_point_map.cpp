@@ -5,7 +5,7 @@
 
 namespace airside::hal {
 
-std::string default_point_map(int vavs, int fcus, int powers, const StandIns& stand_ins) {
+std::string default_point_map(int vavs, int fcus, int powers, const StandIns& stand_ins, bool boxes_modulate) {
   std::string csv =
       "# physical = raw * scale + offset; addr counts from 0; max_rate is per minute in the unit.\n"
       "# Empty: byte_order and word_order big, scale 1, offset 0, no limit of rate or age, no sentinel, "
@@ -40,6 +40,16 @@ std::string default_point_map(int vavs, int fcus, int powers, const StandIns& st
     single("outdoor_temp", "degc", 1, "int16,big,big,0.01,0,-40,60,2.0,1200,0x8000,,,,");
   if (!stand_ins.of({SignalKind::rain, 0})) single("rain", "", 1, status);
   single("supply_temp", "degc", 1, "int16,big,big,0.01,0,-10,60,10.0,1200,0x8000,,,,");
+  if (boxes_modulate) {
+    const auto each = [&](std::string_view stem, std::string_view unit, std::string_view row) {
+      for (int place = 1; place <= vavs; ++place) single(fmt::format("{}_{}", stem, place), unit, 1, row);
+    };
+    each("damper", "", "uint16,big,big,0.0001,0,0,1,,1200,0xFFFF,,,,");
+    each("zone_setpoint", "degc", "int16,big,big,0.01,0,5,45,,1200,0x8000,,,,");
+    single("occupied", "", 1, status);
+    single("supply_flow", "m3/s", 2, "float32,big,big,1,0,0,1000,,1200,,,,,");
+    single("ahu_on", "", 1, status);
+  }
   single("clock_s", "s", 2, "int32,big,big,1,0,0,2147483647,,,,,,,");
   single("map_fingerprint", "", 2, "uint32,big,big,1,0,0,4294967295,,,,,,,");
   csv += "setpoint,degc,3,0,int16,big,big,0.01,0,8,32,,,0x8000,on-change,6,18,self\n";

@@ -102,6 +102,9 @@ class PointMap {
 /// A complete points.csv for a room of this shape: 0.01 K temperatures, 0/1 status, float powers in one block
 /// of input registers; setpoint, heartbeat and the simulator's clock request in holding registers. A signal that has a
 /// stand-in has no row.
-std::string default_point_map(int vavs, int fcus, int powers, const StandIns& stand_ins = {});
+/// `boxes_modulate`: dampers, zone setpoints, people, supply flow and the fan's status too, as the objective band
+/// takes.
+std::string default_point_map(int vavs, int fcus, int powers, const StandIns& stand_ins = {},
+                              bool boxes_modulate = false);
 
 }  // namespace airside::hal

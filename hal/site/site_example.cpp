@@ -1,3 +1,6 @@
+#include <array>
+#include <string_view>
+
 #include "hal/site/site_file.hpp"
 
 namespace airside::hal {
@@ -96,9 +99,22 @@ weekday_only = false     # true: it rests on Saturday and Sunday
 # weather = "site.epw"
 )";
 
+/// Boxes that modulate hold their zones themselves: supply air may be as cold as they were sized for.
+constexpr std::array<std::array<std::string_view, 2>, 5> of_band{{
+    {"min_degc = 20.0 ", "min_degc = 12.0 "},
+    {"max_degc = 26.0\n", "max_degc = 18.0\n"},
+    {"work_degc = 20.5 ", "work_degc = 14.0 "},
+    {"off_degc = 25.0 ", "off_degc = 14.0 "},
+    {"objective = \"mean\" ", "objective = \"band\" "},
+}};
+
 }  // namespace
 
-std::string example_site_text(const std::string& topology) {
+std::string example_site_text(const std::string& topology, Objective objective) {
+  std::string rest = after_topology;
+  if (objective == Objective::band) {
+    for (const auto& [usual, own] : of_band) rest.replace(rest.find(usual), usual.size(), own);
+  }
   return "# Site file of one room with its air handling unit. Paths are relative to this file.\n"
          "# `airside check site.toml` says whether it is right.\n"
          "\n"
@@ -108,7 +124,7 @@ std::string example_site_text(const std::string& topology) {
          topology +
          "\"  # how many VAV boxes, fan coil units, power meters\n"
          "scope = \"Room 301\"              # weight blobs for this scope are taken\n" +
-         after_topology;
+         rest;
 }
 
 }  // namespace airside::hal

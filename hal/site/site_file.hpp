@@ -110,7 +110,8 @@ SiteFile read_site_file(const std::string& path, const SiteRules& rules);
 /// As read_site_file, from text; `path` stands in messages and its folder resolves paths.
 SiteFile parse_site_text(std::string_view text, const std::string& path, const SiteRules& rules);
 
-/// A complete, commented site file with all defaults, which parse_site_text accepts.
-std::string example_site_text(const std::string& topology);
+/// A complete, commented site file with all defaults, which parse_site_text accepts; for the objective band with the
+/// cold air that boxes that modulate work with.
+std::string example_site_text(const std::string& topology, Objective objective = Objective::mean);
 
 }  // namespace airside::hal

@@ -15,12 +15,13 @@ namespace airside::sim {
 
 namespace {
 
-constexpr std::array<FaultKindText, 12> kinds = {{
+constexpr std::array<FaultKindText, 13> kinds = {{
     {FaultKind::not_a_number, "not_a_number", true, "", "the signal has no value"},
     {FaultKind::set_to, "set_to", true, "the signal's unit", "the signal reads the magnitude"},
     {FaultKind::offset, "offset", true, "the signal's unit", "the signal reads so much too high"},
     {FaultKind::stuck, "stuck", true, "", "the signal repeats its value"},
     {FaultKind::drift, "drift", true, "the signal's unit a day", "the signal reads too high by so much more each day"},
+    {FaultKind::reversed, "reversed", true, "", "the signal, of 0 to 1, reads 1 less its value"},
     {FaultKind::all_stuck, "all_stuck", false, "", "the device repeats all its values"},
     {FaultKind::all_offset, "all_offset", false, "K", "all rooms read so much too high"},
     {FaultKind::setpoint_clamped, "setpoint_clamped", false, "degC", "the AHU takes at most this setpoint"},
@@ -63,10 +64,10 @@ ScriptedFault parse(const Line& line, const std::vector<std::string>& cell, cons
   if (text == nullptr) line.complain("fault", "'" + cell[2] + "'", "one of " + names);
   fault.kind = text->kind;
   std::string signals;
-  for (int i = 0; i < counts.signals(); ++i) {
-    const std::string name = hal::point_name(counts.signal(i));
-    if (cell[3] == name) fault.signal = i;
-    signals += (i == 0 ? "" : ", ") + name;
+  const std::vector<std::string> known = fault_signals(counts);
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (cell[3] == known[i]) fault.signal = static_cast<int>(i);
+    signals += (i == 0 ? "" : ", ") + known[i];
   }
   if (text->on_signal && fault.signal < 0) line.complain("signal", "'" + cell[3] + "'", "one of " + signals);
   if (!text->on_signal && !cell[3].empty()) {
@@ -83,6 +84,16 @@ ScriptedFault parse(const Line& line, const std::vector<std::string>& cell, cons
 }  // namespace
 
 std::span<const FaultKindText> fault_kinds() { return kinds; }
+
+std::vector<std::string> fault_signals(const hal::TopologyCounts& counts) {
+  std::vector<std::string> names;
+  for (int i = 0; i < counts.signals(); ++i) names.push_back(hal::point_name(counts.signal(i)));
+  for (const char* single : {"supply_temp", "occupied", "supply_flow", "ahu_on"}) names.emplace_back(single);
+  for (const char* many : {"damper_", "zone_setpoint_"}) {
+    for (int place = 1; place <= counts.vavs; ++place) names.push_back(many + std::to_string(place));
+  }
+  return names;
+}
 
 FaultScript read_fault_script(const std::string& path, const hal::TopologyCounts& counts) {
   std::ifstream in(path);

@@ -17,6 +17,7 @@ enum class FaultKind : std::uint8_t {
   offset,            ///< a signal reads so much too high
   stuck,             ///< a signal repeats its value
   drift,             ///< a signal reads too high by so much more each day
+  reversed,          ///< a signal of 0 to 1 reads 1 less its value
   all_stuck,         ///< the device repeats all its values
   all_offset,        ///< all rooms read so much too high
   setpoint_clamped,  ///< the AHU takes at most this setpoint
@@ -40,10 +41,15 @@ std::span<const FaultKindText> fault_kinds();
 struct ScriptedFault {
   FaultKind kind;
   double begin_h = 0, for_h = 0;
-  int signal = -1;  ///< index among the topology's signals; -1 where the kind has none
+  int signal = -1;  ///< index in fault_signals(); -1 where the kind has none
   double magnitude = 0;
 };
 using FaultScript = std::vector<ScriptedFault>;
+
+/// The signals that can have faults: those of the topology in its order, then what is no input of the network:
+/// supply_temp, occupied, supply_flow, ahu_on, the dampers, the zone setpoints. Where a plant does not offer one, a
+/// fault of it changes nothing.
+std::vector<std::string> fault_signals(const hal::TopologyCounts& counts);
 
 /// Reads `begin_h,for_h,fault,signal,magnitude` lines under that header; # begins a comment line. Any order, any
 /// overlap.  Errors: hal::InputError naming line and field; nothing of a bad file is used.

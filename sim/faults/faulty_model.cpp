@@ -6,6 +6,11 @@
 #include <utility>
 
 namespace airside::sim {
+namespace {
+
+constexpr int inputs_without_place = 3, side_without_place = 4;  // mau_temp to rain; supply_temp to ahu_on
+
+}  // namespace
 
 FaultyModel::FaultyModel(PlantModel& inner, FaultScript script)
     : inner_(inner), start_(inner.time()), standing_degc_(inner.sensors().setpoint_degc) {
@@ -93,7 +98,29 @@ double& FaultyModel::signal(int index) {
     if (index < size) return (*part)[static_cast<std::size_t>(index)];
     index -= size;
   }
-  return index == 0 ? shown_.mau_temp_degc : index == 1 ? shown_.outdoor_temp_degc : shown_.rain;
+  double* const single[] = {&shown_.mau_temp_degc, &shown_.outdoor_temp_degc, &shown_.rain,  &shown_.supply_temp_degc,
+                            &shown_.occupied,      &shown_.supply_flow_m3s,   &shown_.ahu_on};
+  if (index < inputs_without_place + side_without_place) return *single[index];
+  index -= inputs_without_place + side_without_place;
+  const auto vavs = static_cast<int>(shown_.room_temp_degc.size());
+  std::vector<double>& part = index < vavs ? shown_.damper : shown_.zone_setpoint_degc;
+  const auto place = static_cast<std::size_t>(index % vavs);
+  return place < part.size() ? part[place] : not_offered_ = std::numeric_limits<double>::quiet_NaN();
+}
+
+/// What is no input of the network comes after those inputs.
+bool FaultyModel::is_side(int index) const {
+  const std::size_t at_places = 2 * shown_.room_temp_degc.size() + 2 * shown_.fcu_temp_degc.size();
+  return index >
+         static_cast<int>(at_places + shown_.power_kw.size()) + inputs_without_place;  // supply_temp is as inputs
+}
+
+bool FaultyModel::is_offered(int index) { return !is_side(index) || !std::isnan(signal(index)); }
+
+/// Of a side signal NaN means that the plant does not offer it; a sensor without a value shows what no register holds.
+void FaultyModel::lose(int index) {
+  if (!is_offered(index)) return;
+  signal(index) = is_side(index) ? std::numeric_limits<double>::infinity() : std::numeric_limits<double>::quiet_NaN();
 }
 
 void FaultyModel::show() {
@@ -107,8 +134,11 @@ void FaultyModel::show() {
       continue;
     }
     switch (f.kind) {
-      case FaultKind::not_a_number: signal(f.signal) = std::numeric_limits<double>::quiet_NaN(); break;
-      case FaultKind::set_to: signal(f.signal) = f.magnitude; break;
+      case FaultKind::not_a_number: lose(f.signal); break;
+      case FaultKind::set_to:
+        if (is_offered(f.signal)) signal(f.signal) = f.magnitude;
+        break;
+      case FaultKind::reversed: signal(f.signal) = 1 - signal(f.signal); break;
       case FaultKind::offset: signal(f.signal) += f.magnitude; break;
       case FaultKind::stuck:
         if (!std::isfinite(r.kept)) r.kept = signal(f.signal);

@@ -40,8 +40,11 @@ class FaultyModel final : public PlantModel {
   };
   double hours() const { return static_cast<double>(inner_.time().seconds - start_.seconds) / 3600; }
   bool acts(const ScriptedFault& fault) const;
-  /// Pointer to the shown value of a signal.
+  /// The shown value of a signal, in the order of fault_signals().
   double& signal(int index);
+  bool is_side(int index) const;
+  bool is_offered(int index);
+  void lose(int index);
   void hands();
   void show();
   void pass_on(double setpoint_degc);
@@ -51,6 +54,7 @@ class FaultyModel final : public PlantModel {
   std::vector<Running> faults_;
   Sensors shown_;
   double standing_degc_;
+  double not_offered_ = 0;  ///< in the place of a signal that the room does not show
 };
 
 }  // namespace airside::sim

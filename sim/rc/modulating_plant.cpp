@@ -37,6 +37,7 @@ ModulatingPlant::ModulatingPlant(ModulatingRoom room, std::shared_ptr<const Weat
   discharge_degc_.assign(zones, setpoint_degc);
   reheat_now_kw_.assign(zones, 0.0);
   loops_.assign(zones, {});
+  held_.assign(zones, not_shown);
   disturb(room_.building, *weather_, seed_, now_, disturbance_);
   read_sensors();
 }
@@ -83,7 +84,7 @@ void ModulatingPlant::inner_step(double dt_s) {
 /// Cooling loop -> flow from minimum to maximum; below the heating setpoint minimum flow is reheated.
 void ModulatingPlant::move_dampers(double dt_s) {
   const ModulatingAir& air = room_.air;
-  const bool runs = hour_within(air.fan_start_h, air.fan_stop_h);
+  const bool runs = fan_runs();
   for (std::size_t z = 0; z < damper_.size(); ++z) {
     Loop& loop = loops_[z];
     if (!runs) {
@@ -100,6 +101,7 @@ void ModulatingPlant::move_dampers(double dt_s) {
     const double wanted = air.flow_min_share[z] + (1 - air.flow_min_share[z]) * loop.cooling;
     const double reach = dt_s / damper_travel_s;
     damper_[z] += std::clamp(wanted - damper_[z], -reach, reach);
+    if (!std::isnan(held_[z])) damper_[z] = held_[z];
     flow_m3_s_[z] = damper_[z] * air.flow_max_m3_s[z];
   }
 }
@@ -238,7 +240,7 @@ void ModulatingPlant::read_sensors() {
   const auto hundredths = [](double value) { return std::round(value * 100) / 100; };
   const std::size_t zones = air_degc_.size();
   sensors_.room_temp_degc.resize(zones);
-  sensors_.vav_on.assign(zones, hour_within(room_.air.fan_start_h, room_.air.fan_stop_h) ? 1.0 : 0.0);
+  sensors_.vav_on.assign(zones, fan_runs() ? 1.0 : 0.0);
   boxes_.damper.resize(zones);
   boxes_.zone_setpoint_degc.resize(zones);
   for (std::size_t z = 0; z < zones; ++z) {
@@ -257,7 +259,12 @@ void ModulatingPlant::read_sensors() {
   const auto metered = [&](double kw, std::size_t place) {
     return hundredths(std::max(0.0, kw * (1 + building.power_noise_share * noise(noise_meter, place))));
   };
-  sensors_.power_kw = {metered(fan_sum_kw_, 0), metered(cooling_sum_kw_ + heat_sum_kw_, 1)};
+  switch (building.powers) {
+    case 0: sensors_.power_kw.clear(); break;
+    case 1: sensors_.power_kw = {metered(fan_sum_kw_ + cooling_sum_kw_ + heat_sum_kw_, 0)}; break;
+    case 2: sensors_.power_kw = {metered(fan_sum_kw_, 0), metered(cooling_sum_kw_ + heat_sum_kw_, 1)}; break;
+    default: sensors_.power_kw = {metered(fan_sum_kw_, 0), metered(cooling_sum_kw_, 1), metered(heat_sum_kw_, 2)};
+  }
   sensors_.outdoor_temp_degc =
       hundredths(disturbance_.weather.outdoor_temp_degc + building.temp_noise_sd_k * noise(noise_air, 0));
   sensors_.mau_temp_degc = sensors_.outdoor_temp_degc;  // outdoor air comes as it is

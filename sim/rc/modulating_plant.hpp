@@ -53,6 +53,11 @@ class ModulatingPlant final : public PlantModel {
   const Sensors& sensors() const override { return sensors_; }
   std::string description() const override;
 
+  /// From now on the fan stands still although its schedule says that it runs; false: it obeys again.
+  void stop_fan(bool stopped) { fan_is_stopped_ = stopped; }
+  /// From now on box z has this opening whatever its loop wants; NaN frees it.  0..1.
+  void hold_damper(std::size_t z, double opening) { held_[z] = opening; }
+
   const BoxSensors& boxes() const { return boxes_; }
   const ModulatingRoom& room() const { return room_; }
   const ModulatingEnergy& energy() const { return energy_; }
@@ -67,6 +72,7 @@ class ModulatingPlant final : public PlantModel {
   };
 
   bool hour_within(double from_h, double to_h) const;
+  bool fan_runs() const { return !fan_is_stopped_ && hour_within(room_.air.fan_start_h, room_.air.fan_stop_h); }
   void inner_step(double dt_s);
   void move_dampers(double dt_s);
   void handle_air(double dt_s);
@@ -83,6 +89,8 @@ class ModulatingPlant final : public PlantModel {
   double setpoint_degc_;
   double supply_degc_;
   std::vector<double> air_degc_, mass_degc_, wall_degc_, damper_, flow_m3_s_, discharge_degc_, reheat_now_kw_;
+  std::vector<double> held_;  // opening of a box that is stuck; NaN: free
+  bool fan_is_stopped_ = false;
   std::vector<Loop> loops_;
   Disturbance disturbance_;
   double humidity_kg_kg_ = 0.009;  // of the rooms

@@ -3,6 +3,7 @@
 // supply air's temperature decides what fan, chiller and reheat take, and hardly how warm the rooms are.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,13 +52,24 @@ struct ModulatingRoom {
 /// Names that modulating_room knows, in the order of tables.
 std::vector<std::string_view> modulating_scenarios();
 
-/// The room of a scenario with 8 boxes: cores and the four façades. `seed` draws loads, sizes, setpoints and
-/// efficiencies about the scenario's own, as two buildings of one kind differ; 0 draws nothing.
+/// The room of a scenario: cores and the four façades in turn; fan, coil and ventilation grow with its boxes. `seed`
+/// draws loads, sizes, setpoints and efficiencies about the scenario's own, as two buildings of one kind differ; 0
+/// draws nothing.
 ///   humid     hot and humid, no economizer, no reheat: cold air pays but for moisture
 ///   mild      temperate, economizer, low minimum flow
 ///   reheat    temperate, economizer, high minimum flow that is reheated much of the year
 ///   duct      temperate, economizer, a fan at nearly constant pressure in a narrow duct: flow is dear
-/// Errors: hal::InputError for another name.
-ModulatingRoom modulating_room(std::string_view scenario, std::uint64_t seed);
+/// `powers` meters: one of all; fan and the rest; or fan, cooling and heat.
+/// Errors: hal::InputError for another name, no box, or other meters than 0 to 3.
+ModulatingRoom modulating_room(std::string_view scenario, std::uint64_t seed, int boxes = 8, int powers = 2);
+
+/// What the name of such a room says: "modulating-mild", "modulating-mild-2".
+struct ModulatingName {
+  std::string scenario;
+  std::uint64_t seed = 0;
+};
+/// Nothing for a name that does not begin with "modulating-".
+/// Errors: hal::InputError for one that does and is none.
+std::optional<ModulatingName> modulating_name(std::string_view room);
 
 }  // namespace airside::sim

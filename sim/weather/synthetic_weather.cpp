@@ -73,7 +73,8 @@ std::shared_ptr<const Weather> synthetic_weather(std::uint64_t seed, const Clima
       r.global_horizontal_w_m2 = r.direct_normal_w_m2 * up + r.diffuse_horizontal_w_m2;
     }
   }
-  return std::make_shared<const Weather>(climate.location, "synthetic hot-humid year, seed " + std::to_string(seed),
+  const std::string kind = climate.mean_temp_degc < 18 ? "temperate" : "hot-humid";
+  return std::make_shared<const Weather>(climate.location, "synthetic " + kind + " year, seed " + std::to_string(seed),
                                          3600, 0, std::move(records));
 }
 

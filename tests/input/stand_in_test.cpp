@@ -133,7 +133,7 @@ TEST(StandIn, CheckSaysWhatTheSiteLacksAndWhatItCosts) {
   const Outcome lacking = desk.run("airside", Desk::split("check site.toml"));
   EXPECT_EQ(lacking.code, 0) << lacking.out << lacking.err;
   expect_all(lacking.out,
-             {"lacks power_1 to power_2 (4 stands in, ", "rain (0 stands in, ", "of DAE", "study signals"});
+             {"lacks power_1 to power_2 (4 stands in, ", "rain (0 stands in, ", "of DAE", "±", "study signals"});
 }
 
 TEST(StandIn, ExampleOfTheSiteFileIsTakenAsItIs) {

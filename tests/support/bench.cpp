@@ -82,9 +82,9 @@ Bench::Bench(BenchOptions options) : options_(std::move(options)) {
   fs::remove_all(folder_);
   for (const char* part : {"state", "log"}) fs::create_directories(folder_ / part);
   const tools::Site built_in = tools::built_in_site(options_.topology);
-  std::string points =
-      hal::default_point_map(built_in.counts.vavs, built_in.counts.fcus, built_in.counts.powers, options_.stand_ins) +
-      options_.more_points;
+  std::string points = hal::default_point_map(built_in.counts.vavs, built_in.counts.fcus, built_in.counts.powers,
+                                              options_.stand_ins, options_.band) +
+                       options_.more_points;
   if (!options_.setpoint_point.empty()) {
     const std::size_t row = points.find("\nsetpoint,") + 1;
     points.replace(row, points.find('\n', row) - row, options_.setpoint_point);
@@ -101,8 +101,10 @@ Bench::Bench(BenchOptions options) : options_(std::move(options)) {
   trial_.plant = options_.plant;
   trial_.expert_days = options_.expert_days;
   trial_.days = options_.days;
-  blob_ = weights_for(trial_.site);
-  hal::write_blob_file((folder_ / "weights.blob").string(), blob_);
+  if (!options_.band) {
+    blob_ = weights_for(trial_.site);
+    hal::write_blob_file((folder_ / "weights.blob").string(), blob_);
+  }
   prepared_ = tools::prepare(trial_);
   hal::LogWriter history((folder_ / "history.csv").string(), trial_.site.counts, true);
   for (const hal::LogRow& row : prepared_.history) history.append(row);
@@ -117,14 +119,17 @@ Bench::~Bench() {
 }
 
 void Bench::write_site(const std::string& transport) const {
-  const std::string history = options_.expert_days > 0 ? "[history]\nlog = \"history.csv\"\n" : "";
+  std::string parts = options_.expert_days > 0 ? "[history]\nlog = \"history.csv\"\n" : "";
+  parts += options_.band ? "[setpoint]\nmin_degc = 12.0\nmax_degc = 18.0\n[expert]\nwork_degc = 14.0\noff_degc = 14.0\n"
+                         : "[weights]\nblob = \"weights.blob\"\n";
   write_text(
       folder_ / "site.toml",
       fmt::format("[site]\nname = \"Bench\"\ntopology = \"{}\"\nscope = \"Bench\"\n"
-                  "[controller]\nseed = {}\n[modbus]\n{}unit_id = 1\ndeadline_s = 10.0\npoints = \"points.csv\"\n"
+                  "[controller]\nseed = {}\n{}[modbus]\n{}unit_id = 1\ndeadline_s = 10.0\npoints = \"points.csv\"\n"
                   "[clock]\nsource = \"plant\"\n[state]\ndir = \"state\"\n[log]\ndir = \"log\"\nmax_files = 400\n"
-                  "{}[weights]\nblob = \"weights.blob\"\n{}",
-                  options_.topology, options_.plant.seed, transport, history, options_.more_site));
+                  "{}{}",
+                  options_.topology, options_.plant.seed, options_.band ? "objective = \"band\"\n" : "", transport,
+                  parts, options_.more_site));
 }
 
 std::filesystem::path Bench::program(const std::string& name) const {

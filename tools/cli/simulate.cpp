@@ -7,6 +7,7 @@
 #include "hal/log/log_csv.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
+#include "sim/rc/modulating_room.hpp"
 #include "sim/weather/epw.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/report/report.hpp"
@@ -76,6 +77,24 @@ struct SimulateCommand {
     return path == log ? "" : path;
   }
 
+  /// What ours starts from: weights, but nothing for the objective band, which learns on the box from what boxes show.
+  void check_start(Objective objective, bool engine) const {
+    if (objective != Objective::band) {
+      if (!weights.empty() || transfer) return;
+      throw hal::InputError(
+          "--weights", "no weights", "a blob for the controller",
+          "give --weights (airside pretrain makes one), --transfer alone to train from scratch, or another --method");
+    }
+    if (transfer) {
+      throw hal::InputError("--transfer", "given with objective = \"band\"",
+                            "no weights: band learns from dampers and meters on the box", "leave it out");
+    }
+    if (engine || sim::modulating_name(plant.room)) return;
+    throw hal::InputError("--room " + plant.room, "a room whose boxes do not modulate, and objective = \"band\"",
+                          "modulating-humid, modulating-mild, modulating-reheat or modulating-duct",
+                          "choose one of these rooms, or objective = \"mean\" in the site file");
+  }
+
   void run(const CLI::App& command) {
     const Site chosen = make_site(site);
     take_site_twin(command, plant, chosen, TwinUse::when_asked);
@@ -94,11 +113,7 @@ struct SimulateCommand {
     const RunFacts facts = run_facts(plant, trial.site);
     BlobBytes blob;
     if (ours) {
-      if (weights.empty() && !transfer && trial.site.settings.objective != Objective::band) {
-        throw hal::InputError(
-            "--weights", "no weights", "a blob for the controller",
-            "give --weights (airside pretrain makes one), --transfer alone to train from scratch, or another --method");
-      }
+      check_start(trial.site.settings.objective, engine);
       if (!weights.empty()) blob = read_blob(weights, trial.site);
     }
     AskedLog rows_out(log, trial.site), past_out(history_log, trial.site);

@@ -17,6 +17,7 @@
 #include "sim/energyplus/plant.hpp"
 #include "sim/energyplus/rooms.hpp"
 #include "sim/json/json_file.hpp"
+#include "sim/rc/modulating_plant.hpp"
 #include "sim/rc/rc_plant.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/epw.hpp"
@@ -58,6 +59,23 @@ bool same_shape(const sim::RcRoom& room, const Site& site) {
   return room.vavs == site.counts.vavs && room.fcus == site.counts.fcus && room.powers == site.counts.powers;
 }
 
+/// A room whose boxes modulate, of the site's shape; nothing for a name of another room.
+std::optional<sim::ModulatingRoom> modulating_rc_room(const PlantChoice& choice, const Site& site) {
+  const auto name = sim::modulating_name(choice.room);
+  if (!name) return std::nullopt;
+  if (site.counts.fcus > 0) {
+    throw hal::InputError(
+        "--room " + choice.room, "topology " + site.counts.name + ", which has fan coil units",
+        fmt::format("{}vav-0fcu-{}power: rooms whose boxes modulate have none", site.counts.vavs, site.counts.powers),
+        "give such a --topology or --site; airside init --objective band writes one");
+  }
+  if (!choice.changes.empty()) {
+    throw hal::InputError("--room " + choice.room, "an effect to change in it", "a room with fixed dampers",
+                          "choose another room");
+  }
+  return sim::modulating_room(name->scenario, name->seed, site.counts.vavs, site.counts.powers);
+}
+
 sim::RcRoom rc_room(const PlantChoice& choice, const Site& site) {
   sim::RcRoom room;
   if (is_standard(site) && (choice.room.starts_with("study-") || choice.room.starts_with("tuning-"))) {
@@ -81,8 +99,18 @@ sim::RcRoom rc_room(const PlantChoice& choice, const Site& site) {
 }
 
 std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& site, CivilTime start) {
+  if (auto modulating = modulating_rc_room(choice, site)) {
+    if (choice.weekends) modulating->building.occupancy_weekend_factor = 0.1;
+    auto weather = choice.weather.empty() ? made_up_weather(choice) : sim::read_epw(choice.weather);
+    return std::make_unique<sim::ModulatingPlant>(std::move(*modulating), std::move(weather), start, choice.seed,
+                                                  site.settings.expert_off_degc);
+  }
   sim::RcRoom room = rc_room(choice, site);
   if (choice.weekends) room.occupancy_weekend_factor = 0.1;
+  if (choice.fan_start_h != choice.fan_stop_h) {
+    room.ahu_stop_from_h = choice.fan_stop_h;
+    room.ahu_stop_to_h = choice.fan_start_h;
+  }
   room = sim::changed_room(std::move(room), choice.changes);
   auto weather = choice.weather.empty() ? made_up_weather(choice) : sim::read_epw(choice.weather);
   return std::make_unique<sim::RcPlant>(std::move(room), std::move(weather), start, choice.seed,
@@ -161,7 +189,8 @@ void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string
       ->capture_default_str();
   command
       .add_option("--room", choice.room,
-                  "301, 401, 402, 701, 702, each also as NAME-real; rc: also study-0 .. study-199 or a .json file")
+                  "301, 401, 402, 701, 702, each also as NAME-real; rc: also study-0 .. study-199, modulating-humid, "
+                  "-mild, -reheat or -duct (boxes modulate), or a .json file")
       ->capture_default_str();
   command
       .add_option("--twin", choice.model,
@@ -251,7 +280,7 @@ void check_room(const PlantChoice& choice, const Site& site) {
   with_room_option([&] {
     if (energyplus) {
       (void)engine_room(choice, site);
-    } else {
+    } else if (!modulating_rc_room(choice, site)) {
       (void)rc_room(choice, site);
     }
   });
@@ -273,7 +302,9 @@ std::string weather_text(const PlantChoice& choice, const Site& site) {
 
 std::shared_ptr<const sim::Weather> made_up_weather(const PlantChoice& choice) {
   const std::string& of = choice.weather_of.empty() ? choice.room : choice.weather_of;
-  return sim::synthetic_weather(weather_seed(of, choice.seed));
+  const auto modulating = sim::modulating_name(of);
+  const sim::Climate climate = modulating ? sim::modulating_room(modulating->scenario, 0).climate : sim::Climate{};
+  return sim::synthetic_weather(weather_seed(of, choice.seed), climate);
 }
 
 std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days) {

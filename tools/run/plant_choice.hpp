@@ -32,6 +32,7 @@ struct PlantChoice {
   // No options: for comparisons of rooms that differ in an effect and in nothing else.
   std::string weather_of;                  ///< rc without `weather`: the room whose made-up year it is; empty: its own
   std::vector<sim::EffectChange> changes;  ///< to the room; the effects must outlive the choice
+  double fan_start_h = 0, fan_stop_h = 0;  ///< rc: the AHU rests outside these hours; equal: as the room has it
   bool changes_in_model = false;  ///< EnergyPlus: model and patches have them already, the loops beside lack them
 };
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "hal/points/point_map.hpp"
 
 namespace airside::tools {
@@ -38,6 +40,22 @@ std::vector<MissingSignals> missing_signal_cases(const hal::SignalCounts& counts
   return cases;
 }
 
-double measured_cost_degc(SignalKind kind) { return kind == SignalKind::vav_on ? 0.005 : 0.000; }
+MeasuredFigure measured_cost_degc(SignalKind kind) {
+  switch (kind) {
+    case SignalKind::rain: return {0.0001, 0.0003};
+    case SignalKind::mau_temp: return {0.0000, 0.0004};
+    case SignalKind::outdoor_temp: return {0.0000, 0.0003};
+    case SignalKind::power: return {-0.0002, 0.0009};
+    case SignalKind::fcu_temp:
+    case SignalKind::fcu_on: return {0.0010, 0.0014};
+    case SignalKind::vav_on: return {0.0013, 0.0015};
+    default: return {0, 0};  // room temperatures and setpoint have no stand-in
+  }
+}
+
+std::string cost_text(const MeasuredFigure& cost) {
+  const std::string figure = fmt::format("{:+.3f} ± {:.3f} °C of DAE", cost.mean, cost.sd);
+  return std::abs(cost.mean) <= cost.sd ? "nothing measurable (" + figure + ")" : figure;
+}
 
 }  // namespace airside::tools

@@ -24,11 +24,13 @@ void write(const fs::path& path, const std::string& text) {
 }
 
 struct InitCommand {
-  std::string folder, topology = "5vav-5fcu-2power", name = "Room 301";
+  std::string folder, topology, name = "Room 301", objective = "mean";
   bool force = false, json = false;
 
+  bool band() const { return objective == "band"; }
+
   std::string site_text() const {
-    std::string text = hal::example_site_text(topology);
+    std::string text = hal::example_site_text(topology, band() ? Objective::band : Objective::mean);
     const std::string standard = "\"Room 301\"", own = '"' + name + '"';
     for (std::size_t at = text.find(standard); at != std::string::npos; at = text.find(standard, at + own.size())) {
       text.replace(at, standard.size(), own);
@@ -36,7 +38,8 @@ struct InitCommand {
     return text;
   }
 
-  void run() const {
+  void run() {
+    if (topology.empty()) topology = band() ? "5vav-0fcu-2power" : "5vav-5fcu-2power";
     if (name.empty() || name.find_first_of("\"\\\n\r") != std::string::npos) {
       throw hal::InputError("--name", "'" + name + "'", "a name without quotes, backslashes and line ends",
                             "use letters, digits, spaces and - . , _ / ( )");
@@ -58,7 +61,7 @@ struct InitCommand {
     }
     write(site, text);
     const hal::TopologyCounts counts = built_in_site(topology).counts;
-    write(points, hal::default_point_map(counts.vavs, counts.fcus, counts.powers));
+    write(points, hal::default_point_map(counts.vavs, counts.fcus, counts.powers, {}, band()));
     if (json) {
       fmt::print("{}\n", nlohmann::json{{"site", site.string()}, {"points", points.string()}}.dump());
       return;
@@ -75,8 +78,13 @@ void add_init(CLI::App& app) {
   auto self = std::make_shared<InitCommand>();
   CLI::App* c = app.add_subcommand("init", "write a site file and a point map to start from");
   c->add_option("folder", self->folder, "where; it is made if it is not there")->required();
-  c->add_option("--topology", self->topology, "VAV boxes, fan coil units, power meters")
-      ->check(a_topology())
+  c->add_option("--topology", self->topology,
+                "VAV boxes, fan coil units, power meters (default: 5vav-5fcu-2power; for band 5vav-0fcu-2power)")
+      ->check(a_topology());
+  c->add_option("--objective", self->objective,
+                "mean: hold the mean room temperature; band: boxes modulate and show their dampers, least energy with "
+                "zones\nin their band")
+      ->check(CLI::IsMember({"mean", "band"}))
       ->capture_default_str();
   c->add_option("--name", self->name, "of the room")->capture_default_str();
   c->add_flag("--force", self->force, "overwrite what is there");

@@ -38,17 +38,17 @@ std::vector<Missing> missing_of(const hal::TopologyCounts& site) {
 std::string signal_facts(const hal::TopologyCounts& site) {
   std::string text, sides;
   for (const Missing& m : missing_of(site)) {
-    text += fmt::format("{}{} ({:g} stands in, {:+.3f} °C of DAE)", text.empty() ? "lacks " : ", ", m.names, m.stand_in,
-                        measured_cost_degc(m.kind));
+    text += fmt::format("{}{} ({:g} stands in, costs {})", text.empty() ? "lacks " : ", ", m.names, m.stand_in,
+                        cost_text(measured_cost_degc(m.kind)));
   }
   if (text.empty()) {
     text = "each signal is sensed";
   } else {
     text += fmt::format(
-        "; as measured on one RC room, each alone: {:.3f} °C with all signals, {:.3f} °C with room temperatures, "
-        "setpoint "
-        "and outdoor_temp alone (`airside study signals`)",
-        measured_dae_degc.whole, measured_dae_degc.bare);
+        "; as measured on {}, each kind alone: {:.3f} ± {:.3f} °C with all signals, {:.3f} ± {:.3f} °C with room "
+        "temperatures, setpoint and outdoor_temp alone (`airside study signals`)",
+        measured_on, measured_dae_degc.whole.mean, measured_dae_degc.whole.sd, measured_dae_degc.bare.mean,
+        measured_dae_degc.bare.sd);
   }
   for (const hal::SideColumn& side : site.sides) sides += (sides.empty() ? "" : ", ") + hal::column_of(side);
   return sides.empty() ? text : text + "; also shown: " + sides;

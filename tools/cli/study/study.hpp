@@ -23,6 +23,7 @@ struct StudyOptions {
 void add_study_signals(CLI::App& study);
 void add_study_boxes(CLI::App& study);
 void add_study_adopted(CLI::App& study);
+void add_study_nights(CLI::App& study);
 void add_study_tune(CLI::App& study);
 
 }  // namespace airside::tools

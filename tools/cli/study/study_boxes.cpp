@@ -21,7 +21,7 @@ namespace {
 
 struct BoxesCommand {
   std::vector<std::string> scenarios;
-  std::vector<std::string> starts = {"2021-04-08", "2021-07-08", "2021-10-08"};
+  std::vector<std::string> starts = {"2021-01-08", "2021-04-08", "2021-07-08", "2021-10-08"};
   int seeds = 3, days = 14;
   bool json = false;
 
