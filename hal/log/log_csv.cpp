@@ -107,6 +107,13 @@ LogRow make_log_row(const TopologyCounts& counts) {
   return row;
 }
 
+double side_of(const TopologyCounts& counts, const LogRow& row, SideSignal signal) {
+  for (std::size_t i = 0; i < counts.sides.size() && i < row.side.size(); ++i) {
+    if (counts.sides[i].signal == signal) return row.side[i];
+  }
+  return ControllerColumns::none;
+}
+
 std::string log_header(const TopologyCounts& counts, bool controller, std::span<const std::string> extra) {
   std::string header = "time";
   for (int i = 0; i < counts.signals(); ++i) header += "," + column_of(counts, i);

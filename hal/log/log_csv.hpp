@@ -89,6 +89,9 @@ struct LogRow {
 /// A row with room for every signal and texts of up to 47 characters, so that filling it never allocates.
 LogRow make_log_row(const TopologyCounts& counts);
 
+/// A side signal of a row that is not of a room; NaN where the log has none.
+double side_of(const TopologyCounts& counts, const LogRow& row, SideSignal signal);
+
 /// The header line, final newline included. `extra` are names of further columns.
 std::string log_header(const TopologyCounts& counts, bool controller, std::span<const std::string> extra = {});
 
