@@ -55,7 +55,7 @@ CivilTime DaemonState<T>::resume() {
   trial_.join_counters(record_.trial, record_was_whole_ || (is_new_ && !state_lost_));
   if (found == Found::nothing) {
     begin_from_blob();
-    if (blob_bytes_ > 0) remember_history();
+    if (uses_history(controller_.settings(), blob_bytes_ > 0)) remember_history();
     if (folders_.log()) folders_.note(folders_.log()->resume({}), "log");
   }
   history_.reset();
@@ -138,10 +138,10 @@ std::uint32_t DaemonState<T>::load_blob() {
   return crc32c(bytes);
 }
 
-/// Reads the schedule's days, which only weights make useful. A resumed state has them already and needs no file.
+/// Reads the schedule's days, where something learns from them. A resumed state has them already and needs no file.
 template <Topology T>
 void DaemonState<T>::load_history() {
-  if (blob_bytes_ > 0 && !site_.history_log.empty()) {
+  if (uses_history(controller_.settings(), blob_bytes_ > 0) && !site_.history_log.empty()) {
     history_ = hal::read_log(site_.history_log, columns_);
   }
 }

@@ -51,6 +51,18 @@ TEST(BandOnModbus, DaemonOfFiveZonesDecidesAsTheSimulationToTheBit) {
   }
 }
 
+TEST(BandOnModbus, ItLearnsFromTheHistoryOfTheSchedulesDays) {
+  BenchOptions options = band_site("band_history", "5vav-0fcu-2power", "modulating-mild", 2);
+  options.expert_days = days_of_learning;
+  Bench bench(options);
+  const LogText& expected = bench.expected();
+  EXPECT_GT(choices_of(bench.run()), 20) << "without its history two days are too few to choose anything";
+  bench.start_server();
+  const auto daemon = bench.start_daemon();
+  ASSERT_EQ(daemon->wait(200), 0) << daemon->said();
+  expect_same_rows(bench.log(), expected);
+}
+
 TEST(BandOnModbus, KilledDaemonsOfSeveralShapesGoOnExactly) {
   for (const std::string topology : {"5vav-0fcu-2power", "12vav-0fcu-1power", "1vav-0fcu-3power"}) {
     SCOPED_TRACE(topology);

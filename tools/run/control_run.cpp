@@ -40,13 +40,14 @@ ControlRun run_controller(const Site& site, sim::PlantModel& plant, const BlobBy
   ControlRun run;
   for_topology_of(site, [&]<class T>(T) {
     auto controller = make_controller<T>(site, site.settings, seed);
-    if (!blob.empty()) {  // without weights the box reads no history either
+    if (!blob.empty()) {
       auto payload = std::make_unique<SitePayload<T>>();
       payload->site = shape_of<T>(site);
       hal::decode_blob<T>(blob, site.file.scope, "weights", *payload);
       take_payload<T>(*controller, *payload);
-      read_history<T>(site, *controller, history, HistoryReader<T>::Head::leave);
     }
+    if (uses_history(site.settings, !blob.empty()))
+      read_history<T>(site, *controller, history, HistoryReader<T>::Head::leave);
     run = control<T>(site, plant, *controller, until, progress);
   });
   return run;

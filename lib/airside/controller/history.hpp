@@ -19,6 +19,11 @@
 
 namespace airside {
 
+/// Whether anything learns from a history: weights do, and the objective "band" does without them.
+constexpr bool uses_history(const ControllerSettings& s, bool has_weights) {
+  return has_weights || s.objective == Objective::band;
+}
+
 /// Feeds logged 6-min rows to a controller, in order of time, through a validator of its own: a log has the same
 /// spikes, stuck sensors and gaps as the bus it was taken from.
 template <Topology T, class Scalar = float>
@@ -51,6 +56,7 @@ class HistoryReader {
       Reading<T> sensed = reading;
       if (!std::isfinite(sensed.supply_temp_degc)) sensed.supply_temp_degc = setpoint_degc;
       controller_.remember_demand(sensed, *valid, learnable);
+      if (controller_.cycle().has_weights == 0) return;  // nothing else has a part in this objective
     }
     if (!learnable) {
       window_.push(time, value, std::numeric_limits<double>::quiet_NaN());
