@@ -6,6 +6,7 @@
 
 #include "adopt/small_model.hpp"
 #include "tools/adopt/adoption.hpp"
+#include "tools/adopt/loop/loop_meters.hpp"
 
 namespace airside::tools {
 namespace {
@@ -158,6 +159,52 @@ TEST(UnusualModel, ZoneWithoutThermostatAndLoopWithoutOutdoorAirAreAdopted) {
   EXPECT_FALSE(a.loop.terminals[0].thermostat);
   EXPECT_TRUE(a.loop.mixed_air_node.empty());
   EXPECT_FALSE(a.loop.outdoor_air_treated);
+}
+
+TEST(UnusualModel, ALoopIsMeteredByItselfWhereNoPlantServesIt) {
+  const json model = {
+      {"AirLoopHVAC", {{"A", {{"design_supply_air_flow_rate", 4.0}}}}},
+      {"Coil:Cooling:DX:TwoSpeed", {{"cold", json::object()}}},
+      {"Coil:Heating:Fuel", {{"hot", json::object()}}},
+      {"AirTerminal:SingleDuct:VAV:Reheat",
+       {{"box", {{"reheat_coil_object_type", "Coil:Heating:Electric"}, {"reheat_coil_name", "box coil"}}}}}};
+  const ModelView view(model, "m");
+  AirLoop loop;
+  loop.name = "A";
+  loop.components = {{"Coil:Cooling:DX:TwoSpeed", "cold", "", ""},
+                     {"Coil:Heating:Fuel", "hot", "", ""},
+                     {"Fan:VariableVolume", "fan", "", ""}};
+  loop.terminals.push_back({.type = "AirTerminal:SingleDuct:VAV:Reheat", .name = "box", .zone = "z"});
+  const LoopMeters own = loop_meters(view, loop);
+  EXPECT_TRUE(own.fans && own.cooling && own.heating);
+  EXPECT_EQ(own.patch["Meter:Custom"].size(), 4U);
+  EXPECT_EQ(own.patch["Meter:Custom"][loop_heating_meter]["variable_details"][0]["key_name"], "box coil");
+  EXPECT_EQ(own.patch["Meter:Custom"][loop_gas_meter]["resource_type"], "NaturalGas");
+
+  loop.components.push_back({"Coil:Heating:Water", "served by a boiler", "", ""});
+  loop.components.front().type = "Coil:Cooling:Water";
+  const LoopMeters served = loop_meters(view, loop);
+  EXPECT_TRUE(served.fans);
+  EXPECT_FALSE(served.cooling || served.heating);
+  EXPECT_EQ(served.patch["Meter:Custom"].size(), 1U) << "fans alone";
+}
+
+TEST(UnusualModel, LeastOutdoorAirIsOfTheModelOrOfItsSizing) {
+  const json model = {
+      {"AirLoopHVAC", {{"A", {{"design_supply_air_flow_rate", "Autosize"}}}}},
+      {"AirLoopHVAC:OutdoorAirSystem", {{"OA", {{"controller_list_name", "list"}}}}},
+      {"AirLoopHVAC:ControllerList",
+       {{"list", {{"controller_1_object_type", "Controller:OutdoorAir"}, {"controller_1_name", "oa"}}}}},
+      {"Controller:OutdoorAir", {{"oa", {{"minimum_outdoor_air_flow_rate", 1.2}}}}}};
+  const ModelView view(model, "m");
+  AirLoop loop;
+  loop.name = "A";
+  loop.components = {{"AirLoopHVAC:OutdoorAirSystem", "OA", "", ""}};
+  const json sizes = {{"AirLoopHVAC", {{"A", {{"design_supply_air_flow_rate", 4.0}}}}}};
+  EXPECT_DOUBLE_EQ(least_outdoor_share(view, loop, sizes), 0.3);
+  EXPECT_EQ(least_outdoor_share(view, loop, json::object()), 0) << "no design flow is known";
+  loop.components.clear();
+  EXPECT_EQ(least_outdoor_share(view, loop, sizes), 0) << "a loop without outdoor air";
 }
 
 }  // namespace

@@ -180,4 +180,45 @@ TEST(BandObjective, ABoxInForeverTroubleDoesNotHoldTheAirCold) {
   EXPECT_GT(chosen(objective, building), healthy - 0.6);
 }
 
+TEST(BandObjective, TheFanStartsOnTheFirstChoiceAfterItsLastRest) {
+  FormulaBuilding building;
+  BandObjective objective = learned_objective(building);
+  DemandReading rests = building.read(noon);
+  rests.flows = false;
+  EXPECT_TRUE(std::isnan(objective.choose({}, rests, {}).setpoint_degc)) << "no start is known yet";
+  const double first = chosen(objective, building);
+  building.outdoor_degc = 30;  // later choices are others
+  EXPECT_NE(chosen(objective, building), first);
+  EXPECT_EQ(objective.choose({}, rests, {}).setpoint_degc, first);
+  const DemandChoice narrow{.min_degc = first + 0.5, .max_degc = 18};
+  EXPECT_EQ(objective.choose({}, rests, narrow).setpoint_degc, first + 0.5) << "within the range of today";
+}
+
+TEST(BandObjective, ASavingThatIsTooSmallMovesNothing) {
+  FormulaBuilding building;
+  BandObjective objective = learned_objective(building);
+  const double best = chosen(objective, building);
+  const DemandChoice near{.last_degc = best + 0.1}, far{.last_degc = best + 3};
+  DemandSettings eager, lazy;
+  lazy.stay_share = 0.05;
+  EXPECT_EQ(chosen(objective, building, lazy, near), best + 0.1);
+  EXPECT_LT(chosen(objective, building, lazy, far), best + 2.5);
+  eager.stay_share = 0;
+  EXPECT_NEAR(chosen(objective, building, eager, near), best, 0.051);
+}
+
+TEST(BandObjective, WhereEverySetpointLeavesAZoneShortTheColdestIsChosen) {
+  FormulaBuilding building;
+  BandObjective objective = learned_objective(building);
+  building.outdoor_degc = 10;  // warm air would pay
+  building.load_k[1] = 14;     // a load that full flow of the coldest air does not carry
+  building.room_degc[1] = 26.5;
+  building.supply_degc = 17;
+  for (int row = 0; row < 3 * 8; ++row) {
+    const CivilTime t{noon.seconds + row * row_s};
+    objective.observe({}, building.read(t));
+  }
+  EXPECT_LT(objective.choose({}, building.read({noon.seconds + 8 * cycle_s}), {}).setpoint_degc, 12.6);
+}
+
 }  // namespace

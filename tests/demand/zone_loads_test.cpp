@@ -88,4 +88,26 @@ TEST(ZoneLoads, InSetbackNoZoneIsThoughtToHeat) {
   EXPECT_EQ(loads.heating_share(0, 21, 24), 1);
 }
 
+TEST(ZoneLoads, AZoneHeatsOnlyNearWhereItWasSeenToBeHeld) {
+  ZoneLoads loads = learned_zone(0.2, 5);
+  loads.note_setpoint(0, 24);
+  EXPECT_EQ(loads.heating_share(0, 21.5, 24), 1) << "never seen to be held: by its cooling setpoint";
+  loads.note_held(0, 20.0, 0.3, 0.15, 24);  // warms up
+  loads.note_held(0, 20.0, 0.0, 0.60, 24);  // its damper is open
+  loads.note_held(0, 20.0, 0.0, 0.15, 28);  // set back
+  EXPECT_EQ(loads.heating_share(0, 21.5, 24), 1);
+  loads.note_held(0, 21.0, 0.02, 0.15, 24);
+  EXPECT_EQ(loads.heating_share(0, 21.0, 24), 1);
+  EXPECT_EQ(loads.heating_share(0, 21.5, 24), 0) << "floats between its setpoints";
+  for (int i = 0; i < 2 * cycles_per_day; ++i) loads.note_held(0, 23.0, 0.3, 0.15, 24);
+  EXPECT_EQ(loads.heating_share(0, 21.5, 24), 1) << "forgotten after two days of running fan";
+}
+
+TEST(ZoneLoads, AZoneThatIsHardlyCooledAtAllIsNotHeatedForThat) {
+  ZoneLoads loads = learned_zone(0.2, 5);
+  loads.note_setpoint(0, 30);
+  EXPECT_EQ(loads.heating_share(0, 24, 30), 0);
+  EXPECT_EQ(loads.heating_share(0, 22, 30), 1);
+}
+
 }  // namespace
