@@ -163,7 +163,8 @@ void DaemonState<T>::remember_history() {
   for (const hal::LogRow& row : history_->rows) {
     reader.row(hal::reading_of<T>(row, shape_, columns_.sides), row.setpoint_degc);
   }
-  say("remembered {} transitions of {}", reader.transitions(), site_.history_log);
+  if (reader.demand_rows() > 0) say("learned demand from {} rows of {}", reader.demand_rows(), site_.history_log);
+  if (blob_bytes_ > 0) say("remembered {} transitions of {}", reader.transitions(), site_.history_log);
 }
 
 /// Loads the newest generation; the inbox is reported to it anew. `late`: after rows that were not committed. Cost: no

@@ -27,7 +27,7 @@ work_degc = 20.5         # in working hours
 off_degc = 25.0          # outside
 
 [controller]
-preset = "product"       # product, or paper: the printed method, but it acts before it learns, and ladder and safety limits stay
+preset = "product"       # product, or paper: the printed method, but it acts before it learns, and mode arbiter and safety limits stay
 objective = "mean"       # mean: hold the room temperature; band: boxes modulate, least energy with zones in their band
 seed = 1                 # of the random generator
 
@@ -60,7 +60,7 @@ max_files = 40           # the oldest is removed
 max_file_mb = 8.0
 
 [history]
-log = ""                 # CSV log of days under the schedule, remembered when the box starts from a blob
+log = ""                 # CSV log of days under the schedule, remembered at the first start: by weights, or by band
 
 [weights]
 blob = ""                # weight blob to start with

@@ -46,7 +46,7 @@ struct Adoption {
 /// all or none.
 /// Errors: hal::InputError for a model that cannot be adopted, a folder that has files already, weather that is absent
 ///   or not of a whole year.
-/// Cost: seven runs of some days, 10 to 60 s.
+/// Cost: six runs of some days, 10 to 60 s; seven where the engine refuses hard sizes.
 Adoption adopt(const AdoptRequest& request);
 
 /// The part of adopt() that needs no engine: loop and setpoint patch, after the model was read.

@@ -71,9 +71,8 @@ std::string chosen_table(const Adoption& a) {
       "work in "
       "the winter week it was {:.1f} |\n",
       c.work_degc, c.off_degc, c.winter_degc);
-  text += fmt::format(
-      "| power meters | {} | those of the model that are not always zero; they count the whole building |\n",
-      powers.empty() ? "none" : powers);
+  text += fmt::format("| power meters | {} | those named Loop count this loop alone, the others the whole building |\n",
+                      powers.empty() ? "none" : powers);
   text += fmt::format("| weather | {} | {} |\n", a.weather_name, a.weather_note);
   return text;
 }

@@ -141,8 +141,8 @@ void choose_target(const Observation& summer, SiteChoices& out) {
   out.target_degc = std::clamp(round_to(mean(rooms, 24), 0.25), 16.0, 30.0);
 }
 
-/// Fan, one of cooling, and what heats; where the model meters none of these, the whole.
-/// The loop's own fans and coils; of the building what a water plant takes. A building's fans are those of all loops.
+/// The loop's own fans and coils; of the building what a water plant takes; where the model meters none of these, the
+/// whole. A building's fans are those of all its loops.
 void choose_meters(const Observation& summer, const Observation& winter, const LoopMeters& meters, SiteChoices& out) {
   const auto have = [&](const std::string& meter) {
     // A coil of the loop may rest under the model's own setpoint, and work under another.

@@ -63,7 +63,7 @@ std::string headline(const RunRecord& r, const MethodResult& ours, const MethodR
   const double used = mean_of(ours, &Metrics::hvac_kwh_per_day);
   const double before = schedule ? mean_of(*schedule, &Metrics::hvac_kwh_per_day) : 0;
   if (r.band) {
-    std::string said = band_headline(*r.band, days_text(r.row_time.size() / rows_per_day));
+    std::string said = band_headline(*r.band, days_text(std::max<std::size_t>(1, r.row_time.size() / rows_per_day)));
     if (!(used > 0 && before > 0)) return said;
     return said + fmt::format(" The schedule used {} kWh of {} a day on the same days, this control {} kWh.",
                               number_text(before, 1), energy, number_text(used, 1));

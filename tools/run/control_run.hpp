@@ -40,7 +40,7 @@ Metrics metrics_of(const Site& site, const ControlRun& run);
 ControlRun run_schedule(const Site& site, sim::PlantModel& plant, CivilTime until, const OnProgress& progress = {});
 
 /// Control by the product's code path with learning on, from the plant's present to `until`.
-/// An empty blob: without weights and history, as the objective band runs on the box.
+/// An empty blob: without weights; the objective band runs so, and learns from the history alone.
 /// Errors: hal::InputError for a blob that does not fit.
 ControlRun run_controller(const Site& site, sim::PlantModel& plant, const BlobBytes& blob,
                           const std::vector<hal::LogRow>& history, CivilTime until, std::uint64_t seed,

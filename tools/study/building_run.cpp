@@ -45,16 +45,23 @@ PlantChoice choice_of(const Site& site, CivilTime from, std::uint64_t seed) {
   return choice;
 }
 
-/// A patch that gives the model the schedule that a run acts on, which nothing in it follows, and the site's meters.
+/// A patch that gives the model the schedule that a run acts on, which nothing in it follows; of the site's own patches
+/// it has the meters and the repaired schedules.
 void write_idle_schedule(const Site& site, const std::string& file) {
   nlohmann::json patch = {
       {"Schedule:Constant",
        {{site.file.twin->names->supply_setpoint_schedule, {{"hourly_value", site.settings.expert_work_degc}}}}}};
   for (const std::string& of_site : site.file.twin->patches) {
     const nlohmann::json content = sim::read_json(of_site);
-    if (content.contains("Meter:Custom")) patch["Meter:Custom"].merge_patch(content["Meter:Custom"]);
+    for (const auto& [type, objects] : content.items()) {
+      if (type == "Meter:Custom") patch[type].update(objects);
+      if (type.starts_with("Schedule:") && type != "Schedule:Constant") patch[type] = objects;
+    }
   }
-  std::ofstream(file) << patch.dump(1) << '\n';
+  std::ofstream out(file);
+  if (!(out << patch.dump(1) << '\n') || !out.flush())
+    throw hal::InputError(file, "a file that cannot be written", "space for temporary files",
+                          "name a folder in TMPDIR");
 }
 
 /// Chooses from what the sensors show now.
@@ -148,16 +155,6 @@ void control(const Site& site, const BuildingRun& run, const BuildingMethod& met
 }
 
 }  // namespace
-
-bool has_dampers(const Site& site) {
-  const auto vavs = static_cast<int>(site.counts.vavs);
-  for (int i = 1; i <= vavs; ++i) {
-    for (const char* point : {"damper_{}", "zone_setpoint_{}"}) {
-      if (site.points.find(fmt::format(fmt::runtime(point), i)) == nullptr) return false;
-    }
-  }
-  return true;
-}
 
 BuildingFigures run_building(const Site& site, const BuildingRun& run, const BuildingMethod& method) {
   const CivilTime begin{run.from.seconds - run.schedule_days * seconds_per_day};

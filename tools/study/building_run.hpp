@@ -19,7 +19,7 @@ struct BuildingMethod {
     schedule,     ///< the site's
     constant,     ///< value: degC
     integral,     ///< value: gain, 1/h
-    guideline36,  ///< by zones and dampers where the site has dampers; value: warmest setpoint, degC
+    guideline36,  ///< by zones and dampers; without dampers only what is 2 K too warm asks. value: warmest, degC
     mpc,
     ours,  ///< the site's preset and objective
   };
@@ -34,9 +34,6 @@ struct BuildingRun {
   std::uint64_t seed = 1;           ///< of the sensors' noise
   const BlobBytes* blob = nullptr;  ///< ours with the objective "mean": weights to fine-tune; nullptr: from scratch
 };
-
-/// Whether every box shows its damper and its zone's setpoint.
-bool has_dampers(const Site& site);
 
 /// Errors: hal::InputError for a site without a [twin] of its own control, and what the engine complains of.
 /// Cost: 2 to 15 s a run of 19 days.

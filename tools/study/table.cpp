@@ -68,7 +68,8 @@ nlohmann::json study_figures(const std::vector<Outcome>& outcomes, const std::st
   for (const FigureColumn& column : figure_columns) {
     std::vector<double> values;
     for (const Outcome& o : outcomes) {
-      if (o.contains(name)) values.push_back(o.at(name).at(column.figure).get<double>());
+      if (!o.contains(name)) continue;
+      if (const auto& value = o.at(name).at(column.figure); value.is_number()) values.push_back(value);
     }
     const Spread s = spread_of(values);
     m[column.figure] = {{"mean", s.mean}, {"sd", s.sd}, {"count", s.count}};

@@ -37,13 +37,14 @@ class BandChooser {
                   expert_setpoint_degc(settings_, sensed.time));
   }
 
-  /// The setpoint of least cost; the schedule's while the fan rests or too little has been learned.
+  /// The setpoint of least cost; while the fan rests that of its last start; the schedule's while too little has been
+  /// learned.
   /// Units: degC. Errors: reason signal_lost where the dampers or zone setpoints are lost that carry the objective.
   Proposal propose(const Reading<T>& sensed, const ValidReading<T>& valid, bool flows, double schedule_degc) const {
     const DemandWatch<T> watch(settings_, cycle_, sensed, valid.value());
     const DemandReading at = watch.reading(flows);
-    if (flows && !BandObjective::carries(at)) return {.missing = Reason::signal_lost};
     const double chosen = cycle_.band.choose(settings_.demand, at, watch.choice(schedule_degc)).setpoint_degc;
+    if (flows && !BandObjective::carries(at)) return {.missing = Reason::signal_lost};
     return {.setpoint_degc = std::isfinite(chosen) ? chosen : schedule_degc};
   }
 

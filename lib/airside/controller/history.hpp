@@ -50,12 +50,14 @@ class HistoryReader {
   void row(const Reading<T>& reading, double setpoint_degc) {
     const CivilTime time = reading.time;
     const auto& value = reading.value;
-    const Expected<ValidReading<T>> valid = validator_.check(reading);
-    const bool learnable = valid && valid->learnable() && air_flows(controller_.settings(), time, reading.flows);
+    const bool flows = air_flows(controller_.settings(), time, reading.flows);
+    const Expected<ValidReading<T>> valid = validator_.check(reading, time, flows);
+    const bool learnable = valid && valid->learnable() && flows;
     if (valid && controller_.settings().objective == Objective::band) {
       Reading<T> sensed = reading;
       if (!std::isfinite(sensed.supply_temp_degc)) sensed.supply_temp_degc = setpoint_degc;
       controller_.remember_demand(sensed, *valid, learnable);
+      ++demand_rows_;
       if (controller_.cycle().has_weights == 0) return;  // nothing else has a part in this objective
     }
     if (!learnable) {
@@ -94,6 +96,8 @@ class HistoryReader {
   double forecast_error_k() const { return std::sqrt(error_sum_k2_ / forecasts_); }
   int transitions() const { return transitions_; }
   int refused() const { return refused_; }
+  /// Rows that the objective "band" was shown.
+  int demand_rows() const { return demand_rows_; }
 
  private:
   Controller<T, Scalar>& controller_;
@@ -103,6 +107,7 @@ class HistoryReader {
   Validator<T> validator_;
   int transitions_ = 0;
   int refused_ = 0;
+  int demand_rows_ = 0;
   int forecasts_ = 0;
   double error_sum_k2_ = 0;
 };

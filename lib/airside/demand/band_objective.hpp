@@ -82,26 +82,30 @@ class BandObjective {
     DemandForecast best;
     if (!is_ready(s)) return best;
     if (!at.flows) {
-      rested_ = 1;
+      rested_at_s_ = at.time.seconds;
       if (std::isfinite(start_degc_)) best.setpoint_degc = std::clamp(start_degc_, c.min_degc, c.max_degc);
       return best;
     }
+    // The first choice hours after the start, of a box that was down or blind, is none of a start.
+    const bool starts = at.time.seconds - rested_at_s_ <= 2 * cycle_s;
+    rested_at_s_ = never;
     if (!carries(at) || !std::isfinite(at.outdoor_degc)) return best;
     const int n = std::clamp(static_cast<int>(std::lround((c.max_degc - c.min_degc) / c.step_k)), 0, 400);
     for (int i = 0; i <= n; ++i) {
       const DemandForecast f = evaluate(s, at, c, std::min(c.min_degc + i * c.step_k, c.max_degc));
       if (std::isfinite(f.cost_kw) && !(f.cost_kw >= best.cost_kw && std::isfinite(best.setpoint_degc))) best = f;
     }
-    if (c.last_degc >= c.min_degc && c.last_degc <= c.max_degc && rested_ == 0) {
+    if (c.last_degc >= c.min_degc && c.last_degc <= c.max_degc && !starts) {
       const DemandForecast stays = evaluate(s, at, c, c.last_degc);
       if (stays.cost_kw <= best.cost_kw + s.stay_share * power_.mean_kw()) best = stays;
     }
-    if (rested_ != 0 && std::isfinite(best.setpoint_degc)) start_degc_ = best.setpoint_degc;
-    rested_ = 0;
+    if (starts && std::isfinite(best.setpoint_degc)) start_degc_ = best.setpoint_degc;
     return best;
   }
 
  private:
+  static constexpr std::int64_t never = -1'000'000'000'000;
+
   struct Outlook {
     AirState air;
     double penalty = 0;  ///< shares of the mean power
@@ -236,8 +240,7 @@ class BandObjective {
   CivilTime begin_;
   std::int32_t rows_ = 0;
   std::int32_t has_begin_ = 0;
-  std::int32_t rested_ = 0;
-  std::int32_t spare_ = 0;  ///< the bytes of a saved state are all written
+  std::int64_t rested_at_s_ = never;  ///< when it was last asked with the fan at rest
 };
 
 }  // namespace airside

@@ -66,6 +66,12 @@ double number_of(const ModelObject& object, const char* field, const json& sizes
   return value != sized->end() && value->is_number() ? value->get<double>() : 0;
 }
 
+/// Other fuels have no meter among a site's powers.
+bool burns_gas(const ModelObject& coil) {
+  const std::string fuel = coil.text("fuel_type");
+  return fuel.empty() || same_name(fuel, "NaturalGas");
+}
+
 ModelObject outdoor_air_controller(const ModelView& model, const AirLoop& loop) {
   for (const LoopComponent& c : loop.components) {
     if (c.type != "AirLoopHVAC:OutdoorAirSystem") continue;
@@ -104,7 +110,7 @@ LoopMeters loop_meters(const ModelView& model, const AirLoop& loop) {
     } else if (type == "Coil:Heating:Electric") {
       heating.add(name, "Heating Coil Electricity Energy");
       ++heats;
-    } else if (type == "Coil:Heating:Fuel") {
+    } else if (type == "Coil:Heating:Fuel" && burns_gas(model.find(type, name))) {
       gas.add(name, "Heating Coil NaturalGas Energy");
       ++heats;
     } else if (type.starts_with("Coil:Heating:")) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/text/input_error.hpp"
 #include "hal/text/staged_file.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/study/study.hpp"
@@ -24,6 +25,7 @@ namespace {
 using Kind = BuildingMethod::Kind;
 constexpr std::array gains_per_h = {0.5, 1.0, 2.0, 4.0, 8.0};
 constexpr int pretrain_days = 28;
+constexpr int tuning_lead_days = 28;  ///< at least; tuning days are never scored
 
 constexpr std::array<std::pair<const char*, Kind>, 7> kind_names = {{{"own", Kind::own},
                                                                      {"schedule", Kind::schedule},
@@ -104,9 +106,27 @@ struct AdoptedCommand {
         PlantChoice choice;
         choice.start = start;
         all.push_back({path, start, load_site(path), start_of(choice)});
+        refuse_other_years(all.back());
       }
     }
     return all;
+  }
+
+  /// The engine's year is 2021, and each run begins in it and ends in it.
+  void refuse_other_years(const Case& about) const {
+    const auto midnight = [](const char* date) {
+      PlantChoice choice;
+      choice.start = date;
+      return start_of(choice).seconds;
+    };
+    const std::int64_t before_days = std::max({tuning_lead_days, days, pretrain_days}) + schedule_days;
+    const std::int64_t first = about.from.seconds - before_days * seconds_per_day;
+    const std::int64_t last = about.from.seconds + std::int64_t{seeds} * days * seconds_per_day;
+    if (first >= midnight("2021-01-01") && last <= midnight("2021-12-31")) return;
+    throw hal::InputError(
+        "--starts", about.start,
+        fmt::format("a day with {} days of 2021 before it and {} after it", before_days, seeds * days),
+        "choose another start, or fewer --seeds or --days");
   }
 
   /// Runs tasks in child processes; a blob comes back as its bytes, figures as JSON.
@@ -141,7 +161,7 @@ struct AdoptedCommand {
     std::vector<Task> tasks;
     for (std::size_t c = 0; c < list.size(); ++c) {
       BuildingRun run = run_of(list[c], 1);
-      run.from.seconds -= 28 * seconds_per_day;
+      run.from.seconds -= std::max(tuning_lead_days, days) * seconds_per_day;
       const bool mean = list[c].site.settings.objective == Objective::mean;
       if (mean && wants(Kind::ours)) tasks.push_back({c, run_of(list[c], 1), {}, true});
       if (wants(Kind::constant)) {
@@ -204,7 +224,7 @@ struct AdoptedCommand {
                         tuned[c].constants.empty()
                             ? ""
                             : fmt::format("constant {:.1f}", constants[best_for(list[c].site, tuned[c].constants)]),
-                        best_gain(tuned[c])});
+                        tuned[c].gains.empty() ? 0 : best_gain(tuned[c])});
       for (const Line& line : tables.back().lines) {
         for (int seed = 1; seed <= seeds; ++seed) {
           Task task{c, run_of(list[c], seed), line.method};
@@ -323,13 +343,14 @@ struct AdoptedCommand {
       for (const BuildingFigures& f : line.runs) runs.push_back(json_of(f));
       methods.push_back({{"method", line.name}, {"runs", runs}});
     }
-    nlohmann::json j = {{"site", table.about.path},
-                        {"start", table.about.start},
-                        {"meters", table.about.site.file.twin->names->powers},
-                        {"objective", table.about.site.settings.objective == Objective::band ? "band" : "mean"},
-                        {"constant_of_other_days", table.constant_of_other_days},
-                        {"integral_gain_per_h", table.gain_per_h},
-                        {"methods", methods}};
+    nlohmann::json j = {
+        {"site", table.about.path},
+        {"start", table.about.start},
+        {"meters", table.about.site.file.twin->names->powers},
+        {"objective", table.about.site.settings.objective == Objective::band ? "band" : "mean"},
+        {"constant_of_other_days", table.constant_of_other_days},
+        {"integral_gain_per_h", table.gain_per_h > 0 ? nlohmann::json(table.gain_per_h) : nlohmann::json()},
+        {"methods", methods}};
     if (has_verdict(table)) {
       j["against_simple"] = json_of_verdict(verdict(table, false));
       j["against_hindsight"] = json_of_verdict(verdict(table, true));
@@ -369,11 +390,11 @@ void add_study_adopted(CLI::App& study) {
       "integral, Guideline 36 and MPC. Each seed is a fortnight of its own, one after the other, with its own sensor\n"
       "noise. What is tuned is tuned on the fortnight four weeks before the first one, building by building.\n"
       "Degree-hours are those of zones above cooling setpoint + 0.5 K and below heating setpoint - 0.5 K while people\n"
-      "are there, sum over zones, a day. Energy is that of the site's meters, the whole building's.");
+      "are there, sum over zones, a day. Energy is that of the site's meters.");
   c->add_option("sites", self->paths, "site files of adopted models")->required()->check(CLI::ExistingFile);
   c->add_option("--starts", self->starts, "first scored days, comma-separated")->delimiter(',')->capture_default_str();
   c->add_option("--seeds", self->seeds, "fortnights from each start")->check(CLI::Range(1, 20))->capture_default_str();
-  c->add_option("--days", self->days, "days that are scored, a seed")->check(CLI::Range(2, 100))->capture_default_str();
+  c->add_option("--days", self->days, "days that are scored, a seed")->check(CLI::Range(4, 100))->capture_default_str();
   c->add_option("--schedule-days", self->schedule_days, "days under the schedule before")
       ->check(CLI::Range(1, 20))
       ->capture_default_str();
