@@ -143,7 +143,8 @@ Observation observe(const ObservationPlan& plan, const sim::EnergyPlusInstall& i
     throw hal::InputError(place, "a model that the engine does not run: it " + run.words,
                           "a model that runs for a week", "correct it as the engine says");
   }
-  return read_observation(sim::EsoFile(folder / "eplusout.eso", sim::EsoFile::Periods::last), *plan.loop, steps_per_hour(*plan.model));
+  return read_observation(sim::EsoFile(folder / "eplusout.eso", sim::EsoFile::Periods::last), *plan.loop,
+                          steps_per_hour(*plan.model));
 }
 
 }  // namespace airside::tools

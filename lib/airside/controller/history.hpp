@@ -8,11 +8,13 @@
 #include "airside/civil_time.hpp"
 #include "airside/controller/controller.hpp"
 #include "airside/controller/weight_payload.hpp"  // IWYU pragma: export
+#include "airside/demand_settings.hpp"
 #include "airside/fault.hpp"
 #include "airside/forecast/head_features.hpp"
 #include "airside/learning/row_window.hpp"
 #include "airside/network/scaler.hpp"
 #include "airside/reading.hpp"
+#include "airside/settings.hpp"
 #include "airside/supervision/schedule.hpp"
 #include "airside/supervision/validation.hpp"
 #include "airside/topology.hpp"
