@@ -22,6 +22,24 @@ double mean_of(const std::vector<double>& values) {
 
 double BuildingFigures::total_kwh() const { return std::accumulate(kwh_per_day.begin(), kwh_per_day.end(), 0.0); }
 
+nlohmann::json json_of(const BuildingFigures& f) {
+  return {{"dae_degc", f.dae_degc},       {"above_degch", f.above_degch},     {"below_degch", f.below_degch},
+          {"saturated_h", f.saturated_h}, {"setpoint_degc", f.setpoint_degc}, {"darv_degc", f.darv_degc},
+          {"kwh_per_day", f.kwh_per_day}};
+}
+
+BuildingFigures figures_of(const nlohmann::json& j) {
+  BuildingFigures f;
+  f.dae_degc = j.at("dae_degc");
+  f.above_degch = j.at("above_degch");
+  f.below_degch = j.at("below_degch");
+  f.saturated_h = j.at("saturated_h");
+  f.setpoint_degc = j.at("setpoint_degc");
+  f.darv_degc = j.at("darv_degc");
+  f.kwh_per_day = j.at("kwh_per_day").get<std::vector<double>>();
+  return f;
+}
+
 MeteredModel::MeteredModel(sim::PlantModel& inner, const Site& site, CivilTime from)
     : inner_(inner), site_(site), from_(from) {
   sums_.kwh_per_day.assign(inner.sensors().power_kw.size(), 0);

@@ -1,6 +1,7 @@
 #pragma once
 // A simulated building with its figures counted beside it, so that every method is judged by the same rows.
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ struct BuildingFigures {
   double total_kwh() const;
   double outside_degch() const { return above_degch + below_degch; }
 };
+
+/// Between processes and in files; kwh_per_day as a list.
+nlohmann::json json_of(const BuildingFigures& f);
+BuildingFigures figures_of(const nlohmann::json& j);
 
 /// Counts from `from` on; before, it only passes on.
 class MeteredModel final : public sim::PlantModel {

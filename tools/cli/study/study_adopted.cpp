@@ -46,24 +46,6 @@ std::vector<std::string> all_kind_names() {
   return names;
 }
 
-nlohmann::json json_of(const BuildingFigures& f) {
-  return {{"dae_degc", f.dae_degc},       {"above_degch", f.above_degch},     {"below_degch", f.below_degch},
-          {"saturated_h", f.saturated_h}, {"setpoint_degc", f.setpoint_degc}, {"darv_degc", f.darv_degc},
-          {"kwh_per_day", f.kwh_per_day}};
-}
-
-BuildingFigures figures_of(const nlohmann::json& j) {
-  BuildingFigures f;
-  f.dae_degc = j.at("dae_degc");
-  f.above_degch = j.at("above_degch");
-  f.below_degch = j.at("below_degch");
-  f.saturated_h = j.at("saturated_h");
-  f.setpoint_degc = j.at("setpoint_degc");
-  f.darv_degc = j.at("darv_degc");
-  f.kwh_per_day = j.at("kwh_per_day").get<std::vector<double>>();
-  return f;
-}
-
 struct AdoptedCommand {
   std::vector<std::string> paths, starts = {"2021-07-05", "2021-10-04"}, only;
   std::string out;
