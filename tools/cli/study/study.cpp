@@ -197,12 +197,7 @@ struct StudyCommand : StudyOptions {
       fmt::print("\nBy {}.\n", text_of(facts));
     }
     for (std::size_t i = 0; i < outcomes.size(); ++i) j["runs"].push_back(outcomes[i]);
-    if (!out.empty()) {
-      hal::StagedFile file(out);
-      file.write(j.dump(1) + "\n");
-      file.commit();
-    }
-    if (json) fmt::print("{}\n", j.dump());
+    (void)give_json(j, out, json);
   }
 };
 
@@ -219,6 +214,16 @@ void StudyOptions::add_to(CLI::App& c, const char* days_text) {
   c.add_option("--days", days, days_text)->check(CLI::Range(1, 300))->capture_default_str();
   c.add_option("--jobs", jobs, "child processes at a time")->check(CLI::Range(1, 256))->capture_default_str();
   c.add_flag("--json", json, "print one JSON object and nothing else on standard output");
+}
+
+bool give_json(const nlohmann::json& found, const std::string& out, bool as_json) {
+  if (!out.empty()) {
+    hal::StagedFile file(out);
+    file.write(found.dump(1) + "\n");
+    file.commit();
+  }
+  if (as_json) fmt::print("{}\n", found.dump());
+  return as_json;
 }
 
 PlantChoice StudyOptions::choice(const std::string& room, std::uint64_t seed, const std::string& start) const {

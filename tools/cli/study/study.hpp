@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "tools/run/plant_choice.hpp"
@@ -19,6 +20,10 @@ struct StudyOptions {
   void add_to(CLI::App& c, const char* days_text);
   PlantChoice choice(const std::string& room, std::uint64_t seed, const std::string& start) const;
 };
+
+/// Writes what a study found into the file `out`, where one is named, and prints it where `as_json`. Returns whether it
+/// was printed: nothing else goes to standard output then.  Errors: hal::InputError for a file that cannot be written.
+bool give_json(const nlohmann::json& found, const std::string& out, bool as_json);
 
 void add_study_signals(CLI::App& study);
 void add_study_boxes(CLI::App& study);

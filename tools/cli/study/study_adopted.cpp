@@ -348,15 +348,7 @@ struct AdoptedCommand {
     j["seeds"] = seeds;
     j["days"] = days;
     for (const Table& table : tables) j["tables"].push_back(json_of_table(table));
-    if (!out.empty()) {
-      hal::StagedFile file(out);
-      file.write(j.dump(1) + "\n");
-      file.commit();
-    }
-    if (json) {
-      fmt::print("{}\n", j.dump());
-      return;
-    }
+    if (give_json(j, out, json)) return;
     for (const Table& table : tables) print(table);
     fmt::print("\nBy {}.\n", program_text());
   }

@@ -131,15 +131,7 @@ struct NightsCommand : StudyOptions {
   }
 
   void print(const nlohmann::json& j, const RunFacts& facts) const {
-    if (!out.empty()) {
-      hal::StagedFile file(out);
-      file.write(j.dump(1) + "\n");
-      file.commit();
-    }
-    if (json) {
-      fmt::print("{}\n", j.dump());
-      return;
-    }
+    if (give_json(j, out, json)) return;
     fmt::print("| method | first hour °C | first 3 hours °C | working hours °C | day 1, first 3 hours °C |\n");
     fmt::print("|---|---|---|---|---|\n");
     for (const nlohmann::json& row : j["methods"]) {

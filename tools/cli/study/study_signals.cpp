@@ -123,15 +123,7 @@ struct SignalsCommand {
   }
 
   void print(const json& j) const {
-    if (!out.empty()) {
-      hal::StagedFile file(out);
-      file.write(j.dump(1) + "\n");
-      file.commit();
-    }
-    if (as_json) {
-      fmt::print("{}\n", j.dump());
-      return;
-    }
+    if (give_json(j, out, as_json)) return;
     fmt::print("| missing | DAE °C | its cost °C | day 1 °C | its cost °C | ME °C |\n|---|---|---|---|---|---|\n");
     for (const json& row : j["sites"]) {
       const std::string name =
