@@ -181,6 +181,11 @@ TEST(UnusualModel, ALoopIsMeteredByItselfWhereNoPlantServesIt) {
   EXPECT_EQ(own.patch["Meter:Custom"][loop_heating_meter]["variable_details"][0]["key_name"], "box coil");
   EXPECT_EQ(own.patch["Meter:Custom"][loop_gas_meter]["resource_type"], "NaturalGas");
 
+  json propane = model;
+  propane["Coil:Heating:Fuel"]["hot"]["fuel_type"] = "Propane";
+  const ModelView other_fuel(propane, "m");
+  EXPECT_FALSE(loop_meters(other_fuel, loop).heating) << "no meter of a site shows that fuel";
+
   loop.components.push_back({"Coil:Heating:Water", "served by a boiler", "", ""});
   loop.components.front().type = "Coil:Cooling:Water";
   const LoopMeters served = loop_meters(view, loop);

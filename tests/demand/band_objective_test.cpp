@@ -194,6 +194,25 @@ TEST(BandObjective, TheFanStartsOnTheFirstChoiceAfterItsLastRest) {
   EXPECT_EQ(objective.choose({}, rests, narrow).setpoint_degc, first + 0.5) << "within the range of today";
 }
 
+TEST(BandObjective, AChoiceLongAfterTheStartIsNoStart) {
+  for (const bool blind : {false, true}) {
+    SCOPED_TRACE(blind ? "without outdoor temperature at the start" : "down at the start");
+    FormulaBuilding building;
+    BandObjective objective = learned_objective(building);
+    DemandReading rests = building.read(noon);
+    rests.flows = false;
+    (void)objective.choose({}, rests, {});
+    if (blind) {
+      DemandReading start = building.read({noon.seconds + cycle_s});
+      start.outdoor_degc = unknown;
+      EXPECT_TRUE(std::isnan(objective.choose({}, start, {}).setpoint_degc));
+    }
+    const std::int64_t later_s = blind ? 2 * cycle_s : 3 * cycle_s;
+    EXPECT_TRUE(std::isfinite(objective.choose({}, building.read({noon.seconds + later_s}), {}).setpoint_degc));
+    EXPECT_TRUE(std::isnan(objective.choose({}, rests, {}).setpoint_degc)) << "no start is known yet";
+  }
+}
+
 TEST(BandObjective, ASavingThatIsTooSmallMovesNothing) {
   FormulaBuilding building;
   BandObjective objective = learned_objective(building);
