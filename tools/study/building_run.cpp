@@ -28,10 +28,7 @@ namespace {
 using Kind = BuildingMethod::Kind;
 
 PlantChoice choice_of(const Site& site, CivilTime from, std::uint64_t seed) {
-  if (!site.file.twin || site.file.twin->control != hal::TwinControl::own || !site.file.twin->names) {
-    throw hal::InputError(site.file.path + ": [twin]", "no model with a control of its own", "an adopted site",
-                          "make one with `airside adopt`");
-  }
+  check_building(site);
   PlantChoice choice;
   choice.kind = "energyplus";
   choice.room = "twin";
@@ -155,6 +152,12 @@ void control(const Site& site, const BuildingRun& run, const BuildingMethod& met
 }
 
 }  // namespace
+
+void check_building(const Site& site) {
+  if (site.file.twin && site.file.twin->control == hal::TwinControl::own && site.file.twin->names) return;
+  throw hal::InputError(site.file.path + ": [twin]", "no model with a control of its own", "an adopted site",
+                        "make one with `airside adopt`");
+}
 
 BuildingFigures run_building(const Site& site, const BuildingRun& run, const BuildingMethod& method) {
   const CivilTime begin{run.from.seconds - run.schedule_days * seconds_per_day};

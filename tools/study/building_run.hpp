@@ -35,7 +35,10 @@ struct BuildingRun {
   const BlobBytes* blob = nullptr;  ///< ours with the objective "mean": weights to fine-tune; nullptr: from scratch
 };
 
-/// Errors: hal::InputError for a site without a [twin] of its own control, and what the engine complains of.
+/// Errors: hal::InputError for a site without a [twin] of its own control.
+void check_building(const Site& site);
+
+/// Errors: as check_building(), and what the engine complains of.
 /// Cost: 2 to 15 s a run of 19 days.
 BuildingFigures run_building(const Site& site, const BuildingRun& run, const BuildingMethod& method);
 

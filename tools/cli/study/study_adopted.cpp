@@ -88,6 +88,7 @@ struct AdoptedCommand {
         PlantChoice choice;
         choice.start = start;
         all.push_back({path, start, load_site(path), start_of(choice)});
+        check_building(all.back().site);
         refuse_other_years(all.back());
       }
     }
