@@ -82,35 +82,27 @@ void MeteredModel::count_comfort(const sim::Sensors& now, double hours) {
 }
 
 void MeteredModel::count_cycle() {
-  const CivilTime t = inner_.time();
-  if (t.second_of_day() == 0 || day_cycles_ == 0) {
-    if (day_cycles_ > 3) darv_sum_ += second_differences_ / (day_cycles_ - 3), ++darv_days_;
-    second_differences_ = 0;
-    day_cycles_ = 0;
-  }
-  if (!is_scored(t, metrics_settings(site_))) return;
   const sim::Sensors& now = inner_.sensors();
-  ++cycles_;
-  sums_.dae_degc += std::abs(mean_of(now.room_temp_degc) - site_.settings.target_degc);
-  sums_.setpoint_degc += now.setpoint_degc;
-  if (day_cycles_ >= 2) second_differences_ += std::abs(now.setpoint_degc - 2 * last_degc_ + before_degc_);
-  before_degc_ = last_degc_;
-  last_degc_ = now.setpoint_degc;
-  ++day_cycles_;
+  cycles_.push_back({inner_.time(), mean_of(now.room_temp_degc), now.room_temp_degc, now.setpoint_degc});
 }
 
 BuildingFigures MeteredModel::figures() const {
-  if (counted_h_ < 24 || cycles_ == 0) throw std::logic_error("figures of less than a working day");
+  if (counted_h_ < 24) throw std::logic_error("figures of less than a day");
+  const MetricsSettings scored = metrics_settings(site_);
+  const Metrics metrics = compute_metrics(cycles_, {}, scored);
   BuildingFigures f = sums_;
+  f.dae_degc = metrics.dae_degc;
+  f.darv_degc = metrics.darv_degc;
+  std::vector<double> setpoints;
+  for (const CycleSample& cycle : cycles_) {
+    if (is_scored(cycle.time, scored)) setpoints.push_back(cycle.setpoint_degc);
+  }
+  f.setpoint_degc = mean_of(setpoints);
   const double days = counted_h_ / 24;
   for (double& kwh : f.kwh_per_day) kwh /= days;
   f.above_degch /= days;
   f.below_degch /= days;
   f.saturated_h /= days;
-  f.dae_degc /= cycles_;
-  f.setpoint_degc /= cycles_;
-  const double last_day = day_cycles_ > 3 ? second_differences_ / (day_cycles_ - 3) : 0;
-  f.darv_degc = (darv_sum_ + last_day) / std::max(1, darv_days_ + (day_cycles_ > 3 ? 1 : 0));
   return f;
 }
 

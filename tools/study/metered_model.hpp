@@ -7,6 +7,7 @@
 
 #include "airside/civil_time.hpp"
 #include "sim/plant_model.hpp"
+#include "tools/run/metrics.hpp"
 #include "tools/run/site.hpp"
 
 namespace airside::tools {
@@ -42,7 +43,7 @@ class MeteredModel final : public sim::PlantModel {
   const sim::Sensors& sensors() const override { return inner_.sensors(); }
   std::string description() const override { return inner_.description(); }
 
-  /// Of what was counted so far.  Errors: std::logic_error before the first whole day.
+  /// Of what was counted so far.  Errors: std::logic_error before the first whole day; as compute_metrics().
   BuildingFigures figures() const;
 
  private:
@@ -55,9 +56,7 @@ class MeteredModel final : public sim::PlantModel {
   CivilTime from_;
   BuildingFigures sums_;
   double counted_h_ = 0;
-  int cycles_ = 0;
-  double darv_sum_ = 0, second_differences_ = 0, last_degc_ = 0, before_degc_ = 0;
-  int day_cycles_ = 0, darv_days_ = 0;
+  std::vector<CycleSample> cycles_;
 };
 
 }  // namespace airside::tools

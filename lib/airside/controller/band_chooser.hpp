@@ -40,7 +40,7 @@ class BandChooser {
   /// The setpoint of least cost; while the fan rests that of its last start; the schedule's while too little has been
   /// learned.
   /// Units: degC. Errors: reason signal_lost where the dampers or zone setpoints are lost that carry the objective.
-  Proposal propose(const Reading<T>& sensed, const ValidReading<T>& valid, bool flows, double schedule_degc) const {
+  Proposal propose(const Reading<T>& sensed, const ValidReading<T>& valid, bool flows, double schedule_degc) {
     const DemandWatch<T> watch(settings_, cycle_, sensed, valid.value());
     const DemandReading at = watch.reading(flows);
     const double chosen = cycle_.band.choose(settings_.demand, at, watch.choice(schedule_degc)).setpoint_degc;
