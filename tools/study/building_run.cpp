@@ -10,6 +10,7 @@
 
 #include "airside/demand/zone_guideline36.hpp"
 #include "airside/supervision/envelope.hpp"
+#include "airside/supervision/schedule.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/process.hpp"
