@@ -26,7 +26,7 @@ struct Sensors {
   std::vector<double> power_kw;
   std::vector<double> damper;                 ///< 0..1, one a VAV
   std::vector<double> zone_setpoint_degc;     ///< what the zone's own thermostat cools to, one a VAV
-  std::vector<double> heating_setpoint_degc;  ///< what it heats to; for scores, no point shows it
+  std::vector<double> heating_setpoint_degc;  ///< what it heats to, one a VAV
   double mau_temp_degc = 0;
   double outdoor_temp_degc = 0;
   double rain = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// The signals of a simulated room that are no inputs of the network: dampers, zone setpoints, people, supply flow, and
-// whether the AHU's fan runs. Each passes through its register, as on the bus.
+// The signals of a simulated room that are no inputs of the network: dampers, zone setpoints (of cooling and heating),
+// people, supply flow, and whether the AHU's fan runs. Each passes through its register, as on the bus.
 
 #include <array>
 #include <cmath>
@@ -22,6 +22,7 @@ class SidePoints {
     for (std::size_t i = 0; i < rooms; ++i) {
       damper_[i] = points.find("damper_" + std::to_string(i + 1));
       zone_setpoint_[i] = points.find("zone_setpoint_" + std::to_string(i + 1));
+      zone_heating_[i] = points.find("zone_heating_setpoint_" + std::to_string(i + 1));
     }
   }
 
@@ -30,6 +31,7 @@ class SidePoints {
       const auto place = static_cast<Eigen::Index>(i);
       reading.damper(place) = shown(damper_[i], at(sensors.damper, i));
       reading.zone_setpoint_degc(place) = shown(zone_setpoint_[i], at(sensors.zone_setpoint_degc, i));
+      reading.zone_heating_setpoint_degc(place) = shown(zone_heating_[i], at(sensors.heating_setpoint_degc, i));
     }
     reading.occupied = shown(occupied_, sensors.occupied);
     reading.supply_flow_m3s = shown(supply_flow_, sensors.supply_flow_m3s);
@@ -49,7 +51,7 @@ class SidePoints {
     return hal::decode(*point, (registers ? *registers : hal::invalid_registers(*point)).used()).value_or(not_shown);
   }
 
-  std::array<const hal::Point*, rooms> damper_{}, zone_setpoint_{};
+  std::array<const hal::Point*, rooms> damper_{}, zone_setpoint_{}, zone_heating_{};
   const hal::Point *occupied_, *supply_flow_, *ahu_on_;
 };
 

@@ -24,7 +24,8 @@ constexpr ManyPoints many_points[] = {{room_temp_stem, &Sensors::room_temp_degc}
                                       {"fcu_on_", &Sensors::fcu_on},
                                       {"power_", &Sensors::power_kw},
                                       {"damper_", &Sensors::damper, false},
-                                      {"zone_setpoint_", &Sensors::zone_setpoint_degc, false}};
+                                      {"zone_setpoint_", &Sensors::zone_setpoint_degc, false},
+                                      {"zone_heating_setpoint_", &Sensors::heating_setpoint_degc, false}};
 
 struct SinglePoint {
   std::string_view name;

@@ -20,7 +20,8 @@ namespace airside::sim {
 /// Value of a signal as the sensors show it.
 double sensor_value(const Sensors& sensors, SignalId id);
 /// Value of a point as the sensors show it; nothing for a point that no sensor has, or beside the network's inputs
-/// (damper_n, zone_setpoint_n, occupied, supply_flow, ahu_on) one that the plant does not offer.
+/// (damper_n, zone_setpoint_n, zone_heating_setpoint_n, occupied, supply_flow, ahu_on) one that the plant does not
+/// offer.
 std::optional<double> point_value(const Sensors& sensors, std::string_view point);
 
 /// Wraps a PlantModel.  Model and points must outlive it.

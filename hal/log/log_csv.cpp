@@ -85,6 +85,7 @@ std::string column_of(SideColumn side) {
   switch (side.signal) {
     case SideSignal::damper: return "damper_" + place;
     case SideSignal::zone_setpoint: return "zone_setpoint_" + place + "_degc";
+    case SideSignal::zone_heating_setpoint: return "zone_heating_setpoint_" + place + "_degc";
     case SideSignal::occupied: return "occupied";
     case SideSignal::supply_flow: return "supply_flow_m3s";
     case SideSignal::ahu_on: return "ahu_on";
@@ -94,7 +95,7 @@ std::string column_of(SideColumn side) {
 
 bool is_side_column(std::string_view name) {
   return name == "occupied" || name == "supply_flow_m3s" || name == "ahu_on" || name.starts_with("damper_") ||
-         name.starts_with("zone_setpoint_");
+         name.starts_with("zone_setpoint_") || name.starts_with("zone_heating_setpoint_");
 }
 
 LogRow make_log_row(const TopologyCounts& counts) {

@@ -19,7 +19,7 @@
 namespace airside::hal {
 
 /// Signals beside the network's inputs; a log has those that the site shows.
-enum class SideSignal : std::uint8_t { damper, zone_setpoint, occupied, supply_flow, ahu_on };
+enum class SideSignal : std::uint8_t { damper, zone_setpoint, zone_heating_setpoint, occupied, supply_flow, ahu_on };
 /// One of them; place 0 where there is only one.
 struct SideColumn {
   SideSignal signal;

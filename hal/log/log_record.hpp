@@ -36,6 +36,7 @@ Reading<T> reading_of(const LogRow& row, const Shape& site, std::span<const Side
     switch (sides[i].signal) {
       case SideSignal::damper: reading.damper(place) = row.side[i]; break;
       case SideSignal::zone_setpoint: reading.zone_setpoint_degc(place) = row.side[i]; break;
+      case SideSignal::zone_heating_setpoint: reading.zone_heating_setpoint_degc(place) = row.side[i]; break;
       case SideSignal::occupied: reading.occupied = row.side[i]; break;
       case SideSignal::supply_flow: reading.supply_flow_m3s = row.side[i]; break;
       case SideSignal::ahu_on: reading.flows = row.side[i]; break;
@@ -85,6 +86,7 @@ void fill_sides(LogRow& row, std::span<const SideColumn> sides, const Expected<R
     switch (sides[i].signal) {
       case SideSignal::damper: value = sensed->damper(place); break;
       case SideSignal::zone_setpoint: value = sensed->zone_setpoint_degc(place); break;
+      case SideSignal::zone_heating_setpoint: value = sensed->zone_heating_setpoint_degc(place); break;
       case SideSignal::occupied: value = sensed->occupied; break;
       case SideSignal::supply_flow: value = sensed->supply_flow_m3s; break;
       case SideSignal::ahu_on: value = sensed->flows; break;

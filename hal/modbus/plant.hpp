@@ -92,6 +92,7 @@ class ModbusPlant {
       const auto room = static_cast<Eigen::Index>(i);
       if (damper_slots_[i] >= 0) reading.damper(room) = poller_.value(damper_slots_[i]);
       if (zone_setpoint_slots_[i] >= 0) reading.zone_setpoint_degc(room) = poller_.value(zone_setpoint_slots_[i]);
+      if (zone_heating_slots_[i] >= 0) reading.zone_heating_setpoint_degc(room) = poller_.value(zone_heating_slots_[i]);
     }
     reading.time = clock_.now();
     if (clock_slot_ >= 0) {
@@ -182,6 +183,7 @@ class ModbusPlant {
     for (std::size_t i = 0; i < damper_slots_.size(); ++i) {
       damper_slots_[i] = add(map.find("damper_" + std::to_string(i + 1)));
       zone_setpoint_slots_[i] = add(map.find("zone_setpoint_" + std::to_string(i + 1)));
+      zone_heating_slots_[i] = add(map.find("zone_heating_setpoint_" + std::to_string(i + 1)));
     }
     clock_slot_ = add(map.find("clock_s"));
     const Point* beat = map.find("device_heartbeat");
@@ -195,7 +197,8 @@ class ModbusPlant {
   Shape site_;
   int setpoint_slot_ = -1, supply_slot_ = -1, flow_slot_ = -1, clock_slot_ = -1, beat_slot_ = -1;
   int occupied_slot_ = -1, supply_flow_slot_ = -1;
-  std::array<int, static_cast<std::size_t>(Layout<T>::rooms)> damper_slots_{}, zone_setpoint_slots_{};
+  std::array<int, static_cast<std::size_t>(Layout<T>::rooms)> damper_slots_{}, zone_setpoint_slots_{},
+      zone_heating_slots_{};
   SignalSlots signals_;
   ModbusSetpoint setpoint_;
   SystemClock clock_;

@@ -46,6 +46,7 @@ std::string default_point_map(int vavs, int fcus, int powers, const StandIns& st
     };
     each("damper", "", "uint16,big,big,0.0001,0,0,1,,1200,0xFFFF,,,,");
     each("zone_setpoint", "degc", "int16,big,big,0.01,0,5,45,,1200,0x8000,,,,");
+    each("zone_heating_setpoint", "degc", "int16,big,big,0.01,0,5,45,,1200,0x8000,,,,");
     single("occupied", "", 1, status);
     single("supply_flow", "m3/s", 2, "float32,big,big,1,0,0,1000,,1200,,,,,");
     single("ahu_on", "", 1, status);

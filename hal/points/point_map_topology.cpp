@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <vector>
 
 #include "hal/points/point_map.hpp"
 #include "hal/points/point_names.hpp"
@@ -15,20 +17,42 @@ constexpr std::array<SignalKind, 8> map_kinds = {SignalKind::room_temp,    Signa
                                                  SignalKind::fcu_on,       SignalKind::power,    SignalKind::mau_temp,
                                                  SignalKind::outdoor_temp, SignalKind::rain};
 
-[[noreturn]] void refuse_missing(const PointMap& map, SignalId id) {
-  const std::string name = point_name(id);
-  if (id.kind == SignalKind::room_temp) {
-    throw InputError(
-        map.file(), fmt::format("no point \"{}\"", name), "a row for it",
-        fmt::format("add the row with its address, type, scale and limits; a zone with several sensors has "
-                    "rows {} and {} instead",
-                    sensor_name(id.place, 'a'), sensor_name(id.place, 'b')));
+[[noreturn]] void refuse_missing_room(const PointMap& map, SignalId id) {
+  throw InputError(map.file(), fmt::format("no point \"{}\"", point_name(id)), "a row for it",
+                   fmt::format("add the row with its address, type, scale and limits; a zone with several sensors has "
+                               "rows {} and {} instead",
+                               sensor_name(id.place, 'a'), sensor_name(id.place, 'b')));
+}
+
+/// `vav_on_2 to vav_on_12, rain`, of signals in their order.
+std::string listed(const std::vector<SignalId>& ids) {
+  std::string text;
+  for (std::size_t first = 0; first < ids.size();) {
+    std::size_t last = first;
+    while (last + 1 < ids.size() && ids[last + 1].kind == ids[first].kind && ids[last + 1].place == ids[last].place + 1)
+      ++last;
+    text += (text.empty() ? "\"" : ", \"") + point_name(ids[first]) + "\"";
+    if (last > first) text += " to \"" + point_name(ids[last]) + "\"";
+    first = last + 1;
   }
-  throw InputError(map.file(), fmt::format("no point \"{}\", and no stand-in for it", name),
-                   "a row for it, or a stand-in in the site file",
-                   fmt::format("add the row with its address, type, scale and limits; where the site has no such "
-                               "sensor, add `{} = {:g}` to [stand_in] of the site file",
-                               name, StandIns::plausible(id.kind).usual));
+  return text;
+}
+
+/// Every signal at once, so that a site is not asked for them one after the other.
+[[noreturn]] void refuse_missing(const PointMap& map, const std::vector<SignalId>& ids) {
+  std::vector<std::string> lines;
+  const bool one = ids.size() == 1;
+  for (const SignalId id : ids) {
+    const std::string name = one || !has_places(id.kind) ? point_name(id) : text_of(id.kind).name;
+    const std::string line = fmt::format("`{} = {:g}`", name, StandIns::plausible(id.kind).usual);
+    if (lines.empty() || lines.back() != line) lines.push_back(line);
+  }
+  throw InputError(
+      map.file(), fmt::format("no point {}, and no stand-in for {}", listed(ids), one ? "it" : "them"),
+      fmt::format("a row for {}, or a stand-in in the site file", one ? "it" : "each"),
+      fmt::format("add the row with its address, type, scale and limits; where the site has no such sensor, add {} to "
+                  "[stand_in] of the site file, and `airside check` says what it costs",
+                  fmt::join(lines, ", ")));
 }
 
 /// A stand-in beside a row would be a second truth.
@@ -95,12 +119,16 @@ bool PointMap::has(SignalId id) const {
 
 void PointMap::check_topology(int vavs, int fcus, int powers, const StandIns& stand_ins) const {
   const SignalCounts counts{vavs, fcus, powers};
+  std::vector<SignalId> missing;
   for (const SignalKind kind : map_kinds) {
     for (int i = 1; i <= counts.of(kind); ++i) {
       const SignalId id{kind, has_places(kind) ? i : 0};
-      if (!has(id) && !stand_ins.of(id)) refuse_missing(*this, id);
+      if (has(id) || stand_ins.of(id)) continue;
+      if (kind == SignalKind::room_temp) refuse_missing_room(*this, id);
+      missing.push_back(id);
     }
   }
+  if (!missing.empty()) refuse_missing(*this, missing);
   if (const Point& setpoint = at("setpoint"); !setpoint.readable() && find("supply_temp") == nullptr) {
     throw InputError(fmt::format("{}:{}, column readback", file_, setpoint.line),
                      "a setpoint that cannot be read back, and no point supply_temp",

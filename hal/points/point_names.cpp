@@ -13,13 +13,14 @@ struct PlacedStem {
   const char* unit;
   SignalKind counted;
 };
-constexpr std::array<PlacedStem, 7> placed_stems = {{{"room_temp", "degc", SignalKind::room_temp},
+constexpr std::array<PlacedStem, 8> placed_stems = {{{"room_temp", "degc", SignalKind::room_temp},
                                                      {"fcu_temp", "degc", SignalKind::fcu_temp},
                                                      {"vav_on", "", SignalKind::vav_on},
                                                      {"fcu_on", "", SignalKind::fcu_on},
                                                      {"power", "kw", SignalKind::power},
                                                      {"damper", "", SignalKind::room_temp},
-                                                     {"zone_setpoint", "degc", SignalKind::room_temp}}};
+                                                     {"zone_setpoint", "degc", SignalKind::room_temp},
+                                                     {"zone_heating_setpoint", "degc", SignalKind::room_temp}}};
 
 struct KnownPoint {
   const char* name;

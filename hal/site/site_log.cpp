@@ -18,8 +18,9 @@ TopologyCounts counts_of(TopologyCounts counts, const PointMap& map, const Stand
     const char* name;
     SideSignal signal;
   };
-  constexpr std::array<Named, 2> placed = {
-      {{"damper_", SideSignal::damper}, {"zone_setpoint_", SideSignal::zone_setpoint}}};
+  constexpr std::array<Named, 3> placed = {{{"damper_", SideSignal::damper},
+                                            {"zone_setpoint_", SideSignal::zone_setpoint},
+                                            {"zone_heating_setpoint_", SideSignal::zone_heating_setpoint}}};
   for (const Named& side : placed) {
     for (int place = 1; place <= counts.vavs; ++place) {
       if (map.find(side.name + std::to_string(place)) != nullptr) counts.sides.push_back({side.signal, place});

@@ -18,9 +18,11 @@ struct DemandSettings {
   double damper_high = 0.90;         ///< a damper that must open further is short of cold air
   double saturation_cost = 4.0;      ///< of a zone's (damper - damper_high)^2, in shares of the mean power
   double warm_cost = 0.5;            ///< of a zone's excess over its band in K, in shares of the mean power
+  double cold_cost = 5.0;            ///< of a zone's lack to its band in K, in shares of the mean power
   double caution = 1.0;              ///< standard deviations of a saving that are not counted
   double move_cost = 0.004;          ///< a K^2 of the setpoint's move, in shares of the mean power
-  double stay_share = 0.01;          ///< a saving below this share of the mean power moves nothing
+  double warm_step_k = 0.6;          ///< at most so much warmer in a cycle; colder is free
+  double stay_share = 0.003;         ///< a saving below this share of the mean power moves nothing
   double recover_cycles = 3;         ///< in which a zone above its setpoint is to be back
   double heat_worth = 1.0;           ///< of a kWh of heat that boxes or preheater add, in kWh of electricity
   double outdoor_share = 0.15;       ///< ventilation's least flow, share of all dampers open
@@ -45,8 +47,10 @@ constexpr auto demand_setting_table = std::to_array<DemandSettingEntry>({
     {"band_damper_high", &DemandSettings::damper_high, nullptr, 0.3, 1},
     {"band_saturation_cost", &DemandSettings::saturation_cost, nullptr, 0, 1000},
     {"band_warm_cost", &DemandSettings::warm_cost, nullptr, 0, 1000},
+    {"band_cold_cost", &DemandSettings::cold_cost, nullptr, 0, 1000},
     {"band_caution", &DemandSettings::caution, nullptr, 0, 5},
     {"band_move_cost", &DemandSettings::move_cost, nullptr, 0, 1000},
+    {"band_warm_step_k", &DemandSettings::warm_step_k, nullptr, 0.1, 20},
     {"band_stay_share", &DemandSettings::stay_share, nullptr, 0, 1},
     {"band_recover_cycles", &DemandSettings::recover_cycles, nullptr, 1, 80},
     {"band_heat_worth", &DemandSettings::heat_worth, nullptr, 0, 10},

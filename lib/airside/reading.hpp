@@ -24,9 +24,11 @@ struct Reading {
   /// Measured supply-air temperature, degC; NaN where there is no sensor. Not a network input.
   double supply_temp_degc = std::numeric_limits<double>::quiet_NaN();
   using Rooms = Eigen::Matrix<double, Layout<T>::rooms, 1>;
-  /// Position of each box's damper, 0..1, and what its zone's own control aims at, degC; NaN where no point shows it.
+  /// Position of each box's damper, 0..1, and what its zone's own control cools and heats to, degC; NaN where no point
+  /// shows it.
   Rooms damper = Rooms::Constant(std::numeric_limits<double>::quiet_NaN());
   Rooms zone_setpoint_degc = Rooms::Constant(std::numeric_limits<double>::quiet_NaN());
+  Rooms zone_heating_setpoint_degc = Rooms::Constant(std::numeric_limits<double>::quiet_NaN());
   double occupied = std::numeric_limits<double>::quiet_NaN();         ///< 1: people are there; 0: nobody; NaN: no point
   double supply_flow_m3s = std::numeric_limits<double>::quiet_NaN();  ///< of supply air
   /// 1: the AHU's fan runs; 0: it rests; NaN where no point shows it.

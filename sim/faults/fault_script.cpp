@@ -89,7 +89,7 @@ std::vector<std::string> fault_signals(const hal::TopologyCounts& counts) {
   std::vector<std::string> names;
   for (int i = 0; i < counts.signals(); ++i) names.push_back(hal::point_name(counts.signal(i)));
   for (const char* single : {"supply_temp", "occupied", "supply_flow", "ahu_on"}) names.emplace_back(single);
-  for (const char* many : {"damper_", "zone_setpoint_"}) {
+  for (const char* many : {"damper_", "zone_setpoint_", "zone_heating_setpoint_"}) {
     for (int place = 1; place <= counts.vavs; ++place) names.push_back(many + std::to_string(place));
   }
   return names;

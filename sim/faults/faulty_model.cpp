@@ -103,7 +103,8 @@ double& FaultyModel::signal(int index) {
   if (index < inputs_without_place + side_without_place) return *single[index];
   index -= inputs_without_place + side_without_place;
   const auto vavs = static_cast<int>(shown_.room_temp_degc.size());
-  std::vector<double>& part = index < vavs ? shown_.damper : shown_.zone_setpoint_degc;
+  std::vector<double>* const of_zones[] = {&shown_.damper, &shown_.zone_setpoint_degc, &shown_.heating_setpoint_degc};
+  std::vector<double>& part = *of_zones[std::min(index / vavs, 2)];
   const auto place = static_cast<std::size_t>(index % vavs);
   return place < part.size() ? part[place] : not_offered_ = std::numeric_limits<double>::quiet_NaN();
 }

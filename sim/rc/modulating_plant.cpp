@@ -243,10 +243,12 @@ void ModulatingPlant::read_sensors() {
   sensors_.vav_on.assign(zones, fan_runs() ? 1.0 : 0.0);
   boxes_.damper.resize(zones);
   boxes_.zone_setpoint_degc.resize(zones);
+  sensors_.heating_setpoint_degc.resize(zones);
   for (std::size_t z = 0; z < zones; ++z) {
     sensors_.room_temp_degc[z] = hundredths(air_degc_[z] + building.temp_noise_sd_k * noise(noise_zone, z));
     boxes_.damper[z] = hundredths(damper_[z]);
     boxes_.zone_setpoint_degc[z] = hundredths(zone_cooling_degc(z));
+    sensors_.heating_setpoint_degc[z] = hundredths(zone_heating_degc(z));
   }
   boxes_.occupied = hour_within(room_.air.occupied_start_h, room_.air.occupied_stop_h) ? 1 : 0;
   boxes_.fan_runs = sensors_.vav_on.front();

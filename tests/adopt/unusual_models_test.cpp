@@ -3,10 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 
 #include "adopt/small_model.hpp"
+#include "sim/energyplus/install.hpp"
+#include "support/program.hpp"
 #include "tools/adopt/adoption.hpp"
 #include "tools/adopt/loop/loop_meters.hpp"
+#include "tools/adopt/sizes.hpp"
 
 namespace airside::tools {
 namespace {
@@ -192,6 +197,27 @@ TEST(UnusualModel, ALoopIsMeteredByItselfWhereNoPlantServesIt) {
   EXPECT_TRUE(served.fans);
   EXPECT_FALSE(served.cooling || served.heating);
   EXPECT_EQ(served.patch["Meter:Custom"].size(), 1U) << "fans alone";
+}
+
+TEST(UnusualModel, AHeatingCoilOfTheLoopIsSizedByTheEngineAtEachStart) {
+  if (!sim::have_energyplus()) GTEST_SKIP() << "no EnergyPlus";
+  const json water = {{"u_factor_times_area_value", "Autosize"}, {"maximum_water_flow_rate", "Autosize"}};
+  const json model = {{"Coil:Heating:Water", {{"main", water}, {"box coil", water}}},
+                      {"AirTerminal:SingleDuct:VAV:Reheat", {{"box", {{"reheat_coil_name", "Box Coil"}}}}}};
+  const test::TemporaryFolder folder;
+  const std::filesystem::path eio = std::filesystem::path(folder.path()) / "eplusout.eio";
+  std::ofstream(eio)
+      << " Component Sizing Information, Coil:Heating:Water, MAIN, Design Size u-factor_times_area_value "
+         "[W/K], 5788.8\n"
+         " Component Sizing Information, Coil:Heating:Water, MAIN, Design Size maximum_water_flow_rate "
+         "[m3/s], 0.0096\n"
+         " Component Sizing Information, Coil:Heating:Water, BOX COIL, Design Size "
+         "u-factor_times_area_value [W/K], 260.4\n";
+  const FoundSizes sizes = sizes_of_run(ModelView(model, "m"), eio, sim::find_energyplus().schema);
+  const json& coils = sizes.patch.at("Coil:Heating:Water");
+  EXPECT_FALSE(coils.at("main").contains("u_factor_times_area_value")) << "its design flow is not its largest flow";
+  EXPECT_DOUBLE_EQ(coils.at("main").at("maximum_water_flow_rate"), 0.0096);
+  EXPECT_DOUBLE_EQ(coils.at("box coil").at("u_factor_times_area_value"), 260.4);
 }
 
 TEST(UnusualModel, LeastOutdoorAirIsOfTheModelOrOfItsSizing) {

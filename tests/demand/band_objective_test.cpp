@@ -240,4 +240,20 @@ TEST(BandObjective, WhereEverySetpointLeavesAZoneShortTheColdestIsChosen) {
   EXPECT_LT(objective.choose({}, building.read({noon.seconds + 8 * cycle_s}), {}).setpoint_degc, 12.6);
 }
 
+TEST(BandObjective, TheAirWarmsByStepsAndCoolsAtOnce) {
+  FormulaBuilding building;
+  BandObjective objective = learned_objective(building);
+  building.outdoor_degc = 16;
+  for (double& q : building.load_k) q *= 0.6;
+  const double free = chosen(objective, building);
+  ASSERT_GT(free, 13.5);
+  DemandChoice from_cold;
+  from_cold.last_degc = 12;
+  EXPECT_LE(chosen(objective, building, {}, from_cold), 12 + DemandSettings{}.warm_step_k + 1e-9);
+  DemandChoice from_warm;
+  from_warm.last_degc = 18;
+  building.setpoint_degc = 22;  // every zone is 2 K too warm
+  EXPECT_LT(chosen(objective, building, {}, from_warm), 18 - 2 * DemandSettings{}.warm_step_k);
+}
+
 }  // namespace

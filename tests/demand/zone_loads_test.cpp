@@ -110,4 +110,63 @@ TEST(ZoneLoads, AZoneThatIsHardlyCooledAtAllIsNotHeatedForThat) {
   EXPECT_EQ(loads.heating_share(0, 22, 30), 1);
 }
 
+/// A zone at rest between its setpoints, whose thermostat heats to 21.
+ZoneLoads zone_with_heating(double q) {
+  ZoneLoads loads = learned_zone(0.2, q);
+  loads.note_setpoint(0, 24);
+  loads.note_heating(0, 21);
+  loads.note_free_load(0, 0);
+  return loads;
+}
+
+TEST(ZoneLoads, WhereTheHeatingSetpointIsShownAZoneHeatsThere) {
+  const ZoneLoads loads = zone_with_heating(1);
+  EXPECT_EQ(loads.heating_share(0, 21.0, 24), 1);
+  EXPECT_EQ(loads.heating_share(0, 21.5, 24), 0);
+  ZoneLoads hidden = learned_zone(0.2, 1);
+  hidden.note_setpoint(0, 24);
+  EXPECT_EQ(hidden.heating_share(0, 21.0, 24), 0) << "a zone that was not seen to be held is not thought to heat";
+}
+
+TEST(ZoneLoads, ColderAirHeatsOnlyAZoneThatFallsToWhereItHeats) {
+  // With a load of 2 K a damper at 0.3 floats at A + 6.7: above 21 it takes no heat.
+  const ZoneLoads loads = zone_with_heating(2);
+  const std::vector<double> room{22.0}, set{24.0}, damper{0.3}, heats{21.0};
+  const ZoneSignals zones{room, set, damper, heats};
+  EXPECT_EQ(loads.heat_k(zones, 0, 16, 0.3), 0);
+  EXPECT_NEAR(loads.heat_k(zones, 0, 12, 0.3), 0.3 * (21 - 12) - loads.load_k(0), 1e-9);
+}
+
+TEST(ZoneLoads, OfAHeatedZoneTheLastFreeLoadIsBelievedLessAndLess) {
+  ZoneLoads loads = zone_with_heating(2);
+  const std::vector<double> room{21.0}, set{24.0}, damper{0.3}, heats{21.0};
+  const ZoneSignals zones{room, set, damper, heats};
+  const double at_once = loads.heat_k(zones, 0, 14, 0.3);
+  for (int i = 0; i < 80; ++i) loads.note_free_load(0, 1);
+  EXPECT_GT(loads.heat_k(zones, 0, 14, 0.3), at_once + 1);
+  EXPECT_NEAR(loads.heat_k(zones, 0, 14, 0.3), 0.3 * (21 - 14), 0.01);
+}
+
+TEST(ZoneLoads, AZoneThatIsTooColdWantsWarmerAir) {
+  const ZoneLoads loads = zone_with_heating(1);
+  const std::vector<double> cold{20.0}, held{21.0}, set{24.0}, damper{0.15}, heats{21.0};
+  const ZoneSignals zones{cold, set, damper, heats};
+  const double colder = loads.forecast(settings, zones, 0, 13, 1, 0).short_k;
+  const double warmer = loads.forecast(settings, zones, 0, 17, 1, 0).short_k;
+  EXPECT_GT(colder, warmer);
+  EXPECT_GT(warmer, 0);
+  EXPECT_EQ(loads.forecast(settings, {held, set, damper, heats}, 0, 13, 1, 0).short_k, 0);
+  EXPECT_EQ(loads.forecast(settings, {cold, set, damper}, 0, 13, 1, 0).short_k, 0) << "no point shows where it heats";
+}
+
+TEST(ZoneLoads, AZoneThatTheWarmestAirDoesNotWarmCountsLess) {
+  ZoneLoads loads = zone_with_heating(1);
+  const std::vector<double> room{18.0}, set{24.0}, damper{0.15}, heats{21.0};
+  const ZoneSignals zones{room, set, damper, heats};
+  for (int i = 0; i < 40; ++i) loads.note_cold_reach(settings, zones, 0, true);
+  EXPECT_NEAR(loads.cold_weight(0), 0.5, 0.02);
+  for (int i = 0; i < rows_per_day; ++i) loads.note_cold_reach(settings, zones, 0, false);
+  EXPECT_NEAR(loads.cold_weight(0), 1, 1e-9);
+}
+
 }  // namespace

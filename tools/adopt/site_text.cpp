@@ -179,6 +179,11 @@ std::string adopted_points_text(const Adoption& a) {
     if (a.loop.terminals[n].thermostat)
       rows.add(fmt::format("zone_setpoint_{}", n + 1), "degc", 1, "int16,big,big,0.01,0,0,60,,1200,0x8000,,,,");
   }
+  for (std::size_t n = 0; n < boxes; ++n) {
+    if (a.loop.terminals[n].thermostat)
+      rows.add(fmt::format("zone_heating_setpoint_{}", n + 1), "degc", 1,
+               "int16,big,big,0.01,0,-60,60,,1200,0x8000,,,,");
+  }
   if (a.shows_people()) rows.add("occupied", "", 1, status);
   rows.add("supply_flow", "m3/s", 2, "float32,big,big,1,0,0,1000,,1200,,,,,");
   if (!a.loop.fan.name.empty()) rows.add("ahu_on", "", 1, status);

@@ -59,6 +59,16 @@ bool keeps_autosize(const std::string& type) {
   return false;
 }
 
+/// With a UA written hard the engine takes a water coil's largest air flow for its design flow: behind a fan whose flow
+/// modulates a heating coil then gave 164 kW where it has 302. Boxes tell the engine their own flow.
+bool keeps_autosize(const ModelView& model, const ModelObject& object, const std::string& field) {
+  if (!same_name(object.type, "Coil:Heating:Water") || field != "u_factor_times_area_value") return false;
+  for (const ModelObject& box : model.all_of("AirTerminal:")) {
+    if (same_name(box.text("reheat_coil_name"), object.name)) return false;
+  }
+  return true;
+}
+
 bool is_autosize(const json& value) { return value.is_string() && same_name(value.get<std::string>(), "Autosize"); }
 
 }  // namespace
@@ -71,6 +81,10 @@ FoundSizes sizes_of_run(const ModelView& model, const std::filesystem::path& eio
     json fields = json::object();
     for (const auto& [field, value] : object.fields->items()) {
       if (!is_autosize(value)) continue;
+      if (keeps_autosize(model, object, field)) {
+        ++out.open;
+        continue;
+      }
       const auto size = sizes.find(engine_upper(object.type) + "," + engine_upper(object.name) + "," + field);
       if (size == sizes.end()) {
         ++out.open;

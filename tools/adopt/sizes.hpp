@@ -12,7 +12,7 @@ namespace airside::tools {
 struct FoundSizes {
   nlohmann::json patch = nlohmann::json::object();  ///< a merge patch on the model
   int written = 0;
-  int open = 0;  ///< autosized fields for which the engine reports no size of that name: they stay so
+  int open = 0;  ///< autosized fields that stay so: without a reported size, or whose written size means another thing
 };
 
 /// Takes the sizes of a run's eplusout.eio. Sizing objects keep their autosized fields: they are the rule of the

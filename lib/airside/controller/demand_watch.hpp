@@ -32,6 +32,7 @@ class DemandWatch {
       room_[i] = valid(k);
       damper_[i] = within(sensed.damper(k), 0.0, 1.0);
       setpoint_[i] = within(sensed.zone_setpoint_degc(k), 5.0, 45.0);
+      heating_[i] = within(sensed.zone_heating_setpoint_degc(k), 5.0, 45.0);
     }
     meters_ = static_cast<std::size_t>(shape_in<T>(s.shape).powers);
     for (std::size_t i = 0; i < meters_; ++i) power_[i] = valid(L::power + static_cast<Eigen::Index>(i));
@@ -42,6 +43,7 @@ class DemandWatch {
     reading_.outdoor_degc = valid(L::outdoor_temp);
     reading_.flow_m3_s = within(sensed.supply_flow_m3s, 0.0, 1000.0);
     reading_.coldest = cycle.last_setpoint_degc <= s.action_min_degc + 0.05;
+    reading_.warmest = cycle.last_setpoint_degc >= s.action_max_degc - 0.05;
   }
   DemandWatch(const DemandWatch&) = delete;
   DemandWatch& operator=(const DemandWatch&) = delete;
@@ -49,7 +51,8 @@ class DemandWatch {
   /// `counts`: false where no air flows, or nothing may be learned from the row.
   DemandReading reading(bool counts) const {
     DemandReading at = reading_;
-    at.zones = {{room_.data(), rooms_}, {setpoint_.data(), rooms_}, {damper_.data(), rooms_}};
+    at.zones = {
+        {room_.data(), rooms_}, {setpoint_.data(), rooms_}, {damper_.data(), rooms_}, {heating_.data(), rooms_}};
     at.power_kw = {power_.data(), meters_};
     at.flows = counts;
     return at;
@@ -71,7 +74,7 @@ class DemandWatch {
   const ControllerSettings& settings_;
   const CycleState<T>& cycle_;
   std::size_t rooms_ = 0, meters_ = 0;
-  std::array<double, max_zones> room_{}, setpoint_{}, damper_{};
+  std::array<double, max_zones> room_{}, setpoint_{}, damper_{}, heating_{};
   std::array<double, static_cast<std::size_t>(std::max(1, T::powers))> power_{};
   DemandReading reading_;
 };

@@ -90,12 +90,14 @@ class BandObjective {
     const bool starts = at.time.seconds - rested_at_s_ <= 2 * cycle_s;
     rested_at_s_ = never;
     if (!carries(at) || !std::isfinite(at.outdoor_degc)) return best;
-    const int n = std::clamp(static_cast<int>(std::lround((c.max_degc - c.min_degc) / c.step_k)), 0, 400);
+    const bool moves = c.last_degc >= c.min_degc && c.last_degc <= c.max_degc && !starts;
+    const double warmest = moves ? std::min(c.max_degc, c.last_degc + s.warm_step_k) : c.max_degc;
+    const int n = std::clamp(static_cast<int>(std::lround((warmest - c.min_degc) / c.step_k)), 0, 400);
     for (int i = 0; i <= n; ++i) {
-      const DemandForecast f = evaluate(s, at, c, std::min(c.min_degc + i * c.step_k, c.max_degc));
+      const DemandForecast f = evaluate(s, at, c, std::min(c.min_degc + i * c.step_k, warmest));
       if (std::isfinite(f.cost_kw) && !(f.cost_kw >= best.cost_kw && std::isfinite(best.setpoint_degc))) best = f;
     }
-    if (c.last_degc >= c.min_degc && c.last_degc <= c.max_degc && !starts) {
+    if (moves) {
       const DemandForecast stays = evaluate(s, at, c, c.last_degc);
       if (stays.cost_kw <= best.cost_kw + s.stay_share * power_.mean_kw()) best = stays;
     }
@@ -137,9 +139,10 @@ class BandObjective {
         o.air.cold_share += heats;
         o.air.ventilation += s.outdoor_share;
       }
-      cold += heats * f.damper * (at.zones.temp_degc[i] - supply_degc);
+      cold += loads_.heat_k(at.zones, i, supply_degc, f.damper);
       const double excess_cost = s.warm_cost * std::min(f.excess_k, 2.0);
       o.penalty += loads_.weight(i) * (s.saturation_cost * saturation(f.wanted - s.damper_high) + excess_cost);
+      o.penalty += loads_.cold_weight(i) * s.cold_cost * std::min(f.short_k, 2.0);
       o.most_open = std::max(o.most_open, f.wanted);
     }
     if (seen == 0) {
@@ -213,6 +216,8 @@ class BandObjective {
       loads_.note_damper(i, at.zones.damper[i]);
       loads_.note_setpoint(i, at.zones.setpoint_degc[i]);
       loads_.note_reach(s, at.zones, i, at.coldest);
+      loads_.note_heating(i, zone_heating_degc(at.zones, i));
+      loads_.note_cold_reach(s, at.zones, i, at.warmest);
     }
   }
 
@@ -225,8 +230,9 @@ class BandObjective {
     for (std::size_t i = 0; i < n; ++i) {
       const double moved_k = at.zones.temp_degc[i] - begin_temp_[i];
       loads_.update(s, i, demand_sum_[i] / rows_, moved_k);
-      if (zone_is_seen(at.zones, i))
-        loads_.note_held(i, at.zones.temp_degc[i], moved_k, at.zones.damper[i], at.zones.setpoint_degc[i]);
+      if (!zone_is_seen(at.zones, i)) continue;
+      loads_.note_free_load(i, loads_.heating_share(i, begin_temp_[i], at.zones.setpoint_degc[i]));
+      loads_.note_held(i, at.zones.temp_degc[i], moved_k, at.zones.damper[i], at.zones.setpoint_degc[i]);
     }
     loads_.note_profile(at.time, n, mean_setpoint_degc(at));
   }

@@ -19,6 +19,7 @@ struct DemandReading {
   double flow_m3_s = std::numeric_limits<double>::quiet_NaN();  ///< of the supply fan
   bool flows = true;
   bool coldest = false;  ///< the setpoint applied until now is the lowest that may be chosen
+  bool warmest = false;  ///< and the highest
 };
 
 /// What was expected of the chosen setpoint.

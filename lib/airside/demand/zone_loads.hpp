@@ -20,6 +20,7 @@ struct ZoneForecast {
   double wanted = 0;    ///< damper wanted, may exceed 1
   double damper = 0;    ///< damper reached
   double excess_k = 0;  ///< of the zone's temperature over its band after a cycle
+  double short_k = 0;   ///< of the zone's temperature below its band after a cycle, where its heating is at its limit
 };
 
 /// dT = c - b u,  u = damper (T - T_supply); load q = c / b: the u that holds the temperature.
@@ -69,7 +70,7 @@ class ZoneLoads {
   /// whose setpoint falls opens at once.
   double setpoint_fall_k(CivilTime t, double mean_setpoint_degc) const {
     double lowest = 0;
-    for (int ahead = 1; ahead <= 2; ++ahead) {
+    for (int ahead = 1; ahead <= 5; ++ahead) {
       const double then = setpoint_profile_[static_cast<std::size_t>((cycle_of_day(t) + ahead) % cycles_per_day)];
       if (then > 0) lowest = std::min(lowest, then - mean_setpoint_degc);
     }
@@ -97,6 +98,20 @@ class ZoneLoads {
   }
   double weight(std::size_t i) const { return zones_[i].weight; }
 
+  /// The same for a zone that stays too cold while the warmest air is blown: a reheat valve that is shut for good.
+  void note_cold_reach(const DemandSettings& s, const ZoneSignals& zones, std::size_t i, bool warmest) {
+    double& weight = zones_[i].cold_weight;
+    const bool helpless = warmest && zones.temp_degc[i] < zone_heating_degc(zones, i) - s.band_k;
+    weight = helpless ? weight * 0.983 : std::min(1.0, weight + 1.0 / rows_per_day);
+  }
+  double cold_weight(std::size_t i) const { return zones_[i].cold_weight; }
+
+  /// The highest heating setpoint that a zone is given: in setback it lies far below.
+  void note_heating(std::size_t i, double heating_degc) {
+    double& most = zones_[i].most_heating_degc;
+    if (std::isfinite(heating_degc)) most = std::max(most - 0.0005, heating_degc);
+  }
+
   bool is_set_back(std::size_t i, double setpoint_degc) const {
     return setpoint_degc > zones_[i].least_setpoint_degc + 1.0;
   }
@@ -110,12 +125,38 @@ class ZoneLoads {
     if (held) zone.held_degc = std::min(zone.held_degc, room_degc);
   }
 
-  /// How near zone i is to where it heats: some 3 K below where it cools, and where it was seen to be held. In setback
-  /// as well: a zone that is cooled that far in the evening is heated in the morning.  0..1.
+  /// How near zone i is to where it heats: by its heating setpoint where a point shows it, else some 3 K below where it
+  /// cools, and where it was seen to be held. In setback as well: a zone that is cooled that far in the evening is
+  /// heated in the morning.  0..1.
   double heating_share(std::size_t i, double room_degc, double setpoint_degc) const {
+    const double heats = zones_[i].most_heating_degc;
+    if (heats > 0) return std::clamp((heats + 0.4 - room_degc) / 0.3, 0.0, 1.0);
     const double cools = std::min({setpoint_degc, zones_[i].least_setpoint_degc, warmest_cooling_degc});
     const double held = std::clamp((zones_[i].held_degc + 0.4 - room_degc) / 0.3, 0.0, 1.0);
     return std::clamp(cools - 1.5 - room_degc, 0.0, 1.0) * held;
+  }
+
+  /// The load of a zone that floats, after a cycle that began with the zone so near to where it heats: what it has
+  /// without heat. In a heated zone the load holds the heat as well, so the last one seen is kept, and believed less.
+  void note_free_load(std::size_t i, double heating_share) {
+    Zone& zone = zones_[i];
+    if (heating_share < 0.5) {
+      zone.free_load_k += zone.has_free_load != 0 ? 0.5 * (zone.load_k - zone.free_load_k) : zone.load_k;
+      zone.has_free_load = 1;
+    } else {
+      zone.free_load_k *= forget_free_load;
+    }
+  }
+
+  /// Heat that zone i takes at `supply_degc` with its damper at its least, in units of its open box, K:
+  ///   (d- (T_heat - A) - q_free)+  where a point shows T_heat, else d (T - A) as far as it is near where it heats.
+  double heat_k(const ZoneSignals& zones, std::size_t i, double supply_degc, double damper) const {
+    const double room = zones.temp_degc[i], heats_to = zones_[i].most_heating_degc;
+    const double share = heating_share(i, room, zones.setpoint_degc[i]);
+    const double all = share * damper * (room - supply_degc);
+    if (!(heats_to > 0) || zones_[i].has_free_load == 0) return all;
+    const double free_k = share < 0.5 ? zones_[i].load_k : zones_[i].free_load_k;
+    return std::max(0.0, damper * (heats_to - supply_degc) - std::max(0.0, free_k));
   }
 
   bool is_known(std::size_t i) const { return zones_[i].seen != 0; }
@@ -138,11 +179,16 @@ class ZoneLoads {
     f.damper = std::clamp(f.wanted, least, 1.0);
     const double next = room + b * (q - f.damper * (room - supply_degc));
     f.excess_k = f.wanted > 1 ? std::max(0.0, next - set - s.band_k) : 0.0;
+    const double cold_degc = zone_heating_degc(zones, i) - s.band_k;
+    const double falls_k = b * f.damper * (room - supply_degc) - zones_[i].model.theta()[1];
+    const double colder = room - s.recover_cycles * falls_k;
+    f.short_k = room < cold_degc ? std::max(0.0, cold_degc - colder) : 0.0;
     return f;
   }
 
  private:
   static constexpr double warmest_cooling_degc = 25;  ///< a room that is cooled at 30 is not heated at 27
+  static constexpr double forget_free_load = 0.92;    ///< a cycle: half in two and a half hours
   static constexpr double credited_rise_k = 0.3;      ///< in a cycle; a zone that rises faster is warming up
 
   struct Zone {
@@ -150,7 +196,10 @@ class ZoneLoads {
     double load_k = 0;
     double least_damper = 1.0;
     double least_setpoint_degc = 100.0;
-    double weight = 1.0;
+    double weight = 1.0, cold_weight = 1.0;
+    double most_heating_degc = 0;  ///< 0: no point shows it
+    double free_load_k = 0;        ///< see note_free_load()
+    std::int64_t has_free_load = 0;
     double held_degc = 100.0;  ///< see note_held()
     std::int64_t seen = 0;
   };

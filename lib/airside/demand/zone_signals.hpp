@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <span>
 
 namespace airside {
@@ -14,6 +15,7 @@ struct ZoneSignals {
   std::span<const double> temp_degc;
   std::span<const double> setpoint_degc;  ///< above which the box cools
   std::span<const double> damper;
+  std::span<const double> heating_degc{};  ///< below which the box heats; may be empty
   std::size_t count() const { return temp_degc.size(); }
 };
 
@@ -21,6 +23,11 @@ struct ZoneSignals {
 inline bool zone_is_seen(const ZoneSignals& zones, std::size_t i) {
   return i < zones.damper.size() && i < zones.setpoint_degc.size() && std::isfinite(zones.temp_degc[i]) &&
          std::isfinite(zones.setpoint_degc[i]) && std::isfinite(zones.damper[i]);
+}
+
+/// Below which zone i is heated, degC; NaN where no point shows it.
+inline double zone_heating_degc(const ZoneSignals& zones, std::size_t i) {
+  return i < zones.heating_degc.size() ? zones.heating_degc[i] : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace airside
