@@ -149,7 +149,7 @@ TEST(Advice, IsFoundAgainOnThePageAndNamedInTheSiteFile) {
   EXPECT_TRUE(says(adopted_site_text(a), "\n# Its advice: leave the setpoint to a schedule.\n"));
   std::ofstream(folder.path() / "adopt.md") << "mine\n## Is a setpoint worth it\n\nNo.\n";
   EXPECT_EQ(advice_of_page(folder.path() / "adopt.md"), "") << "what somebody else wrote is not repeated";
-  EXPECT_EQ(advice_of_page(folder.path() / "none.md"), "");
+  EXPECT_EQ(advice_of_page(folder.path() / "none" / "adopt.md"), "");
 }
 
 /// Two days at one step an hour, one zone with people from 8 to 12 who want 20 to 24 degC.
