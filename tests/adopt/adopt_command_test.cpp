@@ -45,6 +45,9 @@ TEST_F(AdoptCommand, WritesASiteAndLeavesItToItsOwner) {
   const auto said = nlohmann::json::parse(first.out);
   EXPECT_EQ(said["air_loop"], "Anlage 1");
   EXPECT_EQ(said["site"], "site/site.toml");
+  EXPECT_EQ(said["advice"]["verdict"], "schedule")
+      << "the loop is weak, and the coldest air holds its rooms best: " << said["advice"];
+  EXPECT_EQ(said["autumn"]["constants"].size(), 4U);
   const auto names = names_in(folder_.path() / "site");
   EXPECT_EQ(names, (std::set<std::string>{"site.toml", "points.csv", "model.epJSON", "twin.patch.json", "adopt.md",
                                           said["weather"].get<std::string>()}));
@@ -55,6 +58,19 @@ TEST_F(AdoptCommand, WritesASiteAndLeavesItToItsOwner) {
   EXPECT_EQ(text_of_file(folder_.path() / "site" / "adopt.md"), "mine");
   EXPECT_EQ(adopt(template_model, {"--force"}).code, 0);
   EXPECT_NE(text_of_file(folder_.path() / "site" / "adopt.md"), "mine");
+}
+
+TEST_F(AdoptCommand, AdviceIsPrintedAndRepeatedByACheckOfTheTwin) {
+  AIRSIDE_NEEDS_ADOPT_ENGINE();
+  const Outcome adopted = adopt(template_model);
+  ASSERT_EQ(adopted.code, 0) << adopted.err;
+  const auto at = adopted.out.find("advice: ");
+  ASSERT_NE(at, std::string::npos) << adopted.out;
+  const std::string headline = adopted.out.substr(at + 8, adopted.out.find('\n', at) - at - 8);
+  EXPECT_NE(adopted.err.find("18 runs of the engine"), std::string::npos) << adopted.err;
+  const Outcome check = run_program("airside", {"check", "site/site.toml", "--twin"}, folder_.path(), scratch_.path());
+  EXPECT_EQ(check.code, 0) << check.out << check.err;
+  EXPECT_NE(check.out.find("adopt.md: " + headline), std::string::npos) << check.out;
 }
 
 TEST_F(AdoptCommand, RefusesMissingWeather) {

@@ -13,6 +13,7 @@
 #include "sim/json/merge_patch.hpp"
 #include "support/program.hpp"
 #include "tools/adopt/adoption.hpp"
+#include "tools/adopt/advice.hpp"
 #include "tools/run/site.hpp"
 
 namespace airside::tools {
@@ -25,22 +26,24 @@ struct Building {
   const char* shape;  ///< how its topology begins
   TerminalKind kind;
   const char* weather;  ///< of the engine's package; empty: the nearest at hand
+  Verdict verdict;
 };
 
 void PrintTo(const Building& b, std::ostream* out) { *out << b.name; }
 
 const Building buildings[] = {
-    {"VavWithReheat", "RefBldgMediumOfficeNew2004_Chicago", "VAV_1", "5vav-0fcu-", TerminalKind::reheat, ""},
+    {"VavWithReheat", "RefBldgMediumOfficeNew2004_Chicago", "VAV_1", "5vav-0fcu-", TerminalKind::reheat, "",
+     Verdict::control},
     {"VavWithReheatInAnotherClimate", "ASHRAE901_OfficeMedium_STD2019_Denver", "PACU_VAV_top", "5vav-0fcu-",
-     TerminalKind::reheat, "USA_FL_Tampa.Intl.AP.722110_TMY3.epw"},
-    {"SingleZoneOfSeveralLoops", "RefBldgSmallOfficeNew2004_Chicago", "PSZ-AC:1", "1vav-0fcu-", TerminalKind::fixed,
-     ""},
+     TerminalKind::reheat, "USA_FL_Tampa.Intl.AP.722110_TMY3.epw", Verdict::schedule},
+    {"SingleZoneOfSeveralLoops", "RefBldgSmallOfficeNew2004_Chicago", "PSZ-AC:1", "1vav-0fcu-", TerminalKind::fixed, "",
+     Verdict::control},
     {"PackagedUnitByLoad", "ASHRAE901_RestaurantSitDown_STD2019_Denver", "PSZ-AC_1:1", "1vav-0fcu-",
-     TerminalKind::fixed, ""},
-    {"ThirteenZones", "ASHRAE901_HotelLarge_STD2019_Denver", "VAV WITH REHEAT", "13vav-0fcu-", TerminalKind::reheat,
-     ""},
+     TerminalKind::fixed, "", Verdict::own_control},
+    {"ThirteenZones", "ASHRAE901_HotelLarge_STD2019_Denver", "VAV WITH REHEAT", "13vav-0fcu-", TerminalKind::reheat, "",
+     Verdict::control},
     {"FixedFlowsBesideFanCoils", "RefBldgLargeHotelNew2004_Chicago", "FLR_3_DOAS", "6vav-6fcu-", TerminalKind::fixed,
-     ""},
+     "", Verdict::schedule},
 };
 
 /// The written files, read as the programs read them.
@@ -63,8 +66,8 @@ void check_site(const Adoption& a, const std::filesystem::path& folder) {
 /// The supply follows the setpoint, and the numbers of the site are those of a building.
 void check_choices(const Adoption& a) {
   const SiteChoices& c = a.choices;
-  EXPECT_TRUE(a.summer.known);
-  EXPECT_NEAR(a.summer.supply_gain, 1.0, 0.15);
+  EXPECT_TRUE(a.response(Season::summer).known);
+  EXPECT_NEAR(a.response(Season::summer).supply_gain, 1.0, 0.15);
   EXPECT_GE(c.target_degc, 20);
   EXPECT_LE(c.target_degc, 26);
   EXPECT_LT(c.min_degc, c.max_degc);
@@ -74,6 +77,27 @@ void check_choices(const Adoption& a) {
   EXPECT_FALSE(c.powers.empty());
   EXPECT_FALSE(a.loop.fan.name.empty());
   EXPECT_GT(a.sizes.written, 20);
+}
+
+/// What is advised, and that the page says it; figures of the three loops that docs/adopting.md shows.
+void check_advice(const Adoption& a, const std::filesystem::path& folder, Verdict verdict) {
+  const Advice advice = advice_on(a);
+  EXPECT_EQ(advice.verdict, verdict) << text_of(advice.verdict) << ": " << advice.why;
+  EXPECT_EQ(advice_of_page(folder / "adopt.md"), advice.headline + ". " + advice.why);
+  ASSERT_EQ(a.seasons.size(), 3U);
+  for (const Comparison& c : a.seasons) {
+    ASSERT_TRUE(c.known()) << text_of(c.season);
+    EXPECT_EQ(c.constants.size(), 4U);
+    EXPECT_GT(c.own.kwh, 0);
+    EXPECT_GT(c.schedule.kwh, 0);
+  }
+  const Comparison& summer = a.seasons[0];
+  if (verdict == Verdict::own_control) {
+    EXPECT_GT(summer.best().figures.kwh, 2 * summer.own.kwh);
+  } else {
+    EXPECT_NEAR(summer.schedule.kwh, summer.own.kwh, 0.1 * summer.own.kwh)
+        << "its schedule is the model's own setpoint";
+  }
 }
 
 class ForeignBuilding : public testing::TestWithParam<Building> {};
@@ -90,6 +114,7 @@ TEST_P(ForeignBuilding, BecomesASite) {
   EXPECT_EQ(a.loop.kind(), b.kind) << text_of(a.loop.kind());
   check_choices(a);
   check_site(a, request.folder);
+  check_advice(a, request.folder, b.verdict);
 }
 
 std::string building_name(const testing::TestParamInfo<Building>& info) { return info.param.name; }

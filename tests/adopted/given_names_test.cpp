@@ -109,6 +109,20 @@ TEST_F(GivenNames, OfTheSiteFileReplaceTheProjectsOwn) {
   EXPECT_EQ(log, text_of_file(folder_.path() / "ours.csv"));
 }
 
+TEST_F(GivenNames, OneRunStartsTheEngineOnce) {
+  write("ours", model_, "");
+  const fs::path worker = folder_.path() / "worker", starts = folder_.path() / "starts";
+  std::ofstream(worker) << fmt::format("#!/bin/sh\necho start >> {}\nexec {}/airside-energyplus \"$@\"\n",
+                                       starts.string(), AIRSIDE_BIN_DIR);
+  fs::permissions(worker, fs::perms::owner_all);
+  setenv("AIRSIDE_ENERGYPLUS_WORKER", worker.c_str(), 1);
+  const Outcome outcome = simulate("ours");
+  unsetenv("AIRSIDE_ENERGYPLUS_WORKER");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("on EnergyPlus 25.2, twin"), std::string::npos) << outcome.out;
+  EXPECT_EQ(text_of_file(starts), "start\n") << "the plant's description is that of the run";
+}
+
 TEST_F(GivenNames, AreNeededByAModelWhoseNamesAreNotTheProjects) {
   write("theirs", renamed(model_), "");
   const Outcome refused = simulate("theirs");

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 
@@ -14,6 +15,7 @@
 #include "sim/json/merge_patch.hpp"
 #include "tools/adopt/model/foreign_file.hpp"
 #include "tools/adopt/model/weather_choice.hpp"
+#include "tools/adopt/season_runs.hpp"
 #include "tools/adopt/site_text.hpp"
 
 namespace airside::tools {
@@ -22,6 +24,23 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+constexpr const char* own_control = "the model's own control";
+constexpr std::array compared_seasons = {Season::summer, Season::winter, Season::autumn};
+/// The model's own control, then four setpoints and the schedule, in each season.
+constexpr int planned_runs = 3 + 5 * static_cast<int>(compared_seasons.size());
+
+std::string held_text(double degc) { return fmt::format("held at {:.1f} degC", degc); }
+
+/// The range's ends and two between.
+std::vector<double> held_setpoints(const SiteChoices& c) {
+  std::vector<double> all;
+  for (int n = 0; n < 4; ++n) {
+    const double degc = n == 0 ? c.min_degc : n == 3 ? c.max_degc : c.min_degc + n * (c.max_degc - c.min_degc) / 3;
+    all.push_back(n == 0 || n == 3 ? degc : std::round(2 * degc) / 2);
+  }
+  return all;
+}
 
 /// Schedules may name limits that are not there: the engine only warns, so the name is dropped.
 json without_lost_limits(const ModelView& model, std::vector<std::string>& notes) {
@@ -50,27 +69,6 @@ void refuse_full_folder(const AdoptRequest& request) {
                         "choose another output folder, or give --force to replace files of the same names");
 }
 
-/// The engine's runs of one adoption.
-class Runs {
- public:
-  Runs(const AdoptRequest& request, const sim::EnergyPlusInstall& install, const WeatherChoice& weather)
-      : request_(request), install_(install), weather_(weather) {}
-
-  /// A week or less from a Monday on. Files stay in run_folder(name).
-  Observation run(const json& model, const AirLoop& loop, bool summer, int days, const std::string& name) {
-    const bool july = summer == (weather_.latitude_deg >= 0);
-    const ObservationPlan plan{&model, &loop, weather_.file, july ? 7 : 1, july ? 12 : 11, days};
-    return observe(plan, install_, run_folder(name), request_.model.string());
-  }
-  fs::path run_folder(const std::string& name) const { return folder_.path() / name; }
-
- private:
-  const AdoptRequest& request_;
-  const sim::EnergyPlusInstall& install_;
-  const WeatherChoice& weather_;
-  sim::RunFolder folder_;
-};
-
 json patch_of(const Adoption& a, const json& repairs) {
   json patch = repairs;
   patch.merge_patch(json::object());
@@ -96,18 +94,11 @@ json patch_of(const Adoption& a, const json& repairs) {
   return patch;
 }
 
-/// The patched model with the setpoint held at a value.
-json held_at(const json& patched, const Adoption& a, double degc) {
-  json model = patched;
-  model["Schedule:Constant"][a.setpoint.schedule]["hourly_value"] = degc;
-  return model;
-}
-
 /// The range's ends where the plant reaches them in some season; else what it reaches.
 void fit_range(Adoption& a) {
   SiteChoices& c = a.choices;
   double low = 1e9, high = -1e9;
-  for (const Response& r : {a.summer, a.winter}) {
+  for (const Response& r : {a.response(Season::summer), a.response(Season::winter)}) {
     if (!r.known || !r.has_authority()) continue;
     low = std::min(low, r.supply_low_degc);
     high = std::max(high, r.supply_high_degc);
@@ -147,31 +138,73 @@ std::string first_grave_line(const std::string& words) {
   return begin == std::string::npos ? words : words.substr(begin, words.find('\n', begin) - begin);
 }
 
+constexpr int trial_days = 2;
+
+/// The same days of a season with the setpoint at the ends of the probed range.
+struct SeasonProbe {
+  Observation low, high;
+};
+
+struct Probes {
+  json patched;  ///< the model as runs take it
+  std::vector<SeasonProbe> seasons;
+};
+
 /// Runs the patched model at both ends of the range; a model that does not run with hard sizes goes without.
-void probe(Adoption& a, const json& model, const json& repairs, Runs& runs,
-           const std::function<void(const std::string&)>& say) {
+Probes probe(Adoption& a, const json& model, const json& repairs, SeasonRuns& runs) {
   a.probed_min_degc = a.choices.min_degc;
   a.probed_max_degc = a.choices.max_degc;
-  json patched = sim::merge_patched(model, patch_of(a, repairs), "twin.patch.json");
-  say("two summer days at the lowest setpoint");
-  Observation low;
-  try {
-    low = runs.run(held_at(patched, a, a.probed_min_degc), a.loop, true, 2, "low");
-  } catch (const hal::InputError& error) {
-    if (a.sizes.written == 0) throw;
-    a.notes.push_back("with the sizes written hard the engine does not run it, so they stay autosized: " +
-                      first_grave_line(error.found()));
-    a.sizes = {json::object(), 0, a.sizes.open + a.sizes.written};
-    patched = sim::merge_patched(model, patch_of(a, repairs), "twin.patch.json");
-    low = runs.run(held_at(patched, a, a.probed_min_degc), a.loop, true, 2, "low");
+  Probes out;
+  out.patched = sim::merge_patched(model, patch_of(a, repairs), "twin.patch.json");
+  const auto at = [&](double degc, Season season) {
+    return runs.run(held_at(out.patched, a.setpoint.schedule, degc), a.loop, season, trial_days, held_text(degc));
+  };
+  for (const Season season : compared_seasons) {
+    SeasonProbe ends;
+    try {
+      ends.low = at(a.probed_min_degc, season);
+    } catch (const hal::InputError& error) {
+      if (a.sizes.written == 0) throw;
+      a.notes.push_back("with the sizes written hard the engine does not run it, so they stay autosized: " +
+                        first_grave_line(error.found()));
+      a.sizes = {json::object(), 0, a.sizes.open + a.sizes.written};
+      out.patched = sim::merge_patched(model, patch_of(a, repairs), "twin.patch.json");
+      ends.low = at(a.probed_min_degc, season);
+    }
+    ends.high = at(a.probed_max_degc, season);
+    Comparison found;
+    found.season = season;
+    found.response = response_of(ends.low, ends.high, a.choices);
+    a.seasons.push_back(std::move(found));
+    out.seasons.push_back(std::move(ends));
   }
-  say("two summer days at the highest setpoint");
-  const Observation high = runs.run(held_at(patched, a, a.probed_max_degc), a.loop, true, 2, "high");
-  a.summer = response_of(low, high, a.choices);
-  say("the same in winter");
-  const Observation cold_low = runs.run(held_at(patched, a, a.probed_min_degc), a.loop, false, 2, "low");
-  const Observation cold_high = runs.run(held_at(patched, a, a.probed_max_degc), a.loop, false, 2, "high");
-  a.winter = response_of(cold_low, cold_high, a.choices);
+  return out;
+}
+
+/// The model's own control, the site's schedule and constants over its range, on the same days of each season.
+void compare(Adoption& a, Probes probes, const std::vector<Observation>& own, SeasonRuns& runs) {
+  for (std::size_t s = 0; s < compared_seasons.size(); ++s) {
+    const Season season = compared_seasons[s];
+    std::vector<HeldObservation> constants;
+    for (const double degc : held_setpoints(a.choices)) {
+      HeldObservation held{degc, {}};
+      if (degc == a.probed_min_degc) {
+        held.days = std::move(probes.seasons[s].low);
+      } else if (degc == a.probed_max_degc) {
+        held.days = std::move(probes.seasons[s].high);
+      } else {
+        held.days =
+            runs.run(held_at(probes.patched, a.setpoint.schedule, degc), a.loop, season, trial_days, held_text(degc));
+      }
+      constants.push_back(std::move(held));
+    }
+    const Observation schedule = runs.run(scheduled(probes.patched, a.setpoint.schedule, a.choices), a.loop, season,
+                                          trial_days, "the site's schedule");
+    Comparison compared = comparison_of(own[s], schedule, constants, a.choices);
+    compared.season = season;
+    compared.response = a.seasons[s].response;
+    a.seasons[s] = std::move(compared);
+  }
 }
 
 void write_text(const fs::path& file, const std::string& text) {
@@ -218,9 +251,6 @@ Adoption examine(const json& model, const std::string& place, const std::string&
 }
 
 Adoption adopt(const AdoptRequest& request) {
-  const auto say = [&request](const std::string& what) {
-    if (request.progress) request.progress(what);
-  };
   refuse_full_folder(request);
   const sim::EnergyPlusInstall install = sim::find_energyplus();
   const ForeignModel model = read_foreign_model(request.model, install);
@@ -242,20 +272,21 @@ Adoption adopt(const AdoptRequest& request) {
   a.weather_name = weather.file.filename().string();
   a.weather_note = weather.note;
 
-  Runs runs(request, install, weather);
-  say("a summer week under the model's own control");
+  SeasonRuns runs(install, weather, place, planned_runs, request.progress);
   const json repaired = sim::merge_patched(model.content, repairs, place);
-  const Observation summer = runs.run(repaired, a.loop, true, 7, "own");
-  a.sizes = sizes_of_run(view, runs.run_folder("own") / "eplusout.eio", install.schema);
-  say("a winter week");
-  const Observation winter = runs.run(repaired, a.loop, false, 7, "own");
-  a.choices = site_choices(summer, winter, a.loop.kind(), meters);
+  std::vector<Observation> own;
+  own.push_back(runs.run(repaired, a.loop, Season::summer, 7, own_control));
+  a.sizes = sizes_of_run(view, runs.folder() / "eplusout.eio", install.schema);
+  own.push_back(runs.run(repaired, a.loop, Season::winter, 7, own_control));
+  a.choices = site_choices(own[0], own[1], a.loop.kind(), meters);
   a.choices.outdoor_share = least_outdoor_share(view, a.loop, a.sizes.patch);
-  note_zones(a, summer);
-  note_powers(a, summer, winter);
+  note_zones(a, own[0]);
+  note_powers(a, own[0], own[1]);
   a.setpoint = setpoint_patch(view, a.loop, a.choices.work_degc);
-  probe(a, model.content, repairs, runs, say);
+  Probes probes = probe(a, model.content, repairs, runs);
   fit_range(a);
+  own.push_back(runs.run(repaired, a.loop, Season::autumn, trial_days, own_control));
+  compare(a, std::move(probes), own, runs);
   const json patch = patch_of(a, repairs);
   sim::lint_epjson(patch, install.schema, {"twin.patch.json", sim::LintScope::patch});
   write_site(a, model.content, patch, weather.file, request.folder);

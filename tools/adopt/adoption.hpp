@@ -2,13 +2,14 @@
 // A foreign EnergyPlus model made into a site: what was found, chosen and changed, and the files that say so.
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "tools/adopt/choices.hpp"
+#include "tools/adopt/comparison.hpp"
 #include "tools/adopt/loop/air_loop.hpp"
 #include "tools/adopt/loop/setpoint_patch.hpp"
+#include "tools/adopt/season_runs.hpp"
 #include "tools/adopt/sizes.hpp"
 
 namespace airside::tools {
@@ -19,7 +20,7 @@ struct AdoptRequest {
   std::filesystem::path weather;  ///< empty: the nearest file beside the model or of the engine's package
   std::filesystem::path folder;   ///< of the site
   bool force = false;             ///< write into a folder that has files already
-  std::function<void(const std::string&)> progress;
+  OnEngineRun progress;
 };
 
 struct Adoption {
@@ -32,10 +33,12 @@ struct Adoption {
   FoundSizes sizes;
   SiteChoices choices;
   double probed_min_degc = 0, probed_max_degc = 0;
-  Response summer, winter;         ///< of the setpoint, between these two
-  std::vector<double> most_kw;     ///< of each power meter, in the two weeks
-  std::vector<std::string> notes;  ///< of conversion and repair
+  std::vector<Comparison> seasons;  ///< summer, winter, autumn: what a setpoint does, between these two
+  std::vector<double> most_kw;      ///< of each power meter, in the two weeks
+  std::vector<std::string> notes;   ///< of conversion and repair
 
+  /// Of a season.
+  const Response& response(Season season) const { return seasons.at(static_cast<std::size_t>(season)).response; }
   bool shows_people() const { return choices.people; }
   /// Boxes that modulate and show it: the objective is "band", which needs no weights. Else it is the rooms' mean.
   bool serves_band() const;

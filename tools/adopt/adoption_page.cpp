@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "tools/adopt/advice.hpp"
 #include "tools/adopt/site_text.hpp"
 
 namespace airside::tools {
@@ -93,27 +94,17 @@ std::string response_text(const Adoption& a) {
       "on.\n\n| season | supply reached, degC | K per K | rooms, degC | K per K | dampers | kW of the meters |\n"
       "|---|---|---|---|---|---|---|\n",
       a.probed_min_degc, a.probed_max_degc);
-  text += response_row("summer", a.summer) + response_row("winter", a.winter) + "\n";
-  for (const auto& [season, r] : {std::pair("summer", a.summer), std::pair("winter", a.winter)}) {
-    if (r.known && !r.has_authority())
+  for (const Comparison& c : a.seasons) text += response_row(text_of(c.season), c.response);
+  for (const Comparison& c : a.seasons) {
+    if (c.response.known && !c.response.has_authority())
       text += fmt::format(
-          "**In {} the supply air does not follow the setpoint** ({:.2f} K per K): learning is of no use there.\n\n",
-          season, r.supply_gain);
+          "\n**In {} the supply air does not follow the setpoint** ({:.2f} K per K): learning is of no use there.\n",
+          text_of(c.season), c.response.supply_gain);
   }
   if (std::abs(a.choices.winter_degc - a.choices.work_degc) > 3)
     text +=
-        "**The model's own setpoint differs by season**: the schedule of the site file is the summer's. Set [expert] "
-        "before a heating season.\n\n";
-  const bool rooms_answer = std::max(a.summer.room_gain, a.winter.room_gain) > 0.02;
-  if (a.loop.kind() == TerminalKind::fixed && !rooms_answer && a.summer.known) {
-    text += "**The rooms hardly answer the setpoint**: their own equipment holds them. It moves energy alone.\n";
-  } else if (a.loop.kind() == TerminalKind::fixed) {
-    text += "Flows are fixed: the setpoint moves the rooms themselves, which is what the default objective is for.\n";
-  } else {
-    text +=
-        "Thermostats hold the rooms with dampers or coils of their own, so the setpoint moves dampers and energy more "
-        "than the rooms: the objective for boxes that modulate is meant for this.\n";
-  }
+        "\n**The model's own setpoint differs by season**: the schedule of the site file is the summer's. Set [expert] "
+        "before a heating season.\n";
   return text;
 }
 
@@ -148,10 +139,9 @@ std::string next_steps(const Adoption& a, const std::string& folder) {
 }
 
 std::string adoption_page(const Adoption& a) {
-  std::string text =
-      fmt::format("# {}: air loop {}\n\nWritten by `airside adopt` with EnergyPlus {}. Topology {}.\n\n## Found\n\n",
-                  a.model_name, a.loop.name, a.engine, a.topology());
-  text += found_table(a) + "\n";
+  std::string text = fmt::format("# {}: air loop {}\n\nWritten by `airside adopt` with EnergyPlus {}. Topology {}.\n\n",
+                                 a.model_name, a.loop.name, a.engine, a.topology());
+  text += advice_section(a) + "\n## Found\n\n" + found_table(a) + "\n";
   for (const std::string& note : a.loop.notes) text += "- " + note + "\n";
   text += "\n## Chosen\n\n" + chosen_table(a);
   text += "\n## Changed in the model (twin.patch.json)\n\n";

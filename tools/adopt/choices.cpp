@@ -5,6 +5,12 @@
 
 namespace airside::tools {
 
+bool works(const SiteChoices& choices, const Observation& week, std::size_t step) {
+  const double hour = week.hour_of_day(step);
+  if (choices.work.weekday_only && week.weekday(step) >= 5) return false;
+  return hour >= choices.work.from_h && hour < choices.work.to_h;
+}
+
 namespace {
 
 constexpr double no_setpoint = -900;  ///< the engine shows -999
@@ -95,12 +101,6 @@ void choose_hours(const Observation& summer, SiteChoices& out) {
     out.work = hours_of(on, summer);
   }
   out.fan = hours_of(fan_runs(summer), summer);
-}
-
-bool works(const SiteChoices& choices, const Observation& week, std::size_t step) {
-  const double hour = week.hour_of_day(step);
-  if (choices.work.weekday_only && week.weekday(step) >= 5) return false;
-  return hour >= choices.work.from_h && hour < choices.work.to_h;
 }
 
 /// The setpoint, or where there is none the supply temperature, while the fan runs.

@@ -33,6 +33,9 @@ struct SiteChoices {
 SiteChoices site_choices(const Observation& summer, const Observation& winter, TerminalKind kind,
                          const LoopMeters& meters);
 
+/// Whether a step is in the site's working hours.
+bool works(const SiteChoices& choices, const Observation& week, std::size_t step);
+
 /// Steps at which the supply fan runs: more than 3 % of its largest flow.
 std::vector<bool> fan_runs(const Observation& week);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hal/points/point_row.hpp"
+#include "tools/adopt/advice.hpp"
 
 namespace airside::tools {
 
@@ -119,8 +120,9 @@ std::string adopted_site_text(const Adoption& a) {
   const SiteChoices& c = a.choices;
   std::string text = fmt::format(
       "# Site file of the air loop {} of {}, written by `airside adopt`.\n"
-      "# adopt.md says what was found, chosen and could not be found.\n",
-      site_name(a.loop.name), a.model_name);
+      "# adopt.md says what was found, chosen and could not be found.\n"
+      "# Its advice: {}.\n",
+      site_name(a.loop.name), a.model_name, advice_on(a).headline);
   text += fmt::format("\n[site]\nname = {}\ntopology = \"{}\"\n", quoted(site_name(a.loop.name)), a.topology());
   text += fmt::format(
       "\n[target]\nroom_temp_degc = {:.2f}   # mean of the rooms in working hours, under the model's own "

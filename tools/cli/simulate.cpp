@@ -58,12 +58,17 @@ struct SimulateCommand {
     return text;
   }
 
-  ControlRun run_one(const Trial& trial, const std::string& name, const BlobBytes& blob,
-                     std::vector<hal::LogRow>* rows) const {
+  /// What the first of the compared methods also leaves.
+  struct Before {
+    std::vector<hal::LogRow> history;
+    std::string plant;  ///< its description: making a plant for that would start another engine
+  };
+
+  ControlRun run_one(const Trial& trial, const std::string& name, const BlobBytes& blob, Before* before) const {
     Progress bar(fmt::format("{} on room {}", name, plant.room), progress_steps);
     Prepared prepared = prepare(trial);
     if (!history.empty()) prepared.history = hal::read_log(history, trial.site.counts).rows;
-    if (rows != nullptr) *rows = prepared.history;
+    if (before != nullptr) *before = {prepared.history, prepared.model->description()};
     ControlRun run = name == "ours" ? run_ours(trial, prepared, {blob, transfer, steps}, show_progress(bar))
                                     : run_method(trial, prepared, name, show_progress(bar));
     bar.finish();
@@ -119,10 +124,10 @@ struct SimulateCommand {
     AskedLog rows_out(log, trial.site), past_out(history_log, trial.site);
     const std::string weather_log = weather_to_write(trial.site);
     say_fallback(facts);
-    std::vector<hal::LogRow> past;
-    const ControlRun run = run_one(trial, method, blob, &past);
+    Before before;
+    const ControlRun run = run_one(trial, method, blob, &before);
     rows_out.write(run.rows);
-    past_out.write(past);
+    past_out.write(before.history);
     if (!weather_log.empty()) {
       sim::write_epw(weather_log, *made_up_weather(plant), weather_year);
       fmt::print(stderr, "the weather of the log: {}\n", weather_log);
@@ -135,7 +140,7 @@ struct SimulateCommand {
                                                      : MethodResult::Kind::peer;
       results.push_back({name, kind, {metrics_of(trial.site, run_one(trial, name, blob, nullptr))}});
     }
-    const std::string description = make_plant(plant, trial.site, 1)->description();
+    const std::string& description = before.plant;
     if (!report.empty()) {
       RunRecord record = make_run_record(trial.site, run);
       record.plant = description;

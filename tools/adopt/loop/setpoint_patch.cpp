@@ -120,6 +120,7 @@ class PatchMaker {
       took = took || ours;
     }
     if (!took) return;
+    out_.knew_the_load = out_.knew_the_load || (at_outlet && m.object.type.starts_with("SetpointManager:SingleZone:"));
     out_.notes.push_back(fmt::format(
         "{} \"{}\" {}: replaced", m.object.type, m.object.name,
         at_outlet ? "at the supply outlet" : "at a node whose own rule would compete with the supply setpoint"));
@@ -167,6 +168,7 @@ class PatchMaker {
   /// Under setpoint control the unit's fan must run throughout; when it may rest is left to the availability managers.
   void switch_unit() {
     if (loop_.unit.type != "AirLoopHVAC:UnitarySystem" || same_name(loop_.unit.control_type, "SetPoint")) return;
+    out_.unit_switched = true;
     const std::string running = model_.free_name("Schedule:Constant", "airside fan throughout");
     out_.patch["Schedule:Constant"][running] = {{"hourly_value", 1}};
     out_.patch[loop_.unit.type][loop_.unit.name] = {{"control_type", "SetPoint"},

@@ -13,6 +13,8 @@ struct SetpointPatch {
   nlohmann::json patch;            ///< a merge patch on the model (RFC 7386)
   std::string schedule;            ///< name of the Schedule:Constant that holds the setpoint
   std::vector<std::string> notes;  ///< what was replaced
+  bool unit_switched = false;      ///< a packaged unit was under control by load, and no longer is
+  bool knew_the_load = false;      ///< the supply outlet's manager took the zone's load of the same step
 };
 
 /// Every manager of temperature at the supply outlet becomes one SetpointManager:Scheduled. Managers that set the mixed

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <filesystem>
+#include <optional>
 
 #include "tools/adopt/adoption.hpp"
+#include "tools/adopt/advice.hpp"
 #include "tools/adopt/site_text.hpp"
 #include "tools/cli/command.hpp"
 
@@ -12,19 +15,21 @@ namespace airside::tools {
 
 namespace {
 
-nlohmann::json json_of(const Response& r) {
-  if (!r.known) return nullptr;
-  return {{"supply_gain", r.supply_gain}, {"room_gain", r.room_gain}, {"kw_low", r.kw_low}, {"kw_high", r.kw_high}};
-}
-
 struct AdoptCommand {
   std::string model, air_loop, weather, folder;
   bool force = false, as_json = false;
 
   void run() const {
     AdoptRequest request{model, air_loop, weather, folder, force, {}};
-    request.progress = [](const std::string& what) { fmt::print(stderr, "airside: engine: {}\n", what); };
+    std::optional<Progress> bar;
+    const auto start = std::chrono::steady_clock::now();
+    request.progress = [&](int done, int planned, const std::string& what) {
+      if (!bar) bar.emplace(fmt::format("adopting with {} runs of the engine", planned), planned);
+      const double taken_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      bar->report(static_cast<std::uint64_t>(done), done > 0 ? taken_s * (planned - done) / done : 0, what);
+    };
     const Adoption a = adopt(request);
+    if (bar) bar->finish();
     if (as_json) {
       fmt::print("{}\n", nlohmann::json{{"site", folder + "/site.toml"},
                                         {"topology", a.topology()},
@@ -35,8 +40,10 @@ struct AdoptCommand {
                                         {"setpoint_min_degc", a.choices.min_degc},
                                         {"setpoint_max_degc", a.choices.max_degc},
                                         {"weather", a.weather_name},
-                                        {"summer", json_of(a.summer)},
-                                        {"winter", json_of(a.winter)},
+                                        {"summer", json_of(a.seasons[0])},
+                                        {"winter", json_of(a.seasons[1])},
+                                        {"autumn", json_of(a.seasons[2])},
+                                        {"advice", json_of(advice_on(a))},
                                         {"sizes_written", a.sizes.written},
                                         {"sizes_open", a.sizes.open}}
                              .dump());
@@ -46,10 +53,12 @@ struct AdoptCommand {
                text_of(a.loop.kind()));
     fmt::print("target {:.2f} degC, setpoint {:.1f} to {:.1f} degC, weather {}\n", a.choices.target_degc,
                a.choices.min_degc, a.choices.max_degc, a.weather_name);
-    for (const auto& [season, r] : {std::pair("summer", a.summer), std::pair("winter", a.winter)}) {
-      if (r.known)
-        fmt::print("{}: supply {:+.2f}, rooms {:+.3f} K per K of setpoint\n", season, r.supply_gain, r.room_gain);
+    for (const Comparison& c : a.seasons) {
+      if (c.response.known)
+        fmt::print("{}: supply {:+.2f}, rooms {:+.3f} K per K of setpoint\n", text_of(c.season), c.response.supply_gain,
+                   c.response.room_gain);
     }
+    fmt::print("{}", advice_lines(a));
     const std::string inside = (std::filesystem::path(folder) / "").string();
     fmt::print("Read {}adopt.md, then:\n{}", inside, next_steps(a, inside));
   }

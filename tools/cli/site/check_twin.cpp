@@ -16,6 +16,7 @@
 #include "sim/json/json_file.hpp"
 #include "sim/json/merge_patch.hpp"
 #include "sim/weather/epw.hpp"
+#include "tools/adopt/advice.hpp"
 #include "tools/run/plant_choice.hpp"
 #include "tools/run/twin_options.hpp"
 
@@ -153,6 +154,10 @@ void try_twin(Findings& out, const Site& site) {
                        rooms.text(" degC"), off.text(" K"), flow.text(" m3/s"), dampers.text(""), powers.text(" kW"),
                        hours_on);
   });
+  // An adopted site's page knows more than a day shows; who deletes the page does not want it.
+  const std::filesystem::path page = std::filesystem::path(site.file.path).parent_path() / "adopt.md";
+  const std::string advice = advice_of_page(page);
+  if (!advice.empty()) out.check("advice", page.string(), [&advice]() -> const std::string& { return advice; });
 }
 
 void check_weather(Findings& out, const std::string& path, bool for_engine) {
