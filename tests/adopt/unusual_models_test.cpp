@@ -204,7 +204,7 @@ TEST(UnusualModel, AHeatingCoilOfTheLoopIsSizedByTheEngineAtEachStart) {
   const json water = {{"u_factor_times_area_value", "Autosize"}, {"maximum_water_flow_rate", "Autosize"}};
   const json model = {{"Coil:Heating:Water", {{"main", water}, {"box coil", water}}},
                       {"AirTerminal:SingleDuct:VAV:Reheat", {{"box", {{"reheat_coil_name", "Box Coil"}}}}}};
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::filesystem::path eio = std::filesystem::path(folder.path()) / "eplusout.eio";
   std::ofstream(eio)
       << " Component Sizing Information, Coil:Heating:Water, MAIN, Design Size u-factor_times_area_value "

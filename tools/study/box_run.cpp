@@ -51,13 +51,15 @@ class BoxChooser {
     if (blind_s >= 0) std::fill(dampers_.begin(), dampers_.end(), std::numeric_limits<double>::quiet_NaN());
     DemandReading at;
     at.time = t;
-    at.zones = {plant.sensors().room_temp_degc, plant.boxes().zone_setpoint_degc, dampers_};
+    at.zones = {plant.sensors().room_temp_degc, plant.boxes().zone_setpoint_degc, dampers_,
+                plant.sensors().heating_setpoint_degc};
     at.power_kw = plant.sensors().power_kw;
     at.supply_degc = plant.sensors().supply_temp_degc;
     at.outdoor_degc = plant.sensors().outdoor_temp_degc;
     at.flow_m3_s = plant.boxes().supply_flow_m3_s;
     at.flows = plant.boxes().fan_runs > 0.5;
     at.coldest = last_degc_ <= choice_.min_degc + 0.05;
+    at.warmest = last_degc_ >= choice_.max_degc - 0.05;
     objective_.observe(method_.demand, at);
     if (!starts_cycle(t)) return last_degc_;
     choice_.last_degc = last_degc_;

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <stdexcept>
+#include <utility>
 
 #include "airside/demand/zone_guideline36.hpp"
 #include "airside/supervision/envelope.hpp"
@@ -27,6 +30,14 @@ namespace airside::tools {
 namespace {
 
 using Kind = BuildingMethod::Kind;
+
+constexpr std::array<std::pair<const char*, Kind>, 7> kind_names = {{{"own", Kind::own},
+                                                                     {"schedule", Kind::schedule},
+                                                                     {"constants", Kind::constant},
+                                                                     {"integral", Kind::integral},
+                                                                     {"guideline-36", Kind::guideline36},
+                                                                     {"mpc", Kind::mpc},
+                                                                     {"ours", Kind::ours}}};
 
 PlantChoice choice_of(const Site& site, CivilTime from, std::uint64_t seed) {
   check_building(site);
@@ -193,18 +204,43 @@ std::vector<double> building_constants(const Site& site) {
   return all;
 }
 
-std::size_t best_for(const Site& site, const std::vector<BuildingFigures>& figures) {
-  const bool band = site.settings.objective == Objective::band;
-  const auto value = [band](const BuildingFigures& f) { return band ? f.total_kwh() : f.dae_degc; };
+double most_outside_degch(Objective objective, int zones, const std::vector<BuildingFigures>& figures) {
+  if (objective == Objective::mean) return HUGE_VAL;
   double fewest = HUGE_VAL;
   for (const BuildingFigures& f : figures) fewest = std::min(fewest, f.outside_degch());
-  const double most = band ? fewest + 0.05 * site.counts.vavs : HUGE_VAL;
+  return fewest + 0.05 * zones;
+}
+
+std::size_t best_for(Objective objective, int zones, const std::vector<BuildingFigures>& figures) {
+  const bool band = objective == Objective::band;
+  const auto value = [band](const BuildingFigures& f) { return band ? f.total_kwh() : f.dae_degc; };
+  const double most = most_outside_degch(objective, zones, figures);
   std::size_t best = figures.size();
   for (std::size_t i = 0; i < figures.size(); ++i) {
     if (figures[i].outside_degch() > most) continue;
     if (best == figures.size() || value(figures[i]) < value(figures[best])) best = i;
   }
   return best;
+}
+
+std::vector<std::string> building_kinds() {
+  std::vector<std::string> names;
+  for (const auto& [name, kind] : kind_names) names.emplace_back(name);
+  return names;
+}
+
+std::string name_of(BuildingMethod::Kind kind) {
+  for (const auto& [name, of] : kind_names) {
+    if (of == kind) return name;
+  }
+  return {};
+}
+
+BuildingMethod::Kind kind_of(const std::string& wanted) {
+  for (const auto& [name, kind] : kind_names) {
+    if (name == wanted) return kind;
+  }
+  throw std::invalid_argument("no way of control is called " + wanted);
 }
 
 }  // namespace airside::tools

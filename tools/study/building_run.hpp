@@ -48,9 +48,18 @@ BlobBytes pretrain_building(const Site& site, CivilTime until, int days, std::ui
 /// The constants that a site's range offers, coldest first: six, evenly spaced to 0.1 K.
 std::vector<double> building_constants(const Site& site);
 
-/// Of these figures the best for the site's objective. mean: least DAE. band: least energy among those whose zones are
-/// outside their bands not more than the best of them and 0.05 degree-hours a zone and day.
+/// Of these figures the best for an objective. mean: least DAE. band: least energy among those whose zones are outside
+/// their bands not more than most_outside_degch().
 /// Shape: not empty.
-std::size_t best_for(const Site& site, const std::vector<BuildingFigures>& figures);
+std::size_t best_for(Objective objective, int zones, const std::vector<BuildingFigures>& figures);
+
+/// mean: no limit. band: the fewest degree-hours of these figures, and 0.05 a zone and day.
+double most_outside_degch(Objective objective, int zones, const std::vector<BuildingFigures>& figures);
+
+/// `own`, `schedule`, `constants`, `integral`, `guideline-36`, `mpc`, `ours`.
+std::string name_of(BuildingMethod::Kind kind);
+/// Errors: std::invalid_argument.
+BuildingMethod::Kind kind_of(const std::string& name);
+std::vector<std::string> building_kinds();
 
 }  // namespace airside::tools

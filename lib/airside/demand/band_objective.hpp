@@ -213,11 +213,7 @@ class BandObjective {
     for (std::size_t i = 0; i < std::min(at.zones.count(), max_zones); ++i) {
       demand_sum_[i] += at.zones.damper[i] * (at.zones.temp_degc[i] - at.supply_degc);
       if (!zone_is_seen(at.zones, i)) continue;
-      loads_.note_damper(i, at.zones.damper[i]);
-      loads_.note_setpoint(i, at.zones.setpoint_degc[i]);
-      loads_.note_reach(s, at.zones, i, at.coldest);
-      loads_.note_heating(i, zone_heating_degc(at.zones, i));
-      loads_.note_cold_reach(s, at.zones, i, at.warmest);
+      loads_.note_row(s, at.zones, i, at.coldest, at.warmest);
     }
   }
 

@@ -112,6 +112,15 @@ class ZoneLoads {
     if (std::isfinite(heating_degc)) most = std::max(most - 0.0005, heating_degc);
   }
 
+  /// What a row shows of zone i.  `coldest`, `warmest`: the setpoint applied is the lowest, the highest one.
+  void note_row(const DemandSettings& s, const ZoneSignals& zones, std::size_t i, bool coldest, bool warmest) {
+    note_damper(i, zones.damper[i]);
+    note_setpoint(i, zones.setpoint_degc[i]);
+    note_reach(s, zones, i, coldest);
+    note_heating(i, zone_heating_degc(zones, i));
+    note_cold_reach(s, zones, i, warmest);
+  }
+
   bool is_set_back(std::size_t i, double setpoint_degc) const {
     return setpoint_degc > zones_[i].least_setpoint_degc + 1.0;
   }

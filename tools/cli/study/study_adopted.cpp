@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -12,11 +11,13 @@
 
 #include "hal/text/input_error.hpp"
 #include "hal/text/staged_file.hpp"
+#include "sim/json/json_file.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
 #include "tools/run/run_facts.hpp"
 #include "tools/study/building_run.hpp"
+#include "tools/study/building_table.hpp"
 
 namespace airside::tools {
 
@@ -27,27 +28,8 @@ constexpr std::array gains_per_h = {0.5, 1.0, 2.0, 4.0, 8.0};
 constexpr int pretrain_days = 28;
 constexpr int tuning_lead_days = 28;  ///< at least; tuning days are never scored
 
-constexpr std::array<std::pair<const char*, Kind>, 7> kind_names = {{{"own", Kind::own},
-                                                                     {"schedule", Kind::schedule},
-                                                                     {"constants", Kind::constant},
-                                                                     {"integral", Kind::integral},
-                                                                     {"guideline-36", Kind::guideline36},
-                                                                     {"mpc", Kind::mpc},
-                                                                     {"ours", Kind::ours}}};
-std::string name_of(Kind kind) {
-  for (const auto& [name, of] : kind_names) {
-    if (of == kind) return name;
-  }
-  return {};
-}
-std::vector<std::string> all_kind_names() {
-  std::vector<std::string> names;
-  for (const auto& [name, kind] : kind_names) names.emplace_back(name);
-  return names;
-}
-
 struct AdoptedCommand {
-  std::vector<std::string> paths, starts = {"2021-07-05", "2021-10-04"}, only;
+  std::vector<std::string> paths, from, starts = {"2021-07-05", "2021-10-04"}, only;
   std::string out;
   int seeds = 3, days = 14, schedule_days = 5, jobs = 2;
   bool json = false;
@@ -57,17 +39,6 @@ struct AdoptedCommand {
     std::string path, start;
     Site site;
     CivilTime from;
-  };
-  struct Line {
-    std::string name;
-    BuildingMethod method;
-    std::vector<BuildingFigures> runs;
-  };
-  struct Table {
-    Case about;
-    std::vector<Line> lines;
-    std::string constant_of_other_days;
-    double gain_per_h = 0;
   };
   /// What other days have shown of a case.
   struct Tuned {
@@ -181,8 +152,8 @@ struct AdoptedCommand {
     return only.empty() || std::find(only.begin(), only.end(), name_of(kind)) != only.end();
   }
 
-  std::vector<Line> lines_of(const Case& about, const Tuned& tuned) const {
-    std::vector<Line> lines = {{"own control", {Kind::own}, {}}, {"schedule", {Kind::schedule}, {}}};
+  std::vector<BuildingLine> lines_of(const Case& about, const Tuned& tuned) const {
+    std::vector<BuildingLine> lines = {{"own control", {Kind::own}, {}}, {"schedule", {Kind::schedule}, {}}};
     for (const double degc : building_constants(about.site))
       lines.push_back({fmt::format("constant {:.1f}", degc), {Kind::constant, degc}, {}});
     const double gain = best_gain(tuned);
@@ -192,23 +163,34 @@ struct AdoptedCommand {
     lines.push_back({"mpc", {Kind::mpc}, {}});
     const bool band = about.site.settings.objective == Objective::band;
     lines.push_back({band ? "ours, band" : "ours, mean", {Kind::ours}, {}});
-    std::erase_if(lines, [this](const Line& line) { return !wants(line.method.kind); });
+    std::erase_if(lines, [this](const BuildingLine& line) { return !wants(line.method.kind); });
     return lines;
   }
 
-  std::vector<Table> compare() const {
+  BuildingTable table_of(const Case& about, const Tuned& tuned) const {
+    BuildingTable table{.site = about.path,
+                        .start = about.start,
+                        .meters = about.site.file.twin->names->powers,
+                        .objective = about.site.settings.objective,
+                        .zones = about.site.counts.vavs,
+                        .constant_of_other_days = {},
+                        .gain_per_h = tuned.gains.empty() ? 0 : best_gain(tuned),
+                        .lines = lines_of(about, tuned)};
+    if (!tuned.constants.empty()) {
+      const std::size_t best = best_for(table.objective, table.zones, tuned.constants);
+      table.constant_of_other_days = fmt::format("constant {:.1f}", building_constants(about.site)[best]);
+    }
+    return table;
+  }
+
+  std::vector<BuildingTable> compare() const {
     const std::vector<Case> list = cases();
     const std::vector<Tuned> tuned = tune(list);
-    std::vector<Table> tables;
+    std::vector<BuildingTable> tables;
     std::vector<Task> tasks;
     for (std::size_t c = 0; c < list.size(); ++c) {
-      const auto constants = building_constants(list[c].site);
-      tables.push_back({list[c], lines_of(list[c], tuned[c]),
-                        tuned[c].constants.empty()
-                            ? ""
-                            : fmt::format("constant {:.1f}", constants[best_for(list[c].site, tuned[c].constants)]),
-                        tuned[c].gains.empty() ? 0 : best_gain(tuned[c])});
-      for (const Line& line : tables.back().lines) {
+      tables.push_back(table_of(list[c], tuned[c]));
+      for (const BuildingLine& line : tables.back().lines) {
         for (int seed = 1; seed <= seeds; ++seed) {
           Task task{c, run_of(list[c], seed), line.method};
           if (!tuned[c].blob.empty()) task.run.blob = &tuned[c].blob;
@@ -218,140 +200,44 @@ struct AdoptedCommand {
     }
     const auto texts = run_all(fmt::format("{} runs", tasks.size()), list, tasks);
     std::size_t i = 0;
-    for (Table& table : tables) {
-      for (Line& line : table.lines) {
+    for (BuildingTable& table : tables) {
+      for (BuildingLine& line : table.lines) {
         for (int seed = 0; seed < seeds; ++seed) line.runs.push_back(figures_of(nlohmann::json::parse(texts[i++])));
       }
     }
     return tables;
   }
 
-  template <class Figure>
-  static Spread spread(const Line& line, Figure figure) {
-    std::vector<double> values;
-    for (const BuildingFigures& f : line.runs) values.push_back(figure(f));
-    return spread_of(values);
-  }
-
-  /// Whether ours and something simple are there.
-  static bool has_verdict(const Table& table) {
-    return table.lines.size() > 1 && table.lines.back().method.kind == Kind::ours &&
-           table.lines.front().method.kind != Kind::mpc;
-  }
-
-  /// Of the lines that need no learning (and, with `hindsight` false, no knowledge of the scored days) the best one.
-  static const Line& best_simple(const Table& table, bool hindsight) {
-    std::vector<BuildingFigures> means;
-    std::vector<const Line*> lines;
-    for (const Line& line : table.lines) {
-      const bool constant = line.method.kind == Kind::constant;
-      if (line.method.kind == Kind::ours || line.method.kind == Kind::mpc) continue;
-      if (constant && !hindsight && line.name != table.constant_of_other_days) continue;
-      BuildingFigures mean;
-      mean.dae_degc = spread(line, [](const auto& f) { return f.dae_degc; }).mean;
-      mean.above_degch = spread(line, [](const auto& f) { return f.outside_degch(); }).mean;
-      mean.kwh_per_day = {spread(line, [](const auto& f) { return f.total_kwh(); }).mean};
-      means.push_back(mean);
-      lines.push_back(&line);
-    }
-    return *lines[best_for(table.about.site, means)];
-  }
-
-  /// Ours less a simple one, run by run: the objective's figure, and degree-hours outside the band.
-  struct Verdict {
-    std::string rival;
-    Spread value, outside_degch;
-  };
-  static Verdict verdict(const Table& table, bool hindsight) {
-    const Line& simple = best_simple(table, hindsight);
-    const Line& ours = table.lines.back();
-    const bool band = table.about.site.settings.objective == Objective::band;
-    std::vector<double> value, outside;
-    for (std::size_t i = 0; i < ours.runs.size(); ++i) {
-      const BuildingFigures &a = ours.runs[i], &b = simple.runs[i];
-      value.push_back(band ? 100 * (a.total_kwh() / std::max(1e-9, b.total_kwh()) - 1) : a.dae_degc - b.dae_degc);
-      outside.push_back(a.outside_degch() - b.outside_degch());
-    }
-    return {simple.name, spread_of(value), spread_of(outside)};
-  }
-
-  static std::string sentence(const Table& table, bool hindsight) {
-    const Verdict v = verdict(table, hindsight);
-    const bool band = table.about.site.settings.objective == Objective::band;
-    return fmt::format("  ours less {}{}: {:+.{}f} +- {:.{}f} {}, {:+.2f} +- {:.2f} degree-hours a day\n", v.rival,
-                       hindsight ? " (best in hindsight)" : " (best simple)", v.value.mean, band ? 1 : 3, v.value.sd,
-                       band ? 1 : 3, band ? "% energy" : "degC DAE", v.outside_degch.mean, v.outside_degch.sd);
-  }
-
-  static void print(const Table& table) {
-    const auto& meters = table.about.site.file.twin->names->powers;
-    fmt::print("{}, from {}; meters: {}\n", table.about.path, table.about.start, fmt::join(meters, ", "));
-    fmt::print("  {:<20} {:>18}  {:>14}  {:>14}  {:>5}  {:>15}  {:>5}  {:>5}  kWh a day by meter\n", "method",
-               "kWh a day", "above", "below", "open", "DAE", "DARV", "setp");
-    for (const Line& line : table.lines) {
-      const Spread total = spread(line, [](const auto& f) { return f.total_kwh(); });
-      const Spread above = spread(line, [](const auto& f) { return f.above_degch; });
-      const Spread below = spread(line, [](const auto& f) { return f.below_degch; });
-      const Spread dae = spread(line, [](const auto& f) { return f.dae_degc; });
-      std::string by_meter;
-      for (std::size_t m = 0; m < line.runs.front().kwh_per_day.size(); ++m) {
-        by_meter += fmt::format(" {:.1f}", spread(line, [m](const auto& f) { return f.kwh_per_day[m]; }).mean);
+  /// Tables of earlier runs.
+  std::vector<BuildingTable> read() const {
+    std::vector<BuildingTable> tables;
+    for (const std::string& file : from) {
+      try {
+        for (const nlohmann::json& table : sim::read_json(file).at("tables"))
+          tables.push_back(building_table_of(table));
+      } catch (const nlohmann::json::exception& e) {
+        throw hal::InputError(file, e.what(), "what `airside study adopted -o` wrote", "run the study again");
       }
-      const bool own = line.method.kind == Kind::own;  // its setpoint is no point of the site
-      const auto shown = [&](double value) { return own ? std::string("-") : fmt::format("{:.2f}", value); };
-      fmt::print(
-          "  {:<20} {:9.1f} +- {:5.1f}  {:6.2f} +- {:4.2f}  {:6.2f} +- {:4.2f}  {:5.1f}  {:6.3f} +- {:5.3f}  {:>5}  "
-          "{:>5} {}{}\n",
-          line.name, total.mean, total.sd, above.mean, above.sd, below.mean, below.sd,
-          spread(line, [](const auto& f) { return f.saturated_h; }).mean, dae.mean, dae.sd,
-          shown(spread(line, [](const auto& f) { return f.darv_degc; }).mean),
-          shown(spread(line, [](const auto& f) { return f.setpoint_degc; }).mean), by_meter,
-          line.name == table.constant_of_other_days ? "  <- by other days" : "");
     }
-    if (has_verdict(table)) fmt::print("{}{}", sentence(table, false), sentence(table, true));
-  }
-
-  static nlohmann::json json_of_verdict(const Verdict& v) {
-    return {{"rival", v.rival},
-            {"mean", v.value.mean},
-            {"sd", v.value.sd},
-            {"outside_degch_mean", v.outside_degch.mean},
-            {"outside_degch_sd", v.outside_degch.sd}};
-  }
-
-  static nlohmann::json json_of_table(const Table& table) {
-    nlohmann::json methods = nlohmann::json::array();
-    for (const Line& line : table.lines) {
-      nlohmann::json runs = nlohmann::json::array();
-      for (const BuildingFigures& f : line.runs) runs.push_back(json_of(f));
-      methods.push_back({{"method", line.name}, {"runs", runs}});
-    }
-    nlohmann::json j = {
-        {"site", table.about.path},
-        {"start", table.about.start},
-        {"meters", table.about.site.file.twin->names->powers},
-        {"objective", table.about.site.settings.objective == Objective::band ? "band" : "mean"},
-        {"constant_of_other_days", table.constant_of_other_days},
-        {"integral_gain_per_h", table.gain_per_h > 0 ? nlohmann::json(table.gain_per_h) : nlohmann::json()},
-        {"methods", methods}};
-    if (has_verdict(table)) {
-      j["against_simple"] = json_of_verdict(verdict(table, false));
-      j["against_hindsight"] = json_of_verdict(verdict(table, true));
-    }
-    return j;
+    return tables;
   }
 
   void run() {
     if (!out.empty()) hal::StagedFile{out};  // can it be written at all?
-    const std::vector<Table> tables = compare();
+    if (paths.empty() == from.empty()) {
+      throw hal::InputError("airside study adopted", "sites and --from at once, or neither", "one of the two",
+                            "name site files, or tables of earlier runs");
+    }
+    const std::vector<BuildingTable> tables = from.empty() ? compare() : read();
     nlohmann::json j;
     add_program_to(j);
     j["seeds"] = seeds;
     j["days"] = days;
-    for (const Table& table : tables) j["tables"].push_back(json_of_table(table));
+    for (const BuildingTable& table : tables) j["tables"].push_back(json_of(table));
     if (give_json(j, out, json)) return;
-    for (const Table& table : tables) print(table);
-    fmt::print("\nBy {}.\n", program_text());
+    for (const BuildingTable& table : tables) fmt::print("{}", markdown_of(table));
+    fmt::print("{}", summary_of(tables));
+    if (from.empty()) fmt::print("\nBy {}.\n", program_text());
   }
 };
 
@@ -366,7 +252,9 @@ void add_study_adopted(CLI::App& study) {
       "noise. What is tuned is tuned on the fortnight four weeks before the first one, building by building.\n"
       "Degree-hours are those of zones above cooling setpoint + 0.5 K and below heating setpoint - 0.5 K while people\n"
       "are there, sum over zones, a day. Energy is that of the site's meters.");
-  c->add_option("sites", self->paths, "site files of adopted models")->required()->check(CLI::ExistingFile);
+  c->add_option("sites", self->paths, "site files of adopted models")->check(CLI::ExistingFile);
+  c->add_option("--from", self->from, "tables of earlier runs, which are printed and not measured anew")
+      ->check(CLI::ExistingFile);
   c->add_option("--starts", self->starts, "first scored days, comma-separated")->delimiter(',')->capture_default_str();
   c->add_option("--seeds", self->seeds, "fortnights from each start")->check(CLI::Range(1, 20))->capture_default_str();
   c->add_option("--days", self->days, "days that are scored, a seed")->check(CLI::Range(4, 100))->capture_default_str();
@@ -374,11 +262,11 @@ void add_study_adopted(CLI::App& study) {
       ->check(CLI::Range(1, 20))
       ->capture_default_str();
   c->add_option("--methods", self->only,
-                "of " + fmt::format("{}", fmt::join(all_kind_names(), ", ")) + " (default: all)")
+                "of " + fmt::format("{}", fmt::join(building_kinds(), ", ")) + " (default: all)")
       ->delimiter(',')
-      ->check(CLI::IsMember(all_kind_names()));
+      ->check(CLI::IsMember(building_kinds()));
   c->add_option("--jobs", self->jobs, "child processes at a time")->check(CLI::Range(1, 256))->capture_default_str();
-  c->add_option("-o,--out", self->out, "JSON file with every run");
+  c->add_option("-o,--out", self->out, "JSON file with every run, for --from");
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
   c->callback([self] { self->run(); });
 }
