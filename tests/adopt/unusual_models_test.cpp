@@ -11,6 +11,7 @@
 #include "support/program.hpp"
 #include "tools/adopt/adoption.hpp"
 #include "tools/adopt/loop/loop_meters.hpp"
+#include "tools/adopt/site_text.hpp"
 #include "tools/adopt/sizes.hpp"
 
 namespace airside::tools {
@@ -218,6 +219,39 @@ TEST(UnusualModel, AHeatingCoilOfTheLoopIsSizedByTheEngineAtEachStart) {
   EXPECT_FALSE(coils.at("main").contains("u_factor_times_area_value")) << "its design flow is not its largest flow";
   EXPECT_DOUBLE_EQ(coils.at("main").at("maximum_water_flow_rate"), 0.0096);
   EXPECT_DOUBLE_EQ(coils.at("box coil").at("u_factor_times_area_value"), 260.4);
+}
+
+/// A week at one step an hour, people from 8 to 18 on working days and to `saturday_to` on Saturday.
+Observation week_of(int saturday_to) {
+  Observation week;
+  week.steps_per_day = 24;
+  for (auto* series : {&week.supply_degc, &week.flow_kg_s}) series->assign(168, 1.0);
+  week.room_degc = {std::vector<double>(168, 24.0)};
+  week.people = {std::vector<double>(168, 0.0)};
+  for (std::size_t i = 0; i < 168; ++i) {
+    const int day = week.weekday(i), to = day < 5 ? 18 : day == 5 ? saturday_to : 0;
+    if (week.hour_of_day(i) >= 8 && week.hour_of_day(i) < to) week.people[0][i] = 5;
+  }
+  return week;
+}
+
+TEST(UnusualModel, WeekendsOfOtherHoursAreADayTypeOfTheirOwn) {
+  const SiteChoices half = site_choices(week_of(13), week_of(13), TerminalKind::fixed, {});
+  EXPECT_FALSE(half.work.weekday_only);
+  EXPECT_TRUE(half.two_day_types) << "ten hours and five";
+  EXPECT_EQ(half.people_by_day[5], (PeopleHours{8, 13}));
+  EXPECT_EQ(half.people_by_day[6], (PeopleHours{})) << "nobody";
+  const SiteChoices closed = site_choices(week_of(0), week_of(0), TerminalKind::fixed, {});
+  EXPECT_TRUE(closed.work.weekday_only);
+  EXPECT_FALSE(closed.two_day_types) << "weekday_only says it";
+
+  Adoption adoption;
+  adoption.choices = half;
+  adoption.choices.powers = {"Fans:Electricity"};
+  EXPECT_NE(adoption_page(adoption).find("| day types | working days, weekends | people (else thermostats) day by day: "
+                                         "Monday to Friday 08:00 to 18:00, Saturday 08:00 to 13:00, Sunday nobody"),
+            std::string::npos)
+      << adoption_page(adoption);
 }
 
 TEST(UnusualModel, LeastOutdoorAirIsOfTheModelOrOfItsSizing) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -13,11 +14,28 @@ namespace airside::tools {
 
 namespace {
 
+std::string hour_text(double h) {
+  return fmt::format("{:02}:{:02}", static_cast<int>(h), static_cast<int>(h * 60) % 60);
+}
+
+/// `Monday to Friday 07:00 to 22:00, Saturday 07:00 to 14:00, Sunday nobody`.
+std::string week_text(const std::array<PeopleHours, 7>& days) {
+  static constexpr std::array names = {"Monday", "Tuesday", "Wednesday", "Thursday", "Friday", "Saturday", "Sunday"};
+  std::string text;
+  for (std::size_t i = 0, last = 0; i < days.size(); i = last + 1) {
+    last = i;
+    while (last + 1 < days.size() && days[last + 1] == days[i]) ++last;
+    text +=
+        fmt::format("{}{}{}", text.empty() ? "" : ", ", names[i], last > i ? std::string(" to ") + names[last] : "");
+    text += days[i].from_h == days[i].to_h
+                ? std::string(" nobody")
+                : fmt::format(" {} to {}", hour_text(days[i].from_h), hour_text(days[i].to_h));
+  }
+  return text;
+}
+
 std::string hours_text(const DayHours& hours) {
-  const auto clock = [](double h) {
-    return fmt::format("{:02}:{:02}", static_cast<int>(h), static_cast<int>(h * 60) % 60);
-  };
-  return fmt::format("{} to {}{}{}", clock(hours.from_h), clock(hours.to_h),
+  return fmt::format("{} to {}{}{}", hour_text(hours.from_h), hour_text(hours.to_h),
                      hours.weekday_only ? ", weekdays" : ", every day",
                      hours.interrupted ? "; the pattern is not one interval, so this is an approximation" : "");
 }
@@ -63,6 +81,14 @@ std::string chosen_table(const Adoption& a) {
                       c.people          ? "people in the zones, more than a quarter of the most"
                       : c.assumed_hours ? "**assumed**: neither people nor a schedule of the thermostats"
                                         : "the thermostats' cooling setpoints");
+  if (!c.assumed_hours) {
+    text += fmt::format("| day types | {} | people (else thermostats) day by day: {}{} |\n",
+                        c.work.weekday_only ? "working days, days off"
+                        : c.two_day_types   ? "working days, weekends"
+                                            : "one",
+                        week_text(c.people_by_day),
+                        c.people ? "; where the site has `occupied`, comfort is counted by that and not by hours" : "");
+  }
   text += fmt::format("| fan | {} | flow at the supply outlet |\n", hours_text(c.fan));
   text += fmt::format(
       "| setpoint range | {:.1f} to {:.1f} degC | the model's own setpoints in both weeks, and what it reached |\n",

@@ -33,8 +33,8 @@ struct Advice {
 ///                g (max - min) < 0.2 K in every season, g: K of the rooms a K of setpoint; or it is "band" and one
 ///                end of the range is the best constant in every season
 ///   control      otherwise
-/// 10 % is about as much as `band` saved beside the best constant anywhere (docs/results.md); 0.2 K is the tolerance of a
-/// room sensor.
+/// 10 % is about as much as `band` saved beside the best constant anywhere (docs/results.md); 0.2 K is the tolerance of
+/// a room sensor.
 Advice advice_on(const Adoption& adoption);
 
 /// The page's section: headline, reason and a table of the figures.

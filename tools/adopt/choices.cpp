@@ -88,6 +88,28 @@ std::vector<bool> thermostats_at_work(const Observation& week) {
   return on;
 }
 
+std::array<PeopleHours, 7> hours_by_day(const std::vector<bool>& on, const Observation& week) {
+  std::array<PeopleHours, 7> days{};
+  const double step_h = 24.0 / week.steps_per_day;
+  for (std::size_t i = 0; i < on.size(); ++i) {
+    if (!on[i]) continue;
+    PeopleHours& day = days[static_cast<std::size_t>(week.weekday(i))];
+    if (day.from_h == day.to_h) day.from_h = week.hour_of_day(i);
+    day.to_h = week.hour_of_day(i) + step_h;
+  }
+  return days;
+}
+
+/// Whether a weekend day has people in hours that differ by more than two from every working day's.
+bool weekend_differs(const std::array<PeopleHours, 7>& days) {
+  const auto hours = [](const PeopleHours& day) { return day.to_h - day.from_h; };
+  const auto [shortest, longest] = std::minmax_element(
+      days.begin(), days.begin() + 5, [&](const auto& a, const auto& b) { return hours(a) < hours(b); });
+  return std::any_of(days.begin() + 5, days.end(), [&](const PeopleHours& day) {
+    return hours(day) < hours(*shortest) - 2 || hours(day) > hours(*longest) + 2;
+  });
+}
+
 void choose_hours(const Observation& summer, SiteChoices& out) {
   const auto people = total(summer.people, summer.steps());
   const double most = people.empty() ? 0 : *std::max_element(people.begin(), people.end());
@@ -99,6 +121,8 @@ void choose_hours(const Observation& summer, SiteChoices& out) {
     out.work = {7, 19, false, false};
   } else {
     out.work = hours_of(on, summer);
+    out.people_by_day = hours_by_day(on, summer);
+    out.two_day_types = !out.work.weekday_only && weekend_differs(out.people_by_day);
   }
   out.fan = hours_of(fan_runs(summer), summer);
 }

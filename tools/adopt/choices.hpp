@@ -1,6 +1,7 @@
 #pragma once
 // What an adopted site has as its settings, from what its model did: hours, target, schedule, range, meters.
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,17 @@ struct DayHours {
   bool interrupted = false;  ///< the pattern has more pieces than one: these hours are an approximation
 };
 
+/// First and last hour of a day with people; none: from_h = to_h.
+struct PeopleHours {
+  double from_h = 0, to_h = 0;
+  friend bool operator==(const PeopleHours&, const PeopleHours&) = default;
+};
+
 struct SiteChoices {
   double target_degc = 24;
   DayHours work, fan;
+  std::array<PeopleHours, 7> people_by_day{};  ///< from Monday on, of the summer week
+  bool two_day_types = false;                  ///< weekends have people, and other hours of them than working days
   bool people = false;  ///< the hours are those of the people; else of the thermostats, or assumed
   bool assumed_hours = false;
   double min_degc = 12, max_degc = 20, step_k = 0.1;

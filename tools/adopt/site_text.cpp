@@ -79,7 +79,11 @@ std::string outdoor_share_of(const Adoption& a) {
 }
 
 std::string objective_of(const Adoption& a) {
-  if (!a.serves_band()) return "";
+  if (!a.serves_band()) {
+    if (!a.choices.two_day_types) return "";
+    return "\n[controller.override]\nhead_day_types = 2       # weekends have people at other hours than working "
+           "days\n";
+  }
   return std::string(
              "\n[controller]\nobjective = \"band\"       # least energy with every zone in its band; \"mean\" holds "
              "the "
