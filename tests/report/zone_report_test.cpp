@@ -43,6 +43,7 @@ class LoggedSite : public testing::Test {
       const hal::SideColumn side = site_.counts.sides[k];
       if (side.signal == hal::SideSignal::damper) row.side[k] = side.place == 1 ? 0.97 : 0.5;
       if (side.signal == hal::SideSignal::zone_setpoint) row.side[k] = 24;
+      if (side.signal == hal::SideSignal::zone_heating_setpoint) row.side[k] = side.place == 2 ? 24.65 : 21;
       if (side.signal == hal::SideSignal::occupied) row.side[k] = i >= 80 && i < 200 ? 1 : 0;
       if (side.signal == hal::SideSignal::ahu_on) row.side[k] = 1;
     }
@@ -97,6 +98,19 @@ TEST_F(LoggedSite, IsJudgedByItsZonesWhereTheObjectiveIsTheBand) {
     EXPECT_FALSE(shows(drawn, text)) << text;
   const auto said = nlohmann::json::parse(report().out);
   EXPECT_NEAR(said["methods"]["log"]["zone_degree_hours_above_per_day_degch"], 6, 1e-9);
+}
+
+TEST_F(LoggedSite, ZonesAreTooColdByTheirHeatingSetpoints) {
+  make(box_points, band_site);
+  EXPECT_FALSE(shows(page(), "Zones too cold a day")) << "no point shows them";
+  const std::string heating =
+      "zone_heating_setpoint_1,degc,4,206,uint16,big,big,0.01,0,0,60,,,0xFFFF,,,,\n"
+      "zone_heating_setpoint_2,degc,4,207,uint16,big,big,0.01,0,0,60,,,0xFFFF,,,,\n";
+  make(box_points + heating, band_site);
+  const auto said = nlohmann::json::parse(report().out);
+  EXPECT_NEAR(said["methods"]["log"]["zone_degree_hours_below_per_day_degch"], 0.25 * 12, 1e-9) << "zone 2: 23.9";
+  EXPECT_TRUE(shows(page(), "Zones too cold a day"));
+  EXPECT_TRUE(shows(page(), "below their heating setpoints for 3"));
 }
 
 TEST_F(LoggedSite, IsJudgedByTheRoomsMeanOtherwise) {

@@ -136,6 +136,7 @@ struct ReportCommand {
         figures["missing_rows"] = m.log.summary.missing_rows;
         if (const ZoneBand band = zone_band(s, m.run.rows); !band.zones.empty()) {
           figures["zone_degree_hours_above_per_day_degch"] = band.above_degch_per_day();
+          if (band.shows_heating) figures["zone_degree_hours_below_per_day_degch"] = band.below_degch_per_day();
           if (!band.dampers.empty()) figures["boxes_fully_open_per_day_h"] = band.saturated_h_per_day();
         }
         j["methods"][m.name] = figures;

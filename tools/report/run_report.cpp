@@ -106,6 +106,10 @@ std::vector<KeyFigure> key_figures(const RunRecord& r, const MethodResult& ours,
     figures.insert(figures.begin(),
                    {{number_text(r.band->above_degch_per_day(), 2), "°C h", "Zones too warm a day", "all zones"},
                     {number_text(r.band->saturated_h_per_day(), 1), "h", "Boxes fully open a day", "all zones"}});
+    if (r.band->shows_heating) {
+      figures.insert(figures.begin() + 1,
+                     {number_text(r.band->below_degch_per_day(), 2), "°C h", "Zones too cold a day", "all zones"});
+    }
   }
   if (mean_of(ours, &Metrics::hvac_kwh_per_day) > 0) {
     figures.push_back(

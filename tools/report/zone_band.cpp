@@ -6,13 +6,12 @@
 #include <cmath>
 
 #include "tools/report/charts/report_text.hpp"
+#include "tools/run/metrics.hpp"
 
 namespace airside::tools {
 
 namespace {
 
-constexpr double slack_k = 0.5;       ///< above a setpoint that a thermostat's own swing takes
-constexpr double open_damper = 0.95;  ///< a box that has no more to give
 constexpr double hours_a_row = row_s / 3600.0;
 
 /// Places in LogRow::side of a signal, by room; empty where one of the rooms has none.
@@ -45,6 +44,12 @@ double ZoneBand::above_degch_per_day() const {
   return sum;
 }
 
+double ZoneBand::below_degch_per_day() const {
+  double sum = 0;
+  for (const ZoneFigures& zone : zones) sum += zone.below_degch_per_day;
+  return sum;
+}
+
 double ZoneBand::saturated_h_per_day() const {
   double sum = 0;
   for (const ZoneFigures& zone : zones) sum += zone.saturated_h_per_day;
@@ -67,9 +72,11 @@ std::vector<std::string> room_names(const Site& site) {
 ZoneBand zone_band(const Site& site, const std::vector<hal::LogRow>& rows) {
   ZoneBand band;
   const auto setpoints = places_of(site.counts, hal::SideSignal::zone_setpoint);
+  const auto heating = places_of(site.counts, hal::SideSignal::zone_heating_setpoint);
   const auto dampers = places_of(site.counts, hal::SideSignal::damper);
   if (setpoints.empty() || rows.empty()) return band;
   for (std::string& name : room_names(site)) band.zones.push_back({std::move(name)});
+  band.shows_heating = !heating.empty();
   band.dampers.resize(dampers.size());
   std::vector<double> damper_sum(band.zones.size()), counted(band.zones.size());
   for (const hal::LogRow& row : rows) {
@@ -81,9 +88,11 @@ ZoneBand zone_band(const Site& site, const std::vector<hal::LogRow>& rows) {
       wanted.push_back(row.side[setpoints[i]]);
       const double above = row.value[i] - wanted.back();
       if (here && std::isfinite(above)) {
-        zone.above_degch_per_day += std::max(0.0, above - slack_k) * hours_a_row;
+        zone.above_degch_per_day += too_warm_k(row.value[i], wanted.back()) * hours_a_row;
         zone.most_above_k = std::max(zone.most_above_k, above);
       }
+      if (here && !heating.empty())
+        zone.below_degch_per_day += too_cold_k(row.value[i], row.side[heating[i]]) * hours_a_row;
       if (dampers.empty()) continue;
       const double open = row.side[dampers[i]];
       band.dampers[i].push_back(open);
@@ -99,6 +108,7 @@ ZoneBand zone_band(const Site& site, const std::vector<hal::LogRow>& rows) {
   const double days = static_cast<double>(rows.size()) * hours_a_row / 24;
   for (std::size_t i = 0; i < band.zones.size(); ++i) {
     band.zones[i].above_degch_per_day /= days;
+    band.zones[i].below_degch_per_day /= days;
     band.zones[i].saturated_h_per_day /= days;
     band.zones[i].mean_damper = damper_sum[i] / counted[i];  // 0 / 0: nothing was seen
   }
@@ -113,6 +123,10 @@ std::string band_headline(const ZoneBand& band, const std::string& days) {
                   n == 1 ? "its setpoint" : "their setpoints", number_text(band.above_degch_per_day(), 2));
   if (n > 1 && band.worst().above_degch_per_day > 0)
     text += fmt::format(", most in {} ({})", band.worst().name, number_text(band.worst().above_degch_per_day, 2));
+  if (band.shows_heating)
+    text +=
+        fmt::format(", and as much below {} for {} °C h", n == 1 ? "its heating setpoint" : "their heating setpoints",
+                    number_text(band.below_degch_per_day(), 2));
   return text + fmt::format("; boxes stood fully open for {} h a day.", number_text(band.saturated_h_per_day(), 1));
 }
 
@@ -122,15 +136,19 @@ ReportTable zones_table(const ZoneBand& band) {
   table.row_header = "zone";
   table.note =
       "While people are in and the fan runs. Above setpoint: degree-hours above the zone's own setpoint + 0.5 °C, and "
-      "the most that it was above it. Open: hours with the damper above 0.95, where the box has no more to give.";
+      "the most that it was above it. Below heating setpoint: below that - 0.5 °C, where the log shows it. Open: hours "
+      "with the damper above 0.95, where the box has no more to give.";
   table.columns = {{"above setpoint", "°C h a day", 2, false},
                    {"most above", "°C", 2, false},
+                   {"below heating setpoint", "°C h a day", 2, false},
                    {"open", "h a day", 1, false},
                    {"mean damper", "0 to 1", 2, false}};
   for (const ZoneFigures& zone : band.zones) {
     TableRow row;
     row.name = zone.name;
-    for (const double v : {zone.above_degch_per_day, zone.most_above_k, zone.saturated_h_per_day, zone.mean_damper}) {
+    const double below = band.shows_heating ? zone.below_degch_per_day : std::nan("");
+    for (const double v :
+         {zone.above_degch_per_day, zone.most_above_k, below, zone.saturated_h_per_day, zone.mean_damper}) {
       TableCell cell;
       if (std::isfinite(v)) cell.value = v;
       row.cells.push_back(cell);

@@ -15,6 +15,7 @@ struct ZoneFigures {
   std::string name;
   double above_degch_per_day = 0;  ///< degree-hours above its setpoint + 0.5 K
   double most_above_k = 0;         ///< above its setpoint
+  double below_degch_per_day = 0;  ///< degree-hours below its heating setpoint - 0.5 K
   double saturated_h_per_day = 0;  ///< hours with its damper above 0.95
   double mean_damper = 0;          ///< NaN where the log shows none
 };
@@ -25,7 +26,9 @@ struct ZoneBand {
   std::vector<std::vector<double>> dampers;  ///< one a zone, a value a row; empty where the log shows none
   std::vector<double> most_open;             ///< of all dampers, a value a row
   double above_degch_per_day() const;        ///< sum over zones
+  double below_degch_per_day() const;        ///< the same
   double saturated_h_per_day() const;        ///< zone-hours
+  bool shows_heating = false;                ///< the rows show a heating setpoint of every zone
   const ZoneFigures& worst() const;          ///< most degree-hours above; zones must not be empty
 };
 

@@ -11,9 +11,6 @@ namespace airside::tools {
 
 namespace {
 
-constexpr double band_k = 0.5;
-constexpr double open_damper = 0.95;
-
 double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
@@ -73,10 +70,8 @@ void MeteredModel::count_comfort(const sim::Sensors& now, double hours) {
   };
   for (std::size_t i = 0; i < now.room_temp_degc.size(); ++i) {
     const double room = now.room_temp_degc[i];
-    const double above = room - at(now.zone_setpoint_degc, i) - band_k;
-    const double below = at(now.heating_setpoint_degc, i) - band_k - room;
-    if (above > 0) sums_.above_degch += above * hours;
-    if (below > 0) sums_.below_degch += below * hours;
+    sums_.above_degch += too_warm_k(room, at(now.zone_setpoint_degc, i)) * hours;
+    sums_.below_degch += too_cold_k(room, at(now.heating_setpoint_degc, i)) * hours;
     if (at(now.damper, i) > open_damper) sums_.saturated_h += hours;
   }
 }
