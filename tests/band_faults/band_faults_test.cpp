@@ -156,7 +156,10 @@ TEST(BandFaults, DaysOfWrongDampersCostNoMoreThanTheScheduleAWeekLater) {
   } cases[] = {{"dampers reversed", FaultKind::reversed, "damper_", 0},
                {"dampers frozen", FaultKind::stuck, "damper_", 0},
                {"dampers lost", FaultKind::not_a_number, "damper_", 0},
-               {"zone setpoints 3 K too high", FaultKind::offset, "zone_setpoint_", 3}};
+               {"zone setpoints 3 K too high", FaultKind::offset, "zone_setpoint_", 3},
+               {"heating setpoints lost", FaultKind::not_a_number, "zone_heating_setpoint_", 0},
+               {"heating setpoints 3 K too high", FaultKind::offset, "zone_heating_setpoint_", 3},
+               {"heating setpoints 9 K too high", FaultKind::offset, "zone_heating_setpoint_", 9}};
   for (const auto& c : cases) {
     const double kwh = energy_of_a_week([&](BandLoop& loop) { loop.begin_all(c.kind, 48, c.stem, c.magnitude); });
     std::printf("  after two days of %s: %.1f\n", c.name, kwh);

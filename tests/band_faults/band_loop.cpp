@@ -250,6 +250,14 @@ const std::vector<BandFault>& band_faults() {
        [](L& l, D& d) { return on_zones(l, d, FaultKind::set_to, "zone_setpoint_", 5 + 40 * d.uniform()); }},
       {"zone setpoints off",
        [](L& l, D& d) { return on_zones(l, d, FaultKind::offset, "zone_setpoint_", 12 * sign(d) * d.uniform()); }},
+      {"heating setpoints lost",
+       [](L& l, D& d) { return on_zones(l, d, FaultKind::not_a_number, "zone_heating_setpoint_"); }},
+      {"heating setpoints wrong",
+       [](L& l, D& d) { return on_zones(l, d, FaultKind::set_to, "zone_heating_setpoint_", 5 + 40 * d.uniform()); }},
+      {"heating setpoints off",
+       [](L& l, D& d) {
+         return on_zones(l, d, FaultKind::offset, "zone_heating_setpoint_", 12 * sign(d) * d.uniform());
+       }},
       {"a meter lost",
        [](L& l, D& d) { return on_one(l, d, FaultKind::not_a_number, d.below(2) ? "power_1" : "power_2"); }},
       {"a meter wrong", [](L& l, D& d) { return wrong(l, d, d.below(2) ? "power_1" : "power_2", 600); }},

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "airside/demand/zone_loads.hpp"
@@ -114,7 +115,7 @@ TEST(ZoneLoads, AZoneThatIsHardlyCooledAtAllIsNotHeatedForThat) {
 ZoneLoads zone_with_heating(double q) {
   ZoneLoads loads = learned_zone(0.2, q);
   loads.note_setpoint(0, 24);
-  loads.note_heating(0, 21);
+  loads.note_heating(0, 21, 24);
   loads.note_free_load(0, 0);
   return loads;
 }
@@ -126,6 +127,27 @@ TEST(ZoneLoads, WhereTheHeatingSetpointIsShownAZoneHeatsThere) {
   ZoneLoads hidden = learned_zone(0.2, 1);
   hidden.note_setpoint(0, 24);
   EXPECT_EQ(hidden.heating_share(0, 21.5, 24), 1) << "by its cooling setpoint, where no point shows the other";
+}
+
+TEST(ZoneLoads, AHeatingSetpointAboveTheCoolingOneIsNotBelieved) {
+  const std::vector<double> room{22.0, 22.0}, set{24.0, 24.0}, damper{0.3, 0.3}, heats{24.0, 24.1};
+  const ZoneSignals zones{room, set, damper, heats};
+  EXPECT_EQ(zone_heating_degc(zones, 0), 24.0);
+  EXPECT_TRUE(std::isnan(zone_heating_degc(zones, 1)));
+  EXPECT_TRUE(std::isnan(zone_heating_degc({room, set, damper}, 0))) << "no point shows it";
+}
+
+TEST(ZoneLoads, AHeatingSetpointIsLearnedWhileTheZoneIsNotSetBack) {
+  ZoneLoads loads = learned_zone(0.2, 1);
+  loads.note_setpoint(0, 24);
+  loads.note_heating(0, 21, 24);
+  for (int row = 0; row < rows_per_day; ++row) loads.note_heating(0, row % 2 == 0 ? 16 : 25, 28);
+  EXPECT_EQ(loads.heating_share(0, 21.0, 24), 1) << "remembered over the night";
+  EXPECT_EQ(loads.heating_share(0, 21.5, 24), 0) << "a wrong one of the night is not";
+  loads.note_heating(0, 23.9, 24);  // wrong, and believed
+  EXPECT_EQ(loads.heating_share(0, 23.9, 24), 1);
+  for (int row = 0; row < 3 * rows_per_day; ++row) loads.note_heating(0, 21, 24);
+  EXPECT_EQ(loads.heating_share(0, 21.5, 24), 0) << "forgotten within three days";
 }
 
 TEST(ZoneLoads, ColderAirHeatsOnlyAZoneThatFallsToWhereItHeats) {

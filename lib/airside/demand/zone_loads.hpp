@@ -106,10 +106,11 @@ class ZoneLoads {
   }
   double cold_weight(std::size_t i) const { return zones_[i].cold_weight; }
 
-  /// The highest heating setpoint that a zone is given: in setback it lies far below.
-  void note_heating(std::size_t i, double heating_degc) {
+  /// The highest heating setpoint that a zone is given while it is not set back; a wrong one is forgotten by 1.2 K in a
+  /// day of running fan.
+  void note_heating(std::size_t i, double heating_degc, double setpoint_degc) {
     double& most = zones_[i].most_heating_degc;
-    if (std::isfinite(heating_degc)) most = std::max(most - 0.0005, heating_degc);
+    if (std::isfinite(heating_degc) && !is_set_back(i, setpoint_degc)) most = std::max(most - 0.005, heating_degc);
   }
 
   /// What a row shows of zone i.  `coldest`, `warmest`: the setpoint applied is the lowest, the highest one.
@@ -117,7 +118,7 @@ class ZoneLoads {
     note_damper(i, zones.damper[i]);
     note_setpoint(i, zones.setpoint_degc[i]);
     note_reach(s, zones, i, coldest);
-    note_heating(i, zone_heating_degc(zones, i));
+    note_heating(i, zone_heating_degc(zones, i), zones.setpoint_degc[i]);
     note_cold_reach(s, zones, i, warmest);
   }
 

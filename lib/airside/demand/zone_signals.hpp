@@ -25,9 +25,11 @@ inline bool zone_is_seen(const ZoneSignals& zones, std::size_t i) {
          std::isfinite(zones.setpoint_degc[i]) && std::isfinite(zones.damper[i]);
 }
 
-/// Below which zone i is heated, degC; NaN where no point shows it.
+/// Below which zone i is heated, degC; NaN where no point shows it, or shows what cannot be: more than it is cooled to.
 inline double zone_heating_degc(const ZoneSignals& zones, std::size_t i) {
-  return i < zones.heating_degc.size() ? zones.heating_degc[i] : std::numeric_limits<double>::quiet_NaN();
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  if (i >= zones.heating_degc.size()) return none;
+  return zones.heating_degc[i] <= zones.setpoint_degc[i] ? zones.heating_degc[i] : none;
 }
 
 }  // namespace airside
