@@ -30,12 +30,7 @@ class BandObjective {
   }
 
   /// Whether dampers and zone setpoints carry this objective now: at least half of the zones show both.
-  static bool carries(const DemandReading& at) {
-    std::size_t seen = 0;
-    const std::size_t n = std::min(at.zones.count(), max_zones);
-    for (std::size_t i = 0; i < n; ++i) seen += zone_is_seen(at.zones, i) ? 1u : 0u;
-    return n > 0 && 2 * seen >= n && std::isfinite(at.supply_degc);
-  }
+  static bool carries(const DemandReading& at) { return shows_band(at); }
 
   /// A row, decisions' rows included: sums up the running cycle. A row without flow or signals breaks it off.
   void observe(const DemandSettings& s, const DemandReading& at) {
@@ -76,22 +71,26 @@ class BandObjective {
   }
 
   /// The setpoint of least cost; while the fan rests the one that was chosen first after the last rest, since the fan
-  /// will start on it. Errors: setpoint_degc NaN where the signals do not carry the objective, or too little has been
-  /// learned: the schedule holds then.
+  /// will start on it; where the fan cycles at night to cool, never warmer than the schedule. Errors: setpoint_degc NaN
+  /// where the signals do not carry the objective, or too little has been learned: the schedule holds then.
   DemandForecast choose(const DemandSettings& s, const DemandReading& at, const DemandChoice& c) {
     DemandForecast best;
     if (!is_ready(s)) return best;
+    // The warmer the air, the longer runs a fan that cycles at night: no cycle's power shows that.
+    const std::int64_t since_rest_s = at.time.seconds - rested_at_s_;
+    const bool cycles = since_rest_s <= 10 * cycle_s && loads_.cools_set_back(at.zones, at.outdoor_degc);
+    const double limit = cycles ? std::clamp(c.schedule_degc, c.min_degc, c.max_degc) : c.max_degc;
     if (!at.flows) {
       rested_at_s_ = at.time.seconds;
-      if (std::isfinite(start_degc_)) best.setpoint_degc = std::clamp(start_degc_, c.min_degc, c.max_degc);
+      started_ = 0;
+      if (std::isfinite(start_degc_)) best.setpoint_degc = std::clamp(start_degc_, c.min_degc, limit);
       return best;
     }
-    // The first choice hours after the start, of a box that was down or blind, is none of a start.
-    const bool starts = at.time.seconds - rested_at_s_ <= 2 * cycle_s;
-    rested_at_s_ = never;
+    const bool starts = started_ == 0 && since_rest_s <= 2 * cycle_s;
+    started_ = 1;
     if (!carries(at) || !std::isfinite(at.outdoor_degc)) return best;
-    const bool moves = c.last_degc >= c.min_degc && c.last_degc <= c.max_degc && !starts;
-    const double warmest = moves ? std::min(c.max_degc, c.last_degc + s.warm_step_k) : c.max_degc;
+    const bool moves = c.last_degc >= c.min_degc && c.last_degc <= limit && !starts;
+    const double warmest = moves ? std::min(limit, c.last_degc + s.warm_step_k) : limit;
     const int n = std::clamp(static_cast<int>(std::lround((warmest - c.min_degc) / c.step_k)), 0, 400);
     for (int i = 0; i <= n; ++i) {
       const DemandForecast f = evaluate(s, at, c, std::min(c.min_degc + i * c.step_k, warmest));
@@ -243,6 +242,7 @@ class BandObjective {
   std::int32_t rows_ = 0;
   std::int32_t has_begin_ = 0;
   std::int64_t rested_at_s_ = never;  ///< when it was last asked with the fan at rest
+  std::int64_t started_ = 0;          ///< 1: it was asked since, with the fan running
 };
 
 }  // namespace airside

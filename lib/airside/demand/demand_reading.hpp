@@ -1,6 +1,9 @@
 #pragma once
 // What the objective "band" sees, what it may choose from, and what it expects of its choice.
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <limits>
 #include <span>
 
@@ -21,6 +24,14 @@ struct DemandReading {
   bool coldest = false;  ///< the setpoint applied until now is the lowest that may be chosen
   bool warmest = false;  ///< and the highest
 };
+
+/// At least half of the zones show temperature, setpoint and damper, and the supply temperature is known.
+inline bool shows_band(const DemandReading& at) {
+  std::size_t seen = 0;
+  const std::size_t n = std::min(at.zones.count(), max_zones);
+  for (std::size_t i = 0; i < n; ++i) seen += zone_is_seen(at.zones, i) ? 1u : 0u;
+  return n > 0 && 2 * seen >= n && std::isfinite(at.supply_degc);
+}
 
 /// What was expected of the chosen setpoint.
 struct DemandForecast {
