@@ -60,6 +60,7 @@ int run(int argc, char** argv) {
                             "add [modbus] with host or device and points");
     }
     const hal::PointMap points = hal::PointMap::load(site.modbus->points);
+    hal::refuse_contradiction(site, points);  // before the topology's check, whose advice is a stand-in
     if (no_sync) options.sync = hal::Sync::none;
     if (!until.empty()) {
       options.until = hal::parse_civil_text(until);

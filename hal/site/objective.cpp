@@ -20,11 +20,13 @@ void refuse_objective(Objective objective, const PointMap& points, int rooms, co
   need("outdoor_temp");
   need("power_1");
   if (missing.empty()) return;
-  throw InputError(place, fmt::format("\"band\", and {} without {}", points.file(), fmt::join(missing, ", ")),
-                   "a damper and a zone setpoint a room, supply_temp, outdoor_temp and power_1: from them demand and "
-                   "energy are learned",
-                   "add these points, or take objective = \"mean\", which needs room temperatures alone; where boxes "
-                   "modulate and no damper is shown, keep the AHU's own reset");
+  throw InputError(
+      place, fmt::format("\"band\", and {} without {}", points.file(), fmt::join(missing, ", ")),
+      "a damper and a zone setpoint a room, supply_temp, outdoor_temp and power_1: from them demand and "
+      "energy are learned",
+      "add these points, for which [stand_in] cannot stand in, and a power meter to a topology without one; "
+      "or take objective = \"mean\", which needs room temperatures alone; where boxes modulate and no "
+      "damper is shown, keep the AHU's own reset");
 }
 
 }  // namespace airside::hal

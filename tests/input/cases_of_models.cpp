@@ -49,7 +49,7 @@ std::vector<Case> models() {
        file("m.epJSON", "{\"Zone\": {\n"),
        {"m.epJSON:2", "not JSON", "JSON object", "correct"}},
       {"ModelIsAnIdf",
-       "check --twin m.idf",
+       "check --twin m.idf --patch p.json",
        file("m.idf", "Version,25.2;\n"),
        {"m.idf", "an IDF", "epJSON", "--convert-only m.idf"}},
       {"ModelOfPretrainIsAnIdf",

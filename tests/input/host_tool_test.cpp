@@ -100,7 +100,14 @@ TEST(AnIdf, IsConvertedByTheCommandThatTheComplaintNames) {
   ASSERT_EQ(desk.run(engine, {"--convert-only", "own.epJSON"}).code, 0);
   fs::remove(desk.path("own.epJSON"));
   ASSERT_TRUE(fs::exists(desk.path("own.idf")));
-  const Outcome o = desk.run("airside", {"check", "--twin", "own.idf"});
+  const Outcome foreign = desk.run("airside", {"check", "--twin", "own.idf"});
+  EXPECT_EQ(foreign.code, 0) << foreign.out << foreign.err;
+  EXPECT_TRUE(has(foreign.out, "adopt    own.idf: air loop")) << foreign.out;
+  EXPECT_FALSE(fs::exists(desk.path("own.epJSON"))) << "nothing is written";
+  const Outcome lost = desk.run("airside", {"check", "--twin", "own.idf", "--air-loop", "none"});
+  EXPECT_EQ(lost.code, 1);
+  EXPECT_TRUE(has(lost.out, "an air loop of the model")) << lost.out;
+  const Outcome o = desk.run("airside", {"check", "--twin", "own.idf", "--patch", "none.json"});
   EXPECT_EQ(o.code, 1);
   const Said said = complaint_in(o.out);
   const std::size_t begin = said.remedy.find('"'), end = said.remedy.find('"', begin + 1);

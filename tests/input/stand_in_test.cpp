@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
+#include <utility>
 
 #include "hal/points/point_map.hpp"
 #include "hal/points/signal_limits.hpp"
@@ -128,12 +131,129 @@ TEST(StandIn, CheckSaysWhatTheSiteLacksAndWhatItCosts) {
   desk.write("whole.toml", site);
   const Outcome whole = desk.run("airside", Desk::split("check whole.toml"));
   EXPECT_EQ(whole.code, 0) << whole.out;
-  expect_all(whole.out, {"each signal is sensed"});
+  expect_all(whole.out, {"each input of the forecast is sensed"});
   desk.write("site.toml", site + "[stand_in]\nrain = 0\npower = 4\n");
   const Outcome lacking = desk.run("airside", Desk::split("check site.toml"));
   EXPECT_EQ(lacking.code, 0) << lacking.out << lacking.err;
-  expect_all(lacking.out,
-             {"lacks power_1 to power_2 (4 stands in, ", "rain (0 stands in, ", "of DAE", "±", "study signals"});
+  expect_all(lacking.out, {"power_1 to power_2: for ", "; 4 stands in; cost: ", "rain: for ",
+                           "; 0 stands in; cost: nothing measurable", "of DAE", "±", "study signals"});
+}
+
+/// A site of three boxes with Modbus whose map has but the rows of `kept`.
+void write_bare(const Desk& desk, const std::string& words, std::initializer_list<const char*> kept) {
+  desk.make("init . " + words);
+  std::istringstream all(text_of_file(desk.path("points.csv")));
+  std::string rows;
+  for (std::string line; std::getline(all, line);) {
+    for (const char* name : kept) {
+      if (line.starts_with(name)) rows += line + "\n";
+    }
+  }
+  desk.write("points.csv", rows);
+}
+
+constexpr std::initializer_list<const char*> bare_rows = {"#", "name,", "room_temp_", "outdoor_temp,", "setpoint,"};
+
+TEST(StandIn, CheckSaysOfEverySignalOfABareSiteWhatItIsForWhatStandsInAndWhatItCosts) {
+  const Desk desk;
+  write_bare(desk, "--topology 3vav-0fcu-1power", bare_rows);
+  const std::string site = text_of_file(desk.path("site.toml"));
+  desk.write("site.toml", site + "[stand_in]\nvav_on = 1\npower_1 = 4\nmau_temp = 18\nrain = 0\n");
+  const Outcome bare = desk.run("airside", Desk::split("check site.toml"));
+  EXPECT_EQ(bare.code, 0) << bare.out << bare.err;
+  expect_all(bare.out,
+             {"objective mean: holds 25.25 degC", "\n       vav_on_1 to vav_on_3: for", "\n       power_1: for",
+              "\n       mau_temp: for", "\n       rain: for", "\n       ahu_on: for whether the fan runs", "fan_start",
+              "\n       supply_temp: for", "\n       supply_flow: for", "\n       occupied: for",
+              "\n       damper_1 to damper_3: for", "\n       zone_setpoint_1 to zone_setpoint_3: for",
+              "\n       zone_heating_setpoint_1 to zone_heating_setpoint_3: for"});
+  const Outcome as_json = desk.run("airside", Desk::split("check site.toml --json"));
+  const auto said = nlohmann::json::parse(as_json.out);
+  ASSERT_EQ(said["missing_signals"].size(), 11U) << said;
+  for (const auto& m : said["missing_signals"]) {
+    for (const char* key : {"names", "use", "instead", "cost"}) EXPECT_FALSE(m[key].get<std::string>().empty()) << m;
+  }
+  EXPECT_EQ(said["missing_signals"][1]["names"], "power_1");
+  EXPECT_EQ(said["missing_signals"][1]["stand_in"], 4);
+  desk.write("site.toml",
+             hal::replaced(text_of_file(desk.path("site.toml")), "fan_end = \"24:00\"", "fan_end = \"20:00\""));
+  expect_all(desk.run("airside", Desk::split("check site.toml")).out, {"the hours of [ahu] stand in, 00:00 to 20:00"});
+}
+
+TEST(StandIn, CheckOfABandSiteSaysTheObjectiveWhatItNeedsAndHowTheColdSideIsJudged) {
+  const Desk desk;
+  write_bare(desk, "--objective band --topology 3vav-0fcu-1power",
+             {"#", "name,", "room_temp_", "vav_on_", "mau_temp,", "rain,", "outdoor_temp,", "setpoint,", "supply_temp,",
+              "power_1,", "damper_", "zone_setpoint_"});
+  const Outcome o = desk.run("airside", Desk::split("check site.toml"));
+  EXPECT_EQ(o.code, 0) << o.out << o.err;
+  expect_all(o.out, {"objective band: least energy", "damper_n, zone_setpoint_n", "without weights",
+                     "zone_heating_setpoint_1 to zone_heating_setpoint_3: for", "some 3 K below the cooling setpoint",
+                     "no zone counts as too cold"});
+  EXPECT_EQ(o.out.find("holds 25.25"), std::string::npos) << o.out;
+}
+
+TEST(StandIn, AMissingMeterOfABandSiteIsAskedForByEveryProgramAndNoStandInIsAdvised) {
+  const Desk desk;
+  write_bare(desk, "--objective band --topology 3vav-0fcu-1power",
+             {"#", "name,", "room_temp_", "outdoor_temp,", "setpoint,", "supply_temp,", "damper_", "zone_setpoint_",
+              "vav_on_", "mau_temp,", "rain,"});
+  for (const char* stand_in : {"", "[stand_in]\npower_1 = 4\n"}) {
+    const std::string site = text_of_file(desk.path("site.toml"));
+    desk.write("with.toml", site + stand_in);
+    for (const auto& [program, words] :
+         {std::pair{"airside", "check with.toml"}, std::pair{"airside", "pretrain --site with.toml"},
+          std::pair{"airsided", "--check --site with.toml"}}) {
+      const Outcome o = desk.run(program, Desk::split(words));
+      EXPECT_EQ(o.code, 1) << words;
+      const std::string said = o.out + o.err;
+      expect_all(said, {"with.toml: [controller] objective", "\"band\"", "points.csv without power_1;",
+                        "for which [stand_in] cannot stand in", "objective = \"mean\""});
+      EXPECT_EQ(said.find("add `power_1"), std::string::npos) << said;
+    }
+  }
+  const Outcome init = desk.run("airside", Desk::split("init x --objective band --topology 3vav-0fcu-0power"));
+  EXPECT_EQ(init.code, 1);
+  expect_all(init.err, {"--topology", "3vav-0fcu-0power", "at least one power meter", "5vav-0fcu-1power"});
+}
+
+TEST(StandIn, SeveralMissingSignalsAreNamedAtOnceWithABlockThatCanBeCopied) {
+  const PointMap map = map_without({"power_", "vav_on_2", "vav_on_3", "rain,", "fcu_temp_"});
+  const std::string said = complaint_of([&] { map.check_topology(5, 5, 2); });
+  expect_all(said,
+             {"\"fcu_temp_1\" to \"fcu_temp_5\", \"vav_on_2\" to \"vav_on_3\", \"power_1\" to \"power_2\", \"rain\"",
+              "no stand-in for them", "a row for each"});
+  std::string block;  // what stands between backticks, as a person copies it
+  const std::string remedy = said.substr(said.find("add the row"));
+  for (std::size_t at = remedy.find('`'); at != std::string::npos; at = remedy.find('`', at)) {
+    const std::size_t end = remedy.find('`', at + 1);
+    const std::string line = remedy.substr(at + 1, end - at - 1);
+    if (line.find(" = ") != std::string::npos) block += line + "\n";
+    at = end + 1;
+  }
+  EXPECT_EQ(block, "fcu_temp = 25\nvav_on = 1\npower = 4\nrain = 0\n");
+  EXPECT_NO_THROW(map.check_topology(5, 5, 2, site_with(block).stand_ins));
+}
+
+TEST(StandIn, OneOfSeveralThatHasAStandInIsNotAskedForAgain) {
+  const PointMap map = map_without({"power_1", "mau_temp,", "rain,"});
+  const std::string said = complaint_of([&] { map.check_topology(5, 5, 2, site_with("mau_temp = 18\n").stand_ins); });
+  expect_all(said, {"no point \"power_1\", \"rain\", and no stand-in for them", "`power = 4`, `rain = 0`"});
+  EXPECT_EQ(said.find("mau_temp"), std::string::npos) << said;
+}
+
+TEST(StandIn, PretrainOfABandSiteSaysThatItIsNotNeeded) {
+  const Desk desk;
+  desk.make("init . --objective band");
+  const Outcome text = desk.run("airside", Desk::split("pretrain --site site.toml -o site.blob"));
+  EXPECT_EQ(text.code, 0) << text.err;
+  expect_all(text.out, {"not needed", "learns on the box"});
+  EXPECT_FALSE(fs::exists(desk.path("site.blob")));
+  const Outcome as_json = desk.run("airside", Desk::split("pretrain --site site.toml -o site.blob --json"));
+  EXPECT_EQ(as_json.code, 0) << as_json.err;
+  const auto said = nlohmann::json::parse(as_json.out);
+  EXPECT_EQ(said["needed"], false);
+  EXPECT_EQ(said["objective"], "band");
 }
 
 TEST(StandIn, ExampleOfTheSiteFileIsTakenAsItIs) {

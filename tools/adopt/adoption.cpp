@@ -250,27 +250,57 @@ Adoption examine(const json& model, const std::string& place, const std::string&
   return a;
 }
 
-Adoption adopt(const AdoptRequest& request) {
-  refuse_full_folder(request);
-  const sim::EnergyPlusInstall install = sim::find_energyplus();
-  const ForeignModel model = read_foreign_model(request.model, install);
+namespace {
+
+/// What is known before the engine runs.
+struct Prepared {
+  ForeignModel model;
+  Adoption adoption;
+  json repairs;
+  LoopMeters meters;
+  WeatherChoice weather;
+};
+
+Prepared prepare(const AdoptRequest& request, const sim::EnergyPlusInstall& install) {
+  Prepared out;
+  out.model = read_foreign_model(request.model, install);
   const std::string place = request.model.string();
-  Adoption a = examine(model.content, place, request.air_loop);
-  const ModelView view(model.content, place);
-  a.notes = model.notes;
+  out.adoption = examine(out.model.content, place, request.air_loop);
+  Adoption& a = out.adoption;
+  const ModelView view(out.model.content, place);
+  a.notes = out.model.notes;
   a.model_name = request.model.filename().string();
   a.engine = sim::version_of(install);
-  json repairs = without_lost_limits(view, a.notes);
-  const LoopMeters meters = loop_meters(view, a.loop);
-  repairs.update(meters.patch);
+  out.repairs = without_lost_limits(view, a.notes);
+  out.meters = loop_meters(view, a.loop);
+  json& repairs = out.repairs;
+  repairs.update(out.meters.patch);
   if (!view.all("RunPeriodControl:DaylightSavingTime").empty()) {
     repairs["RunPeriodControl:DaylightSavingTime"] = nullptr;
     a.notes.emplace_back("daylight saving dropped: logs and schedules keep standard time");
   }
-  sim::lint_epjson(sim::merge_patched(model.content, patch_of(a, repairs), place), install.schema, {place});
-  const WeatherChoice weather = choose_weather(view, request.model, request.weather, install);
-  a.weather_name = weather.file.filename().string();
-  a.weather_note = weather.note;
+  sim::lint_epjson(sim::merge_patched(out.model.content, patch_of(a, repairs), place), install.schema, {place});
+  out.weather = choose_weather(view, request.model, request.weather, install);
+  a.weather_name = out.weather.file.filename().string();
+  a.weather_note = out.weather.note;
+  return out;
+}
+
+}  // namespace
+
+Adoption check_adoptable(const AdoptRequest& request) { return prepare(request, sim::find_energyplus()).adoption; }
+
+Adoption adopt(const AdoptRequest& request) {
+  refuse_full_folder(request);
+  const sim::EnergyPlusInstall install = sim::find_energyplus();
+  Prepared prepared = prepare(request, install);
+  const ForeignModel& model = prepared.model;
+  Adoption& a = prepared.adoption;
+  const json& repairs = prepared.repairs;
+  const LoopMeters& meters = prepared.meters;
+  const WeatherChoice& weather = prepared.weather;
+  const std::string place = request.model.string();
+  const ModelView view(model.content, place);
 
   SeasonRuns runs(install, weather, place, planned_runs, request.progress);
   const json repaired = sim::merge_patched(model.content, repairs, place);
@@ -290,7 +320,7 @@ Adoption adopt(const AdoptRequest& request) {
   const json patch = patch_of(a, repairs);
   sim::lint_epjson(patch, install.schema, {"twin.patch.json", sim::LintScope::patch});
   write_site(a, model.content, patch, weather.file, request.folder);
-  return a;
+  return std::move(a);
 }
 
 }  // namespace airside::tools

@@ -52,6 +52,12 @@ struct Adoption {
 /// Cost: six runs of some days, 10 to 60 s; seven where the engine refuses hard sizes.
 Adoption adopt(const AdoptRequest& request);
 
+/// All that adopt() checks before the engine runs: conversion, loop, setpoint, meters, schema, weather. Nothing is
+/// written; sizes, choices, seasons and powers stay empty. `folder` is not looked at.
+/// Errors: as of adopt().
+/// Cost: below 1 s.
+Adoption check_adoptable(const AdoptRequest& request);
+
 /// The part of adopt() that needs no engine: loop and setpoint patch, after the model was read.
 /// Errors: hal::InputError.
 Adoption examine(const nlohmann::json& model, const std::string& place, const std::string& air_loop);

@@ -34,6 +34,10 @@ struct PretrainCommand {
 
   void run(const CLI::App& command) {
     const Site s = make_site(site);
+    if (s.file.objective == Objective::band) {
+      say_not_needed(s);
+      return;
+    }
     take_site_twin(command, plant, s, TwinUse::unless_named);
     const RunFacts facts = run_facts(plant, s);
     check_room(plant, s);
@@ -86,6 +90,16 @@ struct PretrainCommand {
                text_of(facts));
   }
 
+  /// For a site with the objective "band", so that a recipe may pretrain every site.
+  void say_not_needed(const Site& s) const {
+    if (json) {
+      fmt::print("{}\n", nlohmann::json{{"needed", false}, {"objective", "band"}, {"blob", nullptr}}.dump());
+    } else {
+      fmt::print("not needed: {} has objective = \"band\", which learns on the box; no weights were written\n",
+                 s.file.path);
+    }
+  }
+
   /// As the command had it.
   std::string static_text() const {
     for (const auto& [name, which] : static_schedules) {
@@ -99,10 +113,12 @@ struct PretrainCommand {
 
 void add_pretrain(CLI::App& app) {
   auto self = std::make_shared<PretrainCommand>();
-  CLI::App* c = app.add_subcommand("pretrain",
-                                   "train weights in the loop with a simulated room.\n"
-                                   "Model, patches and weather are those of the site's [twin] where no option names "
-                                   "others; without\neither, the built-in twin of --room.");
+  CLI::App* c =
+      app.add_subcommand("pretrain",
+                         "train weights in the loop with a simulated room.\n"
+                         "Model, patches and weather are those of the site's [twin] where no option names "
+                         "others; without\neither, the built-in twin of --room. A site with objective = \"band\" needs "
+                         "no weights: none are written.");
   add_site_options(*c, self->site);
   add_plant_options(*c, self->plant);
   c->add_option("--days", self->days, "length; day 1 runs the schedule and fits the scaler")

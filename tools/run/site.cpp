@@ -1,6 +1,7 @@
 #include "tools/run/site.hpp"
 
 #include "airside/topology.hpp"
+#include "hal/site/objective.hpp"
 #include "hal/site/site_log.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/text/input_error.hpp"
@@ -28,6 +29,10 @@ Site load_site(const std::string& path) {
                                  : hal::PointMap::parse(hal::default_point_map(site.counts.vavs, site.counts.fcus,
                                                                                site.counts.powers, site.file.stand_ins),
                                                         "built-in");
+  // First: a stand-in, which check_topology advises, is no remedy for what the objective needs.
+  if (site.file.modbus) {
+    hal::refuse_objective(site.file.objective, site.points, site.counts.vavs, path + ": [controller] objective");
+  }
   site.points.check_topology(site.counts.vavs, site.counts.fcus, site.counts.powers, site.file.stand_ins);
   site.counts = hal::counts_of(site.counts, site.points, site.file.stand_ins);
   site.settings = hal::controller_settings(site.file, site.points);

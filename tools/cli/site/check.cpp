@@ -28,14 +28,23 @@ using nlohmann::json;
 
 std::string clock_text(int second) { return fmt::format("{:02}:{:02}", second / 3600, second / 60 % 60); }
 
+/// What is wanted, and what it needs beyond room temperatures and the setpoint.
+std::string objective_facts(const hal::SiteFile& f, const ControllerSettings& s) {
+  if (f.objective == Objective::mean) return fmt::format("objective mean: holds {} degC", f.room_temp_degc);
+  return fmt::format(
+      "objective band: least energy with each zone within {} K of its setpoints, from damper_n, zone_setpoint_n, "
+      "supply_temp, outdoor_temp and power_1; learned on the box, without weights",
+      s.demand.band_k);
+}
+
 std::string site_facts(const hal::SiteFile& f) {
   const ControllerSettings s = hal::controller_settings(f);
   const int candidates = static_cast<int>(std::lround((s.action_max_degc - s.action_min_degc) / s.action_step_k)) + 1;
   return fmt::format(
-      "\"{}\", scope of its weights \"{}\", topology {}, holds {} degC from {} to {}{}, preset {} with {} overrides, "
+      "\"{}\", scope of its weights \"{}\", topology {}, {}, working hours {} to {}{}, preset {} with {} overrides, "
       "{} candidate setpoints "
       "from {} to {} degC, {}",
-      f.name, f.scope, f.topology, f.room_temp_degc, clock_text(f.work_start_s), clock_text(f.work_end_s),
+      f.name, f.scope, f.topology, objective_facts(f, s), clock_text(f.work_start_s), clock_text(f.work_end_s),
       f.weekday_only ? " on weekdays" : "", f.preset == hal::ControllerPreset::paper ? "paper" : "product",
       f.overrides.size(), candidates, s.action_min_degc, s.action_max_degc,
       f.modbus ? "Modbus " + (f.modbus->transport == hal::ModbusTransport::tcp
@@ -45,8 +54,11 @@ std::string site_facts(const hal::SiteFile& f) {
 }
 
 std::string points_facts(Findings& out, const std::string& path, const hal::TopologyCounts& counts,
-                         const hal::StandIns& stand_ins) {
+                         const hal::SiteFile* site) {
   const hal::PointMap map = hal::PointMap::load(path);
+  const hal::StandIns stand_ins = site != nullptr ? site->stand_ins : hal::StandIns{};
+  // First: a stand-in, which check_topology advises, is no remedy for what the objective needs.
+  if (site != nullptr) hal::refuse_contradiction(*site, map);
   map.check_topology(counts.vavs, counts.fcus, counts.powers, stand_ins);
   const auto writable =
       std::count_if(map.points().begin(), map.points().end(), [](const auto& p) { return p.writable(); });
@@ -93,7 +105,18 @@ std::string room_facts(const std::string& path, const hal::TopologyCounts& count
                      room.powers, std::accumulate(room.floor_area_m2.begin(), room.floor_area_m2.end(), 0.0));
 }
 
+json json_of(const std::vector<LackingSignals>& missing) {
+  json list = json::array();
+  for (const LackingSignals& m : missing) {
+    json entry = {{"names", m.names}, {"use", m.use}, {"instead", m.instead}, {"cost", m.cost}};
+    if (m.stand_in) entry["stand_in"] = *m.stand_in;
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
 struct CheckCommand {
+  std::string air_loop;
   std::string site, topology = "5vav-5fcu-2power", points, twin, weather, room;
   std::vector<std::string> patches, logs, weights;
   bool as_json = false, strict = false, try_site_twin = false;
@@ -151,7 +174,7 @@ struct CheckCommand {
       });
     }
     const auto check_points = [&](const std::string& p) {
-      out.check("points", p, [&] { return points_facts(out, p, counts, file ? file->stand_ins : hal::StandIns{}); });
+      out.check("points", p, [&] { return points_facts(out, p, counts, file ? &*file : nullptr); });
     };
     const auto check_log = [&](const char* what, const std::string& p) {
       out.check(what, p, [&] { return log_facts(p, counts); });
@@ -160,19 +183,25 @@ struct CheckCommand {
       out.check("weights", p, [&] { return blob_facts(p, counts, scope); });
     };
     if (file) {
+      hal::PointMap map;
       if (file->modbus) {
         out.check("points", file->modbus->points, [&] {
-          std::string facts = points_facts(out, file->modbus->points, counts, file->stand_ins);
-          const hal::PointMap map = hal::PointMap::load(file->modbus->points);
-          hal::refuse_contradiction(*file, map);
+          std::string facts = points_facts(out, file->modbus->points, counts, &*file);
+          map = hal::PointMap::load(file->modbus->points);
           counts = hal::counts_of(counts, map, file->stand_ins);
           return facts;
         });
       } else {
         const std::string csv = hal::default_point_map(counts.vavs, counts.fcus, counts.powers, file->stand_ins);
-        counts = hal::counts_of(counts, hal::PointMap::parse(csv, "built-in"), file->stand_ins);
+        map = hal::PointMap::parse(csv, "built-in");
+        counts = hal::counts_of(counts, map, file->stand_ins);
       }
-      if (out.failed() == 0) out.check("signals", site_path, [&] { return signal_facts(counts); });
+      if (out.failed() == 0) {
+        out.check("signals", site_path, [&] {
+          out.lacking = missing_signals(*file, map, counts);
+          return signal_facts(*file, counts, out.lacking);
+        });
+      }
       if (!file->weights_blob.empty()) check_blob(file->weights_blob);
       out.check("keys", file->keys_dir, [&] { return hal::describe(hal::KeyRing::load(file->keys_dir)); });
       if (!file->history_log.empty()) check_log("history", file->history_log);
@@ -185,13 +214,21 @@ struct CheckCommand {
     hal::TwinSection bare;
     bare.model = twin;
     bare.patches = patches;
-    check_twin(out, bare, counts);
+    if (site_path.empty() && patches.empty() && !twin.empty() && (!air_loop.empty() || is_foreign(twin))) {
+      check_foreign(out, twin, air_loop, weather);
+    } else {
+      check_twin(out, bare, counts);
+    }
     if (!weather.empty()) check_weather(out, weather, !twin.empty());
     if (!room.empty()) out.check("room", room, [&] { return room_facts(room, counts); });
     return out;
   }
 
   void run() const {
+    if (!air_loop.empty() && (!site.empty() || !patches.empty() || twin.empty())) {
+      throw hal::InputError("--air-loop", "given without --twin MODEL, or beside a site or --patch",
+                            "a model that somebody else wrote", "leave it out, or give --twin MODEL.idf alone");
+    }
     const Findings found = look();
     if (as_json) {
       json list = json::array();
@@ -212,6 +249,7 @@ struct CheckCommand {
         warnings.push_back({{"what", w.what}, {"file", w.file}, {"text", w.text}});
       }
       json all = {{"ok", found.failed() == 0}, {"checked", list}, {"warnings", warnings}};
+      if (!found.lacking.empty()) all["missing_signals"] = json_of(found.lacking);
       add_program_to(all);
       fmt::print("{}\n", all.dump(-1, ' ', false, json::error_handler_t::replace));
     } else {
@@ -251,8 +289,12 @@ void add_check(CLI::App& app) {
   c->add_option("--points", self->points, "a point map");
   c->add_option("--weights", self->weights, "weight blobs")->allow_extra_args(false);
   c->add_option("--log", self->logs, "CSV logs, or folders of them")->allow_extra_args(false);
-  c->add_option("--twin", self->twin, "an epJSON model; without a file, the site's [twin] runs for a day")
+  c->add_option("--twin", self->twin,
+                "a model (.idf, .epJSON): without a site, and unless it has airside's own names, all that `airside "
+                "adopt` checks before it runs the\nengine; beside a site an epJSON model; without a file, the site's "
+                "[twin] runs for a day")
       ->expected(0, 1);
+  c->add_option("--air-loop", self->air_loop, "which AirLoopHVAC of --twin, where the model has several");
   c->add_option("--patch", self->patches, "merge patches on the model, in order")->allow_extra_args(false);
   c->add_option("--weather", self->weather, "an EPW file");
   c->add_option("--room-file", self->room, "a room of the RC plant (.json)");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -16,6 +17,7 @@
 #include "sim/json/json_file.hpp"
 #include "sim/json/merge_patch.hpp"
 #include "sim/weather/epw.hpp"
+#include "tools/adopt/adoption.hpp"
 #include "tools/adopt/advice.hpp"
 #include "tools/run/plant_choice.hpp"
 #include "tools/run/twin_options.hpp"
@@ -105,6 +107,35 @@ void check_twin(Findings& out, const hal::TwinSection& twin, const hal::Topology
   if (!sim::have_energyplus()) {
     out.warn("twin", twin.model, "it cannot run on this machine: EnergyPlus is not installed; run tools/setup");
   }
+}
+
+bool is_foreign(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  try {
+    if (ending == ".idf") return sim::have_energyplus() && std::filesystem::exists(path);
+    const json model = sim::read_model(path);
+    const sim::ModelNames own = external_names(hal::TwinSection{});
+    // One of the project's own that lacks some names is broken, not somebody else's.
+    return sim::have_energyplus() &&
+           2 * sim::missing_names(model, own, path).size() > sim::missing_names(json::object(), own, path).size() &&
+           sim::epjson_complaints(model, sim::find_energyplus().schema, {path, sim::LintScope::whole}).empty();
+  } catch (const hal::InputError&) {
+    return false;
+  }
+}
+
+void check_foreign(Findings& out, const std::string& path, const std::string& air_loop, const std::string& weather) {
+  out.check("adopt", path, [&] {
+    const Adoption a = check_adoptable({path, air_loop, weather, {}, false, {}});
+    std::string text = fmt::format("air loop \"{}\", {} zones, {} fan coils, terminals {}, objective {}, weather {}",
+                                   a.loop.name, a.loop.terminals.size(), a.loop.fcu_zones.size(),
+                                   text_of(a.loop.kind()), a.serves_band() ? "band" : "mean", a.weather_name);
+    for (const std::vector<std::string>* notes : {&a.notes, &a.loop.notes, &a.setpoint.notes}) {
+      for (const std::string& note : *notes) text += "\n       " + note;
+    }
+    return text + "\n       It can be adopted, as far as is known before the engine runs: `airside adopt`";
+  });
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hal/text/input_error.hpp"
+#include "tools/cli/site/site_signals.hpp"
 
 namespace airside::tools {
 
@@ -48,6 +49,8 @@ class Findings {
   }
   const std::vector<Finding>& all() const { return all_; }
   const std::vector<Warning>& warnings() const { return warnings_; }
+
+  std::vector<LackingSignals> lacking;  ///< of the site
 
  private:
   void add(Finding f) { all_.push_back(std::move(f)); }

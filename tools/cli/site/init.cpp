@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "airside/topology.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/storage/atomic_file.hpp"
 #include "hal/text/input_error.hpp"
@@ -43,6 +44,10 @@ struct InitCommand {
     if (name.empty() || name.find_first_of("\"\\\n\r") != std::string::npos) {
       throw hal::InputError("--name", "'" + name + "'", "a name without quotes, backslashes and line ends",
                             "use letters, digits, spaces and - . , _ / ( )");
+    }
+    if (band() && parse_shape(topology.c_str()).powers == 0) {
+      throw hal::InputError("--topology", topology + " beside --objective band", "at least one power meter",
+                            "band learns energy from a meter: name a topology such as 5vav-0fcu-1power, or take mean");
     }
     const fs::path site = fs::path(folder) / "site.toml", points = fs::path(folder) / "points.csv";
     const std::string text = site_text();
