@@ -213,8 +213,8 @@ struct AdoptedCommand {
     std::vector<BuildingTable> tables;
     for (const std::string& file : from) {
       try {
-        for (const nlohmann::json& table : sim::read_json(file).at("tables"))
-          tables.push_back(building_table_of(table));
+        const nlohmann::json stored = sim::read_json(file);
+        for (const nlohmann::json& table : stored.at("tables")) tables.push_back(building_table_of(table));
       } catch (const nlohmann::json::exception& e) {
         throw hal::InputError(file, e.what(), "what `airside study adopted -o` wrote", "run the study again");
       }
