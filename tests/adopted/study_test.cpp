@@ -90,8 +90,8 @@ TEST_F(StudyOfAdopted, TablesOfEarlierRunsArePrintedAgain) {
   for (const char* part :
        {"#### haus, from 2021-07-05",
         "| constant 14.0 (chosen on other days) | 111.0 ± 1.4 | 1.0 | 110.0 | 0.25 ± 0.00",
-        "best simple method: -9.9 ± 0.1 %, -0.05 ± 0.00 degree-hours (constant 14.0)",
-        "best of all: -1.0 ± 0.0 %, -0.10 ± 0.00 degree-hours (mpc)", "| haus, 2021-07-05 | 100.0 ± 1.4 / 0.20 |"})
+        "best simple method:\n  -9.9 ± 0.1 %, -0.05 ± 0.00 degree-hours (constant 14.0)",
+        "best of all:\n  -1.0 ± 0.0 %, -0.10 ± 0.00 degree-hours (mpc)", "| haus, 2021-07-05 | 100.0 ± 1.4 / 0.20 |"})
     EXPECT_NE(sound.find(part), std::string::npos) << part << "\n" << sound;
   EXPECT_NE(printed(0.4).find("with more than the 0.30 that the others may have"), std::string::npos);
 }

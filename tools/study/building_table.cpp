@@ -175,7 +175,7 @@ std::string markdown_of(const BuildingTable& table) {
       by_meter, rule);
   for (const BuildingLine& line : table.lines) text += line_text(table, line);
   if (!verdict_on(table, Rivals::simple)) return text + "\n";
-  return text + fmt::format("\n- Ours less the best simple method: {}.\n- Ours less the best of all: {}.\n\n",
+  return text + fmt::format("\n- Ours less the best simple method:\n  {}.\n- Ours less the best of all:\n  {}.\n\n",
                             verdict_text(table, Rivals::simple), verdict_text(table, Rivals::all));
 }
 
