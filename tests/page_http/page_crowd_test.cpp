@@ -86,13 +86,16 @@ class PageCrowd : public PageRig {
   }
 };
 
+/// Less than the 10 s for which a slow body may hold its place, and enough for a busy machine.
+constexpr double not_kept_out_s = 9;
+
 TEST_F(PageCrowd, SlowHeadsOfEightAddressesKeepNobodyOut) {
   ASSERT_TRUE(start()) << read("said.txt");
   for (const bool one_prefix : {false, true}) {
     const Crowd crowd(port, addresses(one_prefix), "GET /status.json HTTP/1.1");
     sleep_s(2);
-    EXPECT_LT(slowest_status_s(8), 5) << one_prefix;
-    EXPECT_LT(upload_s(one_prefix ? 11 : 10), 5) << one_prefix;
+    EXPECT_LT(slowest_status_s(8), not_kept_out_s) << one_prefix;
+    EXPECT_LT(upload_s(one_prefix ? 11 : 10), not_kept_out_s) << one_prefix;
     EXPECT_GE(crowd.connections(), 32) << "the crowd was there";
   }
   EXPECT_NE(read("said.txt").find("it is slow, and another one needs its place"), std::string::npos);
@@ -103,8 +106,8 @@ TEST_F(PageCrowd, SlowBodiesOfEightAddressesKeepNoUploadOut) {
   for (const bool one_prefix : {false, true}) {
     const Crowd crowd(port, addresses(one_prefix), post_head(100000));
     sleep_s(2);
-    EXPECT_LT(upload_s(one_prefix ? 11 : 10), 5) << one_prefix;
-    EXPECT_LT(slowest_status_s(4), 5) << one_prefix;
+    EXPECT_LT(upload_s(one_prefix ? 11 : 10), not_kept_out_s) << one_prefix;
+    EXPECT_LT(slowest_status_s(4), not_kept_out_s) << one_prefix;
   }
 }
 
