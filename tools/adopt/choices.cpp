@@ -103,11 +103,11 @@ std::array<PeopleHours, 7> hours_by_day(const std::vector<bool>& on, const Obser
 /// Whether a weekend day has people in hours that differ by more than two from every working day's.
 bool weekend_differs(const std::array<PeopleHours, 7>& days) {
   const auto hours = [](const PeopleHours& day) { return day.to_h - day.from_h; };
-  const auto [shortest, longest] = std::minmax_element(
-      days.begin(), days.begin() + 5, [&](const auto& a, const auto& b) { return hours(a) < hours(b); });
-  return std::any_of(days.begin() + 5, days.end(), [&](const PeopleHours& day) {
-    return hours(day) < hours(*shortest) - 2 || hours(day) > hours(*longest) + 2;
-  });
+  const auto working = std::minmax_element(days.begin(), days.begin() + 5,
+                                           [&](const auto& a, const auto& b) { return hours(a) < hours(b); });
+  const double least = hours(*working.first) - 2, most = hours(*working.second) + 2;
+  return std::any_of(days.begin() + 5, days.end(),
+                     [&](const PeopleHours& day) { return hours(day) < least || hours(day) > most; });
 }
 
 void choose_hours(const Observation& summer, SiteChoices& out) {
