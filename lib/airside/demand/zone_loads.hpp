@@ -20,7 +20,7 @@ struct ZoneForecast {
   double wanted = 0;    ///< damper wanted, may exceed 1
   double damper = 0;    ///< damper reached
   double excess_k = 0;  ///< of the zone's temperature over its band after a cycle
-  double short_k = 0;   ///< of the zone's temperature below its band after a cycle, where its heating is at its limit
+  double short_k = 0;   ///< what a zone that is below its band by now would lack after s.recover_cycles
 };
 
 /// dT = c - b u,  u = damper (T - T_supply); load q = c / b: the u that holds the temperature.
@@ -170,8 +170,8 @@ class ZoneLoads {
     }
   }
 
-  /// Heat that zone i takes at `supply_degc` with its damper at its least, in units of its open box, K:
-  ///   (d- (T_heat - A) - q_free)+  where a point shows T_heat, else d (T - A) as far as it is near where it heats.
+  /// Heat that zone i takes at `supply_degc` with its damper at d, in units of its open box, K:
+  ///   (d (T_heat - A) - q_free)+  where a point shows T_heat, else d (T - A) as far as it is near where it heats.
   double heat_k(const ZoneSignals& zones, std::size_t i, double supply_degc, double damper) const {
     const double room = zones.temp_degc[i], heats_to = zones_[i].most_heating_degc;
     const double share = heating_share(i, room, zones.setpoint_degc[i]);
