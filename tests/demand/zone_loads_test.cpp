@@ -150,16 +150,6 @@ TEST(ZoneLoads, AHeatingSetpointIsLearnedWhileTheZoneIsNotSetBack) {
   EXPECT_EQ(loads.heating_share(0, 21.5, 24), 0) << "forgotten within three days";
 }
 
-TEST(ZoneLoads, AFanThatCyclesAtNightCoolsAZoneThatIsSetBack) {
-  ZoneLoads loads = learned_zone(0.2, 1);
-  loads.note_setpoint(0, 24);
-  const std::vector<double> warm{27.2}, cool{26.5}, back{28.0}, work{24.0}, damper{0.3};
-  EXPECT_TRUE(loads.cools_set_back({warm, back, damper}, 25));
-  EXPECT_FALSE(loads.cools_set_back({warm, back, damper}, 24)) << "outdoor air cools";
-  EXPECT_FALSE(loads.cools_set_back({cool, back, damper}, 25)) << "far from its setpoint";
-  EXPECT_FALSE(loads.cools_set_back({warm, work, damper}, 25)) << "not set back";
-}
-
 TEST(ZoneLoads, ColderAirHeatsOnlyAZoneThatFallsToWhereItHeats) {
   // With a load of 2 K a damper at 0.3 floats at A + 6.7: above 21 it takes no heat.
   const ZoneLoads loads = zone_with_heating(2);

@@ -11,6 +11,7 @@
 
 #include "airside/civil_time.hpp"
 #include "airside/demand/demand_reading.hpp"
+#include "airside/demand/night_cooling.hpp"
 #include "airside/demand/power_model.hpp"
 #include "airside/demand/power_shapes.hpp"
 #include "airside/demand/zone_loads.hpp"
@@ -34,6 +35,7 @@ class BandObjective {
 
   /// A row, decisions' rows included: sums up the running cycle. A row without flow or signals breaks it off.
   void observe(const DemandSettings& s, const DemandReading& at) {
+    night_.watch(loads_, at);
     if (!at.flows || !carries(at) || !std::isfinite(at.outdoor_degc)) {
       rows_ = 0;
       has_begin_ = 0;
@@ -77,16 +79,14 @@ class BandObjective {
     DemandForecast best;
     if (!is_ready(s)) return best;
     // The warmer the air, the longer runs a fan that cycles at night: no cycle's power shows that.
-    const std::int64_t since_rest_s = at.time.seconds - rested_at_s_;
-    const bool cycles = since_rest_s <= 10 * cycle_s && loads_.cools_set_back(at.zones, at.outdoor_degc);
-    const double limit = cycles ? std::clamp(c.schedule_degc, c.min_degc, c.max_degc) : c.max_degc;
+    const double limit = night_.expects(at.time) ? std::clamp(c.schedule_degc, c.min_degc, c.max_degc) : c.max_degc;
     if (!at.flows) {
       rested_at_s_ = at.time.seconds;
       started_ = 0;
       if (std::isfinite(start_degc_)) best.setpoint_degc = std::clamp(start_degc_, c.min_degc, limit);
       return best;
     }
-    const bool starts = started_ == 0 && since_rest_s <= 2 * cycle_s;
+    const bool starts = started_ == 0 && at.time.seconds - rested_at_s_ <= 2 * cycle_s;
     started_ = 1;
     if (!carries(at) || !std::isfinite(at.outdoor_degc)) return best;
     const bool moves = c.last_degc >= c.min_degc && c.last_degc <= limit && !starts;
@@ -233,6 +233,7 @@ class BandObjective {
   }
 
   ZoneLoads loads_;
+  NightCooling night_;
   PowerModel power_;
   PowerShapes shape_sum_;
   std::array<double, max_zones> demand_sum_{}, begin_temp_{};

@@ -125,18 +125,6 @@ class ZoneLoads {
   bool is_set_back(std::size_t i, double setpoint_degc) const {
     return setpoint_degc > zones_[i].least_setpoint_degc + 1.0;
   }
-  /// Whether most zones are set back, and one is about as warm as it may be then, with outdoor air that cools nothing.
-  bool cools_set_back(const ZoneSignals& zones, double outdoor_degc) const {
-    std::size_t seen = 0, back = 0, warm = 0;
-    for (std::size_t i = 0; i < std::min(zones.count(), max_zones); ++i) {
-      if (!zone_is_seen(zones, i)) continue;
-      ++seen;
-      back += is_set_back(i, zones.setpoint_degc[i]) ? 1u : 0u;
-      const bool full = zones.temp_degc[i] > zones.setpoint_degc[i] - 1.0;
-      warm += full && outdoor_degc > zones.temp_degc[i] - 3.0 ? 1u : 0u;
-    }
-    return warm > 0 && 2 * back > seen;
-  }
   /// The lowest temperature at which a zone has been standing still with its damper at its least: there it heats, or
   /// nowhere. Forgotten by 0.7 K a day of running fan, since seasons and thermostats change.
   void note_held(std::size_t i, double room_degc, double moved_k, double damper, double setpoint_degc) {

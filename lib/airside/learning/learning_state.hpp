@@ -26,7 +26,7 @@ namespace airside {
 
 /// Counts up whenever the meaning of a byte of LearningState or CycleState changes, sizes apart: saved state of another
 /// number is not read.
-constexpr std::uint32_t state_version = 11;
+constexpr std::uint32_t state_version = 12;
 
 /// What learning has produced: saved as one generation. Plain bytes, no pointers.
 template <Topology T, class Scalar>

@@ -1,0 +1,58 @@
+#pragma once
+// A fan that cycles at night to cool: what was left in the rooms in the evening is cooled at night.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "airside/civil_time.hpp"
+#include "airside/demand/demand_reading.hpp"
+#include "airside/demand/zone_loads.hpp"
+#include "airside/demand/zone_signals.hpp"
+
+namespace airside {
+
+/// Remembers when the fan last cooled rooms that were set back: it started from rest with a zone near its setpoint and
+/// outdoor air that cools little, and rested again before the setback ended.
+/// Cost: one look at each zone a row. Plain bytes.  Source: docs/method.md 17.5.
+class NightCooling {
+ public:
+  /// A row, those at rest included.
+  void watch(const ZoneLoads& loads, const DemandReading& at) {
+    std::size_t seen = 0, back = 0, warm = 0;
+    for (std::size_t i = 0; i < std::min(at.zones.count(), max_zones); ++i) {
+      if (!zone_is_seen(at.zones, i)) continue;
+      ++seen;
+      back += loads.is_set_back(i, at.zones.setpoint_degc[i]) ? 1u : 0u;
+      const double temp_degc = at.zones.temp_degc[i];
+      const bool full = temp_degc > at.zones.setpoint_degc[i] - near_k;
+      warm += full && at.outdoor_degc > temp_degc - colder_outdoors_k ? 1u : 0u;
+    }
+    if (2 * back <= seen) {
+      phase_ = not_set_back;
+    } else if (!at.flows) {
+      if (phase_ == cools) seen_at_s_ = at.time.seconds;
+      phase_ = rests;
+    } else if (phase_ == rests) {
+      phase_ = warm > 0 ? cools : runs;
+    } else if (phase_ == not_set_back) {
+      phase_ = runs;
+    }
+  }
+
+  /// Whether most zones are set back, on a night like those in which the fan cycled to cool.
+  bool expects(CivilTime t) const {
+    const std::int64_t since_s = t.seconds - seen_at_s_;
+    return phase_ != not_set_back && since_s >= 0 && since_s <= remembered_s;
+  }
+
+ private:
+  static constexpr double near_k = 2.5, colder_outdoors_k = 4.0;
+  static constexpr std::int64_t remembered_s = 48 * 3600, never = -1'000'000'000'000;
+  enum Phase : std::int64_t { not_set_back, rests, cools, runs };
+
+  std::int64_t seen_at_s_ = never;
+  Phase phase_ = not_set_back;
+};
+
+}  // namespace airside

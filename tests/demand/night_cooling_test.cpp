@@ -1,0 +1,106 @@
+// Nights in which the fan cycles to cool.
+
+#include "airside/demand/night_cooling.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "demand/zone_fixture.hpp"
+
+namespace {
+
+using namespace airside;
+using namespace airside::demand_test;
+
+constexpr std::int64_t hour_s = 3600;
+
+/// One zone of 24 °C by day and 28 °C at night, and the rows of its AHU.
+struct Night {
+  ZoneLoads loads;
+  NightCooling cooling;
+  CivilTime time{20 * hour_s};
+  double outdoor_degc = 25;
+
+  Night() {
+    loads.reset({});
+    loads.note_setpoint(0, 24);
+  }
+  void row(bool flows, double room_degc, double setpoint_degc = 28) {
+    const std::vector<double> room{room_degc}, set{setpoint_degc}, damper{0.3};
+    DemandReading at;
+    at.time = time;
+    at.zones = {room, set, damper};
+    at.outdoor_degc = outdoor_degc;
+    at.flows = flows;
+    cooling.watch(loads, at);
+    time = {time.seconds + row_s};
+  }
+  void cycle(double room_degc) {
+    row(false, room_degc);
+    row(true, room_degc - 0.3);
+    row(true, room_degc - 1.5);
+    row(false, room_degc - 1);
+  }
+};
+
+TEST(NightCooling, AFanThatCyclesWhileRoomsAreSetBackIsExpectedForTwoDays) {
+  Night night;
+  night.row(false, 27);
+  EXPECT_FALSE(night.cooling.expects(night.time)) << "nothing is known yet";
+  night.cycle(28);
+  EXPECT_TRUE(night.cooling.expects(night.time)) << "at once";
+  night.row(true, 25, 24);
+  EXPECT_FALSE(night.cooling.expects(night.time)) << "by day it limits nothing";
+  night.row(true, 25);
+  EXPECT_TRUE(night.cooling.expects(night.time)) << "the next evening, from its first row on";
+  EXPECT_TRUE(night.cooling.expects({night.time.seconds + 47 * hour_s}));
+  EXPECT_FALSE(night.cooling.expects({night.time.seconds + 49 * hour_s}));
+  EXPECT_FALSE(night.cooling.expects({night.time.seconds - 49 * hour_s})) << "a clock that was set back";
+}
+
+TEST(NightCooling, AStartBeforeWorkAndARunAfterItAreNone) {
+  Night morning;
+  morning.row(false, 27.5);
+  morning.row(true, 27.4);
+  morning.row(true, 25, 24);
+  morning.row(true, 24, 28);  // set back in the evening, the fan still runs
+  morning.row(false, 24.5, 28);
+  EXPECT_FALSE(morning.cooling.expects(morning.time));
+}
+
+TEST(NightCooling, AFanThatStartsFarFromTheSetpointOrUnderColdAirIsNone) {
+  Night heats;
+  heats.cycle(17);
+  EXPECT_FALSE(heats.cooling.expects(heats.time)) << "it cycles to heat";
+  Night cold;
+  cold.outdoor_degc = 23;
+  cold.cycle(28);
+  EXPECT_FALSE(cold.cooling.expects(cold.time)) << "outdoor air cools, which costs little";
+}
+
+TEST(NightCooling, TheObjectiveIsNoWarmerThanTheScheduleThen) {
+  FormulaBuilding building;
+  BandObjective objective;
+  objective.reset({});
+  building.live({}, objective, 6);
+  building.outdoor_degc = 27;
+  for (double& q : building.load_k) q *= 0.3;
+  const CivilTime midnight{30 * rows_per_day * row_s};
+  const DemandChoice choice{.min_degc = 12, .max_degc = 18, .schedule_degc = 13};
+  building.setpoint_degc = 28;
+  building.room_degc.fill(27.5);
+  const auto row = [&](int i, bool flows) {
+    DemandReading at = building.read({midnight.seconds + i * row_s});
+    at.flows = flows;
+    objective.observe({}, at);
+    return objective.choose({}, at, choice).setpoint_degc;
+  };
+  row(0, false);
+  ASSERT_GT(row(1, true), 13.5) << "warm air pays by the hour";
+  row(2, false);
+  EXPECT_LE(row(3, true), 13);
+  EXPECT_GT(row(3 * rows_per_day, true), 13.5) << "forgotten";
+}
+
+}  // namespace
