@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 /// The workflow on one site, with report.
 struct SiteCommand : GapOptions {
   std::string site_path, measured, reference, twin, plant, room, weather, out = "gap-report", apply, keep_run, cache;
-  std::vector<std::string> patches;
+  std::vector<std::string> patches, tries;
   std::string measured_room;
   int reference_days = 0, seeds = 5, pretrain_days = 31, control_days = 7;
   bool best_guess = false, findings_only = false, no_duties = false, sun_on_site = false, retrain = false;
@@ -53,6 +53,9 @@ struct SiteCommand : GapOptions {
     c.add_flag("--findings-only", findings_only, "the twin keeps its own parameters: add only what was found");
     c.add_flag("--no-duties", no_duties, "leave the fan coils' duties out, which need a second run each on EnergyPlus");
     c.add_flag("--sun-on-site", sun_on_site, "the weather file's sun was measured on the site: it is not in doubt");
+    c.add_option("--try", tries,
+                 "a suspicion of your own, EFFECT=SIZE or EFFECT@PLACE=SIZE such as vav_flow@2=0.5: does the log speak "
+                 "for it?");
     c.add_option("--keep-run", keep_run, "folder for the patched twin's run, which plain energyplus repeats");
     CLI::Option* retrains = c.add_flag("--retrain", retrain,
                                        "pretrain on the twin and on the patched twin, and run both sets of weights on "
@@ -96,6 +99,7 @@ struct SiteCommand : GapOptions {
     add("--room", room);
     add("--weather", weather);
     add("--effects", effects_dir);
+    for (const std::string& one : tries) add("--try", one);
     if (findings_only) text += " --findings-only";
     if (best_guess) text += " --best-guess";
     if (no_duties) text += " --no-duties";
@@ -189,6 +193,7 @@ struct SiteCommand : GapOptions {
     r.jobs = jobs;
     r.best_guess = best_guess;
     r.findings_only = findings_only;
+    r.tries = tries;
     r.cache = cache.empty() ? fs::path(out) / "runs" : fs::path(cache);
     gap::CaseDescription& c = r.source;
     c.topology = site.file.topology;
@@ -311,6 +316,7 @@ struct SiteCommand : GapOptions {
       fmt::print("  {}: not sure, {}: gain {:.0f} (limit {:.0f}); on site: {}\n", f.at.id(), f.why_not,
                  f.log_likelihood_ratio, f.log_likelihood_limit, f.at.effect->confirm);
     }
+    fmt::print("{}", gap::suspicions_text(run));
     const auto& days = j["locked_days"];
     const auto figure = [&days](const char* when, const char* what) { return days[when][what].get<double>(); };
     fmt::print(

@@ -8,15 +8,21 @@ namespace airside::tools::gap {
 namespace {
 
 /// Of the magnitudes, the best one in the linear model, no further than two probes at a time and not below null.
-Eigen::VectorXd best_step(const Metric& metric, const Eigen::MatrixXd& z, const Eigen::VectorXd& r,
+Eigen::VectorXd best_step(const Metric& metric, Eigen::MatrixXd z, const Eigen::VectorXd& r,
                           const std::vector<Chosen>& chosen) {
   const Eigen::Index n = z.cols();
   if (n == 0) return {};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (chosen[static_cast<std::size_t>(i)].held) z.col(i).setZero();
+  }
   Eigen::MatrixXd m_z(z.rows(), n);
   for (Eigen::Index i = 0; i < n; ++i) m_z.col(i) = metric.times(z.col(i));
   const Eigen::MatrixXd normal = m_z.transpose() * z + 1e-9 * Eigen::MatrixXd::Identity(n, n);
   Eigen::VectorXd step = normal.ldlt().solve(m_z.transpose() * r).cwiseMax(-2.0).cwiseMin(2.0);
-  for (Eigen::Index i = 0; i < n; ++i) step(i) = std::max(step(i), -chosen[static_cast<std::size_t>(i)].steps);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Chosen& c = chosen[static_cast<std::size_t>(i)];
+    step(i) = c.held ? 0 : std::max(step(i), -c.steps);
+  }
   return step;
 }
 

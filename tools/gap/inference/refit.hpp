@@ -12,7 +12,8 @@ namespace airside::tools::gap {
 /// A candidate with a magnitude.
 struct Chosen {
   std::size_t candidate = 0;
-  double steps = 1;  ///< of the way from null to probe
+  double steps = 1;   ///< of the way from null to probe
+  bool held = false;  ///< it stays as it is, whatever is fitted
 };
 
 /// What parameters and candidates do to the sensors about one model.

@@ -82,7 +82,7 @@ ReportInput make_gap_report(const gap::GapRun& run) {
                                date_text({run.loaded.data.test.recording.to().seconds - 1}),
                                std::filesystem::path(run.request.source.weather).filename().string(), versions_of(run));
   input.headline = as_sentence(gap::sentence_of(run));
-  for (const auto add : {add_figures, add_findings, add_experiments, add_heat, add_clean_up, add_maps, add_curves,
+  for (const auto add : {add_figures, add_findings, add_suspicions, add_experiments, add_heat, add_clean_up, add_maps, add_curves,
                          add_ranking, add_locked_days, add_guideline, add_ledger, add_retraining, add_facts}) {
     add(page, input);
   }

@@ -170,6 +170,7 @@ json json_of(const GapRun& run) {
                                {"unit", p.change.at.effect->unit}});
   }
   j["after_curve"] = after_curve_json(run);
+  j["tried"] = suspicions_json(run);
   j["retraining"] = run.retraining ? json_of(*run.retraining) : json();
   j["patched"] = run.patched.has_value();
   if (run.patched) {

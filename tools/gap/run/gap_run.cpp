@@ -73,6 +73,16 @@ void simulate_curves(GapRun& run, const Engine& engine) {
   run.residual_after = test.measured - run.simulated_after;
 }
 
+/// The model alone with each suspicion.
+void simulate_suspicions(GapRun& run, const Engine& engine) {
+  const Window& test = run.loaded.data.test;
+  for (Suspicion& s : run.suspicions) {
+    Changes changes = run.before;
+    changes.push_back(s.tried.asked);
+    s.residual = test.measured - binned(engine.simulate(changes, test.recording));
+  }
+}
+
 /// The test that tells the candidates apart, or the heat that is missing.
 void explain(GapRun& run, const Engine& engine) {
   const Verdict& v = run.verdict;
@@ -100,6 +110,8 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   run.request = request;
   run.loaded = load_case(request.source, request.site, request.cache);
   require_apart(run.loaded.logs);
+  Changes tries;
+  for (const std::string& text : request.tries) tries.push_back(parse_tried(text, effects, *run.loaded.engine));
   const CountedEngine engine(*run.loaded.engine, [&progress] { progress.advance(); });
   const CaseData& data = run.loaded.data;
   const Library library = library_of(engine, effects);
@@ -110,16 +122,21 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   };
   run.responses = {responses(data.reference), responses(data.test)};
   progress.enter(GapStage::fitting);
-  run.verdict = analyse(engine, data, run.responses, run.rules, request.jobs, [&](const Outlook& outlook) {
+  const auto look = [&](const Outlook& outlook) {
     progress.expect(GapStage::searching, stages.search(outlook));
     progress.expect(GapStage::explaining, stages.explanation(outlook));
     if (outlook.searching && outlook.found == 0) progress.enter(GapStage::searching);
-  });
+  };
+  const auto try_all = [&](const Analysed& analysed) {
+    for (const sim::EffectChange& asked : tries) run.suspicions.push_back({try_effect(analysed, asked), {}});
+  };
+  run.verdict = analyse(engine, data, run.responses, run.rules, request.jobs, look, try_all);
   const std::vector<Finding>& findings = run.verdict.findings;
   const bool has_rivals = !findings.empty() && !findings.front().cannot_tell_from.empty();
   progress.expect(GapStage::explaining, stages.explanation(run.verdict.kind, has_rivals));
   progress.enter(GapStage::explaining);
   simulate_curves(run, engine);
+  simulate_suspicions(run, engine);
   explain(run, engine);
   progress.finish();
 

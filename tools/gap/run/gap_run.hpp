@@ -13,6 +13,7 @@
 #include "tools/gap/model/model_error.hpp"
 #include "tools/gap/model/patched_model.hpp"
 #include "tools/gap/retrain/retrain.hpp"
+#include "tools/gap/tried/tried_effect.hpp"
 #include "tools/gap/verdict/verdict.hpp"
 #include "tools/run/progress/staged_progress.hpp"
 
@@ -24,8 +25,15 @@ struct GapRequest {
   std::string command;  ///< that repeats the run
   std::filesystem::path cache;
   int jobs = 1;
-  bool findings_only = false;  ///< the twin keeps its own parameters; only what was found is added
-  bool best_guess = false;     ///< patch the model with an ambiguous verdict too
+  bool findings_only = false;      ///< the twin keeps its own parameters; only what was found is added
+  bool best_guess = false;         ///< patch the model with an ambiguous verdict too
+  std::vector<std::string> tries;  ///< "vav_flow@2=0.5": the user's own suspicions
+};
+
+/// A suspicion of the user's.
+struct Suspicion {
+  TriedEffect tried;
+  Eigen::MatrixXd residual;  ///< as GapRun's, with this effect alone
 };
 
 /// A parameter of the twin, as the reference period wants it.
@@ -49,6 +57,7 @@ struct GapRun {
   Eigen::MatrixXd simulated_after;              ///< the curve of the model with what was found
   std::vector<ExperimentProposal> experiments;  ///< ambiguous: tests that tell the candidates apart, best first
   std::optional<UnknownHeat> heat;              ///< unknown: what is missing in each zone
+  std::vector<Suspicion> suspicions;            ///< one a try
   std::optional<PatchedModel> patched;          ///< named, or asked for
   std::optional<Retraining> retraining;         ///< asked for: what the patch is worth to the controller
 
@@ -68,6 +77,19 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
 /// What was added to the model, why, how sure that is, and the patch that takes it back. `run.patched` must be set.
 /// Format: docs/formats.md.
 nlohmann::json ledger_of(const GapRun& run);
+
+/// How far a model is off on the fitted or on the locked days: hourly means as ASHRAE Guideline 14 wants them.
+struct PeriodErrors {
+  double temp_rmse_k = 0, power_rmse_kw = 0;
+  Guideline14 room_temp, power;
+};
+PeriodErrors fitted_errors(const GapRun& run, const Eigen::MatrixXd& residual);
+PeriodErrors locked_errors(const GapRun& run, const Eigen::MatrixXd& residual);
+
+/// Each suspicion beside the model without it and the one with what was found. Format: docs/formats.md.
+nlohmann::json suspicions_json(const GapRun& run);
+/// The same for a terminal, "" without any.
+std::string suspicions_text(const GapRun& run);
 
 /// What --json prints.
 nlohmann::json json_of(const GapRun& run);
