@@ -7,7 +7,9 @@
 #include "sim/json/merge_patch.hpp"
 #include "tools/gap/model/counted_engine.hpp"
 #include "tools/gap/model/energyplus_engine.hpp"
+#include "tools/gap/model/stretches.hpp"
 #include "tools/gap/run/gap_stages.hpp"
+#include "tools/gap/run/more_days.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/gap/verdict/workflow.hpp"
 
@@ -110,9 +112,11 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   run.request = request;
   run.loaded = load_case(request.source, request.site, request.cache);
   require_apart(run.loaded.logs);
+  add_more_days(run, effects);
   Changes tries;
   for (const std::string& text : request.tries) tries.push_back(parse_tried(text, effects, *run.loaded.engine));
-  const CountedEngine engine(*run.loaded.engine, [&progress] { progress.advance(); });
+  const CountedEngine counted(*run.loaded.engine, [&progress] { progress.advance(); });
+  const StretchedEngine engine(counted);
   const CaseData& data = run.loaded.data;
   const Library library = library_of(engine, effects);
   const GapStages stages(engine, library, static_cast<int>(data.test.measured.rows() / bins_per_day), request.jobs);
@@ -146,7 +150,8 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
 }
 
 std::string sentence_of(const GapRun& run) {
-  std::string text = sentence_of(run.verdict);
+  const std::string continued = continued_text(run);
+  std::string text = continued.empty() ? sentence_of(run.verdict) : continued + ". " + sentence_of(run.verdict);
   if (!run.experiments.empty()) text += ". " + sentence_of(run.experiments);
   if (run.heat) text += ". " + run.heat->text;
   return text;
@@ -161,7 +166,9 @@ void keep_patched_run(const GapRun& run, const std::filesystem::path& folder) {
   twin.model = sim::merge_patched(std::move(twin.model), sim::model_patch(engine->twin().model, twin.names, run.after),
                                   "effects");
   twin.loops = sim::changed_loops(engine->twin().loops, run.after);
-  const sim::Recording lived = sim::changed_recording(run.loaded.data.test.recording, run.after);
+  const sim::Recording& days = run.loaded.data.test.recording;
+  const std::size_t first_stretch = days.later.empty() ? days.rows.size() : days.later.front().row;
+  const sim::Recording lived = sim::changed_recording(part_of(days, 0, first_stretch), run.after);
   sim::replay_energyplus(twin, lived, {.thermostats = false, .cache = {}, .keep = folder, .engine_runs = nullptr});
 }
 

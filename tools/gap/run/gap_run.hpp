@@ -19,6 +19,12 @@
 
 namespace airside::tools::gap {
 
+/// Days that came after a first verdict.
+struct MoreDays {
+  std::string log;
+  std::string test;  ///< name of the test on site that was done in them; empty: none
+};
+
 struct GapRequest {
   CaseDescription source;
   std::string site;     ///< name, for reports
@@ -28,6 +34,16 @@ struct GapRequest {
   bool findings_only = false;      ///< the twin keeps its own parameters; only what was found is added
   bool best_guess = false;         ///< patch the model with an ambiguous verdict too
   std::vector<std::string> tries;  ///< "vav_flow@2=0.5": the user's own suspicions
+  std::filesystem::path effects;   ///< folder of their files
+  bool sun_on_site = false;        ///< the weather file's sun was measured on the site
+  std::vector<MoreDays> more;      ///< in the order in which they came
+  nlohmann::json earlier;          ///< gap.json of the verdict that they continue; null without
+};
+
+struct AddedDays {
+  CleanLog log;
+  std::string test;
+  Window window;
 };
 
 /// A suspicion of the user's.
@@ -46,7 +62,8 @@ struct ReferenceParameter {
 struct GapRun {
   GapRequest request;
   Rules rules;
-  LoadedCase loaded;
+  LoadedCase loaded;             ///< its measured window with the days that were added
+  std::vector<AddedDays> added;  ///< as GapRequest::more
   WindowResponses responses;
   Verdict verdict;
   std::vector<ReferenceParameter> parameters;
@@ -90,6 +107,16 @@ PeriodErrors locked_errors(const GapRun& run, const Eigen::MatrixXd& residual);
 nlohmann::json suspicions_json(const GapRun& run);
 /// The same for a terminal, "" without any.
 std::string suspicions_text(const GapRun& run);
+
+/// A candidate in the earlier verdict and in this one. 2 ln likelihood, by real simulation where it was simulated, else
+/// by linear responses; NaN where it was not listed.
+struct CandidateBeforeAfter {
+  std::string id;
+  double before = 0, after = 0, limit = 0;
+};
+std::vector<CandidateBeforeAfter> candidates_before_after(const GapRun& run);
+/// "with 5 more days: ambiguous -> named", "" where nothing is continued.
+std::string continued_text(const GapRun& run);
 
 /// What --json prints.
 nlohmann::json json_of(const GapRun& run);

@@ -11,7 +11,7 @@ namespace airside::tools::gap {
 
 namespace {
 
-constexpr const char* listed = "airside gap effects lists names, places and bounds";
+constexpr const char* where_effects_are = "airside gap effects lists names, places and bounds";
 
 double magnitude_of(const std::string& place, const std::string& text, std::size_t mark) {
   double magnitude = 0;
@@ -20,14 +20,14 @@ double magnitude_of(const std::string& place, const std::string& text, std::size
   if (const auto read = std::from_chars(number, end, magnitude);
       read.ec != std::errc{} || read.ptr != end || number == end) {
     throw hal::InputError(place, mark == std::string::npos ? "no =" : "no number after =",
-                          "EFFECT=MAGNITUDE or EFFECT@PLACE=MAGNITUDE such as vav_flow@2=0.5", listed);
+                          "EFFECT=MAGNITUDE or EFFECT@PLACE=MAGNITUDE such as vav_flow@2=0.5", where_effects_are);
   }
   return magnitude;
 }
 
 std::string choice(const std::vector<std::string>& known, const std::string& name) {
   const std::string near = hal::nearest_name(name, known);
-  return near.empty() ? listed : fmt::format("did you mean {}? {}", near, listed);
+  return near.empty() ? where_effects_are : fmt::format("did you mean {}? {}", near, where_effects_are);
 }
 
 const sim::Effect& effect_of(const std::string& place, const std::string& name, const std::vector<sim::Effect>& effects,
@@ -46,7 +46,8 @@ const sim::Effect& effect_of(const std::string& place, const std::string& name, 
     throw hal::InputError(place,
                           found->candidate ? fmt::format("an effect that {} cannot have", engine.description())
                                            : "a parameter, which the reference period decides and no log is asked of",
-                          fmt::format("one of the {} effects of {}", known.size(), engine.description()), listed);
+                          fmt::format("one of the {} effects of {}", known.size(), engine.description()),
+                          where_effects_are);
   }
   return *found;
 }
@@ -59,7 +60,7 @@ sim::EffectAt place_of(const std::string& place, const std::string& id, const si
     ids.push_back(at.id());
   }
   const std::string found = id == effect.name ? "no place" : fmt::format("place \"{}\"", id.substr(id.find('@') + 1));
-  if (ids.empty()) throw hal::InputError(place, found, "an effect that has a place in this model", listed);
+  if (ids.empty()) throw hal::InputError(place, found, "an effect that has a place in this model", where_effects_are);
   const std::string expected =
       ids.size() > 6 ? fmt::format("{} to {}", ids.front(), ids.back()) : fmt::format("{}", fmt::join(ids, ", "));
   throw hal::InputError(place, found, expected, choice(ids, id));
