@@ -332,6 +332,7 @@ void add_gap(CLI::App& app) {
   add_gap_fit(*gap);
   add_gap_retrain(*gap);
   add_gap_next(*gap);
+  add_gap_watch(*gap);
   add_gap_run(*gap);
 }
 

@@ -16,6 +16,9 @@ void add_gap_retrain(CLI::App& gap);
 /// Adds `airside gap next`: more days, or a test on site, after a first verdict.
 void add_gap_next(CLI::App& gap);
 
+/// Adds `airside gap watch`: a verdict every night.
+void add_gap_watch(CLI::App& gap);
+
 /// Adds `airside gap run`, and the same without a subcommand. Call it last: options of the whole workflow before
 /// another subcommand are refused, since they would be lost without a word.
 void add_gap_run(CLI::App& gap);

@@ -22,7 +22,7 @@ struct OutdoorOffset {
   int rows = 0;
 };
 
-double median_of(std::vector<double> values) {
+double middle_of(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -38,9 +38,9 @@ OutdoorOffset outdoor_offset(const sim::Recording& recording) {
   }
   OutdoorOffset offset;
   offset.rows = static_cast<int>(differences.size());
-  offset.median_k = median_of(differences);
+  offset.median_k = middle_of(differences);
   for (const double k : differences) left.push_back(std::abs(k - offset.median_k));
-  offset.spread_k = median_of(left);
+  offset.spread_k = middle_of(left);
   return offset;
 }
 
@@ -81,7 +81,7 @@ std::vector<TestPlan> all_plans(const sim::Channels& channels, const std::vector
   return test_plans(channels, members);
 }
 
-TestPlan plan_of(const std::string& name, const sim::Channels& channels, const std::vector<sim::Effect>& effects) {
+TestPlan named_plan(const std::string& name, const sim::Channels& channels, const std::vector<sim::Effect>& effects) {
   const std::vector<TestPlan> plans = all_plans(channels, effects);
   const auto found = std::find_if(plans.begin(), plans.end(), [&](const TestPlan& p) { return p.name == name; });
   if (found != plans.end()) return *found;
@@ -127,12 +127,12 @@ AddedDays read_days(const GapRun& run, const MoreDays& from, const std::vector<s
   for (const AddedDays& earlier : run.added) known.push_back(&earlier.log);
   for (const CleanLog* log : known) require_new(more.log.rows.front(), more.log.rows.back(), *log, from.log);
   require_same_site(run, more);
-  if (!from.test.empty()) apply_test(more, plan_of(from.test, channels, effects), channels);
+  if (!from.test.empty()) apply_test(more, named_plan(from.test, channels, effects), channels);
   return more;
 }
 
 /// The last window's days, and those that follow within a day, as one.
-bool joined(std::vector<hal::LogRow>& last, const std::vector<hal::LogRow>& more) {
+bool joined_days(std::vector<hal::LogRow>& last, const std::vector<hal::LogRow>& more) {
   const std::int64_t gap_s = more.front().time.seconds - last.back().time.seconds;
   if (gap_s <= 0 || gap_s >= seconds_per_day) return false;
   last.insert(last.end(), more.begin(), more.end());
@@ -151,7 +151,7 @@ void add_more_days(GapRun& run, const std::vector<sim::Effect>& effects) {
   Eigen::Index bins_of_tests = 0, bins = 0;
   for (const AddedDays& more : run.added) {
     if (more.test.empty()) {
-      if (!joined(passive.back(), more.log.rows)) passive.push_back(more.log.rows);
+      if (!joined_days(passive.back(), more.log.rows)) passive.push_back(more.log.rows);
     } else {
       windows.push_back(more.window);
       bins_of_tests += more.window.measured.rows();
