@@ -23,13 +23,27 @@ struct RecordedRow {
   std::vector<double> zone_heat_kw = {};  ///< zone, VAV zones first; heat into the air that no model has; empty: none
 };
 
-/// A stretch without gaps.  Row i is at from + i * row_s, by the site's clock.
+/// Where a recording goes on at another time: whole days were left out, or it goes back.
+struct LaterStretch {
+  std::size_t row = 0;  ///< the first of it
+  CivilTime from;
+};
+
+/// A stretch without gaps.  Row i is at from + i * row_s, by the site's clock; but for later stretches, which no engine
+/// lives through at once.
 struct Recording {
   CivilTime from;
   std::vector<RecordedRow> rows;
   std::shared_ptr<const Weather> station;  ///< for what the site does not measure: sun, humidity, wind
+  std::vector<LaterStretch> later = {};    ///< in order of row
 
-  CivilTime time(std::size_t row) const { return {from.seconds + static_cast<std::int64_t>(row) * row_s}; }
+  CivilTime time(std::size_t row) const {
+    LaterStretch in{0, from};
+    for (const LaterStretch& stretch : later) {
+      if (stretch.row <= row) in = stretch;
+    }
+    return {in.from.seconds + static_cast<std::int64_t>(row - in.row) * row_s};
+  }
   CivilTime to() const { return time(rows.size()); }
   /// The row that holds at t; before `from` those of the first day, repeated; after the end the last.
   const RecordedRow& at(CivilTime t) const;

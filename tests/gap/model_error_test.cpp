@@ -34,7 +34,7 @@ TEST(ModelError, FallsIntoItsHourAndItsDay) {
   EXPECT_NEAR(hours.mean(0, 7), 0.25, 1e-12);
   EXPECT_NEAR(hours.rmse(0, 7), std::sqrt(5.0 / 4), 1e-12);
   EXPECT_EQ(hours.rmse(0, 8), 0);
-  const ErrorMap days = errors_by_day(residual, sim::civil_midnight(2021, 7, 14));
+  const ErrorMap days = errors_by_day(residual, {sim::civil_midnight(2021, 7, 14), {}, nullptr});
   EXPECT_EQ(days.groups, (std::vector<std::string>{"07-14", "07-15", "07-16"}));
   EXPECT_NEAR(days.mean(0, 1), 2.0 / bins_per_day, 1e-12);
 }

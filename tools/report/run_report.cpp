@@ -12,7 +12,7 @@
 namespace airside::tools {
 namespace {
 
-using Kind = MethodResult::Kind;
+using ResultKind = MethodResult::Kind;
 
 const MethodResult& ours_of(const std::vector<MethodResult>& methods) {
   const MethodResult* ours = nullptr;
@@ -20,7 +20,7 @@ const MethodResult& ours_of(const std::vector<MethodResult>& methods) {
     if (m.runs.empty()) {
       throw hal::InputError("report: method \"" + m.name + '"', "no run", "one run a seed", "leave the method out");
     }
-    if (m.kind != Kind::ours) continue;
+    if (m.kind != ResultKind::ours) continue;
     if (ours) throw hal::InputError("report", "two methods of kind ours", "exactly one", "mark one as a peer");
     ours = &m;
   }
@@ -30,13 +30,15 @@ const MethodResult& ours_of(const std::vector<MethodResult>& methods) {
 
 const MethodResult* schedule_of(const std::vector<MethodResult>& methods) {
   for (const MethodResult& m : methods) {
-    if (m.kind == Kind::schedule) return &m;
+    if (m.kind == ResultKind::schedule) return &m;
   }
   return nullptr;
 }
 
-SeriesRole role_of(Kind kind) {
-  return kind == Kind::ours ? SeriesRole::main : kind == Kind::schedule ? SeriesRole::reference : SeriesRole::plain;
+SeriesRole role_of(ResultKind kind) {
+  return kind == ResultKind::ours       ? SeriesRole::main
+         : kind == ResultKind::schedule ? SeriesRole::reference
+                                        : SeriesRole::plain;
 }
 
 std::vector<double> seconds_of(const std::vector<CivilTime>& times) {
@@ -211,10 +213,10 @@ void add_line_charts(const RunRecord& r, ReportInput& out) {
 TableRow empty_row(const MethodResult& m) {
   TableRow row;
   row.name = m.name;
-  if (m.kind == Kind::ours) row.role = SeriesRole::main;
-  if (m.kind == Kind::floor) row.role = SeriesRole::reference;
+  if (m.kind == ResultKind::ours) row.role = SeriesRole::main;
+  if (m.kind == ResultKind::floor) row.role = SeriesRole::reference;
   // The schedule never moves within the day and floors know the future: neither wins a column by merit.
-  row.competes = m.kind == Kind::ours || m.kind == Kind::peer;
+  row.competes = m.kind == ResultKind::ours || m.kind == ResultKind::peer;
   return row;
 }
 
@@ -222,10 +224,10 @@ TableRow empty_row(const MethodResult& m) {
 std::vector<const MethodResult*> ranked(const std::vector<MethodResult>& methods) {
   std::vector<const MethodResult*> order;
   for (const MethodResult& m : methods) {
-    if (m.kind != Kind::floor) order.push_back(&m);
+    if (m.kind != ResultKind::floor) order.push_back(&m);
   }
   std::stable_sort(order.begin(), order.end(), [](const MethodResult* a, const MethodResult* b) {
-    if ((a->kind == Kind::ours) != (b->kind == Kind::ours)) return a->kind == Kind::ours;
+    if ((a->kind == ResultKind::ours) != (b->kind == ResultKind::ours)) return a->kind == ResultKind::ours;
     return mean_of(*a, &Metrics::dae_degc) < mean_of(*b, &Metrics::dae_degc);
   });
   return order;
@@ -235,7 +237,7 @@ std::vector<const MethodResult*> ranked(const std::vector<MethodResult>& methods
 std::vector<const MethodResult*> table_order(const std::vector<MethodResult>& methods) {
   std::vector<const MethodResult*> order = ranked(methods);
   for (const MethodResult& m : methods) {
-    if (m.kind == Kind::floor) order.push_back(&m);
+    if (m.kind == ResultKind::floor) order.push_back(&m);
   }
   return order;
 }

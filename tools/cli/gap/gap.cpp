@@ -331,6 +331,8 @@ void add_gap(CLI::App& app) {
   c->callback([revert] { revert->run(); });
   add_gap_fit(*gap);
   add_gap_retrain(*gap);
+  add_gap_next(*gap);
+  add_gap_watch(*gap);
   add_gap_run(*gap);
 }
 

@@ -13,6 +13,12 @@ namespace airside::tools {
 /// Adds `airside gap retrain`: what a patched twin is worth to the controller.
 void add_gap_retrain(CLI::App& gap);
 
+/// Adds `airside gap next`: more days, or a test on site, after a first verdict.
+void add_gap_next(CLI::App& gap);
+
+/// Adds `airside gap watch`: a verdict every night.
+void add_gap_watch(CLI::App& gap);
+
 /// Adds `airside gap run`, and the same without a subcommand. Call it last: options of the whole workflow before
 /// another subcommand are refused, since they would be lost without a word.
 void add_gap_run(CLI::App& gap);
@@ -29,6 +35,7 @@ struct GapOptions {
   void add_json(CLI::App& command);
   /// Errors: hal::InputError of a file that is wrong.
   std::vector<sim::Effect> effects() const;
+  std::filesystem::path effects_folder() const;
 };
 
 /// A place to write to, before an hour of simulations ends there.

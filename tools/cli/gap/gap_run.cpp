@@ -7,13 +7,11 @@
 #include <thread>
 
 #include "hal/text/input_error.hpp"
-#include "hal/text/staged_folder.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/gap/gap.hpp"
-#include "tools/gap/report/gap_report.hpp"
+#include "tools/cli/gap/gap_output.hpp"
 #include "tools/gap/run/gap_run.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
-#include "tools/report/report.hpp"
 #include "tools/run/log_weather.hpp"
 #include "tools/run/run_facts.hpp"
 
@@ -26,7 +24,7 @@ namespace fs = std::filesystem;
 /// The workflow on one site, with report.
 struct SiteCommand : GapOptions {
   std::string site_path, measured, reference, twin, plant, room, weather, out = "gap-report", apply, keep_run, cache;
-  std::vector<std::string> patches;
+  std::vector<std::string> patches, tries;
   std::string measured_room;
   int reference_days = 0, seeds = 5, pretrain_days = 31, control_days = 7;
   bool best_guess = false, findings_only = false, no_duties = false, sun_on_site = false, retrain = false;
@@ -53,6 +51,9 @@ struct SiteCommand : GapOptions {
     c.add_flag("--findings-only", findings_only, "the twin keeps its own parameters: add only what was found");
     c.add_flag("--no-duties", no_duties, "leave the fan coils' duties out, which need a second run each on EnergyPlus");
     c.add_flag("--sun-on-site", sun_on_site, "the weather file's sun was measured on the site: it is not in doubt");
+    c.add_option("--try", tries,
+                 "a suspicion of your own, EFFECT=SIZE or EFFECT@PLACE=SIZE such as vav_flow@2=0.5: does the log speak "
+                 "for it?");
     c.add_option("--keep-run", keep_run, "folder for the patched twin's run, which plain energyplus repeats");
     CLI::Option* retrains = c.add_flag("--retrain", retrain,
                                        "pretrain on the twin and on the patched twin, and run both sets of weights on "
@@ -96,6 +97,7 @@ struct SiteCommand : GapOptions {
     add("--room", room);
     add("--weather", weather);
     add("--effects", effects_dir);
+    for (const std::string& one : tries) add("--try", one);
     if (findings_only) text += " --findings-only";
     if (best_guess) text += " --best-guess";
     if (no_duties) text += " --no-duties";
@@ -189,6 +191,9 @@ struct SiteCommand : GapOptions {
     r.jobs = jobs;
     r.best_guess = best_guess;
     r.findings_only = findings_only;
+    r.tries = tries;
+    r.effects = effects_folder();
+    r.sun_on_site = sun_on_site;
     r.cache = cache.empty() ? fs::path(out) / "runs" : fs::path(cache);
     gap::CaseDescription& c = r.source;
     c.topology = site.file.topology;
@@ -211,8 +216,6 @@ struct SiteCommand : GapOptions {
     return r;
   }
 
-  static void say_log(std::FILE* to, const gap::CleanLog& log) { fmt::print(to, "{}", gap::text_of(log)); }
-
   void run() const {
     if (measured.empty()) throw CLI::RequiredError("--measured (or a subcommand)");
     const gap::GapRequest asked = request();
@@ -224,40 +227,10 @@ struct SiteCommand : GapOptions {
       StagedProgress progress(stderr);
       finish(gap::run_gap(asked, list, progress));
     } catch (const gap::RefusedLog& e) {
-      say_log(stderr, e.logs().reference);
-      say_log(stderr, e.logs().measured);
+      print_clean_up(stderr, e.logs().reference);
+      print_clean_up(stderr, e.logs().measured);
       throw;
     }
-  }
-
-  /// The output folder, whole or not at all; what --json prints.
-  nlohmann::json write_folder(const gap::GapRun& run, const RunFacts& facts, bool patched_room) const {
-    const fs::path folder = out;
-    hal::StagedFolder staged(folder);
-    nlohmann::json j;
-    j["report"] = (folder / "index.html").string();
-    std::vector<std::string> files{j["report"], (folder / "gap.json").string()};
-    if (run.patched) {
-      const auto write = [&](const char* name, const nlohmann::json& content) {
-        gap::write_whole_file(staged.path() / name, content.dump(1) + "\n");
-        files.push_back((folder / name).string());
-        return files.back();
-      };
-      j["patch"] = write("twin-patch.json", run.patched->patch);
-      j["ledger"] = write("ledger.json", gap::ledger_of(run));
-      if (!apply.empty()) {
-        j["applied"] = apply;
-        files.insert(files.end(), {apply, apply + ".ledger.json"});
-      }
-      if (patched_room) write("patched-room.json", run.patched->after);
-    }
-    j["files"] = files;
-    j.update(gap::json_of(run));
-    tools::add_to(j, facts);
-    gap::write_whole_file(staged.path() / "gap.json", gap::readable_text(j));
-    write_report(staged.path() / "index.html", make_gap_report(run));
-    staged.commit("index.html", {"twin-patch.json", "ledger.json", "patched-room.json"});
-    return j;
   }
 
   void finish(gap::GapRun run) const {
@@ -265,7 +238,8 @@ struct SiteCommand : GapOptions {
         run_facts(run.request.source.engine == "energyplus", weather_file_text(run.request.source.weather));
     if (!keep_run.empty()) gap::keep_patched_run(run, keep_run);
     const bool patched_room = retrain && run.request.source.engine == "rc" && apply.empty();
-    nlohmann::json j = write_folder(run, facts, patched_room);
+    const GapFolder folder{out, apply, patched_room};
+    nlohmann::json j = write_gap_folder(run, facts, folder);
     if (run.patched && !apply.empty()) {
       gap::write_whole_file(apply, run.patched->after.dump(1) + "\n");
       gap::write_whole_file(apply + ".ledger.json", gap::ledger_of(run).dump(1) + "\n");
@@ -277,12 +251,9 @@ struct SiteCommand : GapOptions {
                                                          : fs::path(apply);
       StagedProgress progress(stderr);
       gap::retrain_patched(run, r, progress);
-      j = write_folder(run, facts, patched_room);
+      j = write_gap_folder(run, facts, folder);
     }
-    if (json)
-      fmt::print("{}\n", j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-    else
-      say(run, j, facts);
+    print_gap(run, j, facts, json);
     if (!apply.empty() && !run.patched) {
       throw hal::InputError("--apply " + apply, fmt::format("the verdict {}", gap::text_of(run.verdict.kind)),
                             "a named effect to patch the twin with",
@@ -297,31 +268,6 @@ struct SiteCommand : GapOptions {
                             : run.verdict.kind == gap::VerdictKind::none ? "nothing has to be learned again"
                                                                          : "what is missing has no name yet");
     }
-  }
-
-  static void say(const gap::GapRun& run, const nlohmann::json& j, const RunFacts& facts) {
-    if (!run.request.source.reference_log.empty()) say_log(stdout, run.loaded.logs.reference);
-    say_log(stdout, run.loaded.logs.measured);
-    fmt::print("{}\n", gap::sentence_of(run));
-    for (const gap::Finding& f : run.verdict.findings) {
-      fmt::print("  {}: gain {:.0f} (limit {:.0f}), {:.1f} x the next; on site: {}\n", f.at.id(),
-                 f.log_likelihood_ratio, f.log_likelihood_limit, std::min(f.margin, 999.0), f.at.effect->confirm);
-    }
-    for (const gap::Finding& f : run.verdict.unsure) {
-      fmt::print("  {}: not sure, {}: gain {:.0f} (limit {:.0f}); on site: {}\n", f.at.id(), f.why_not,
-                 f.log_likelihood_ratio, f.log_likelihood_limit, f.at.effect->confirm);
-    }
-    const auto& days = j["locked_days"];
-    const auto figure = [&days](const char* when, const char* what) { return days[when][what].get<double>(); };
-    fmt::print(
-        "locked days ({}): temperatures {:.2f} -> {:.2f} K, powers {:.2f} -> {:.2f} kW (the twin as given: "
-        "{:.2f} K, {:.2f} kW)\n",
-        days["days"].get<int>(), figure("before", "temp_rmse_k"), figure("after", "temp_rmse_k"),
-        figure("before", "power_rmse_kw"), figure("after", "power_rmse_kw"), figure("given", "temp_rmse_k"),
-        figure("given", "power_rmse_kw"));
-    if (run.retraining) fmt::print("{}{}\n", gap::text_of(*run.retraining), gap::sentence_of(*run.retraining));
-    fmt::print("by {}\n", text_of(facts));
-    for (const auto& file : j["files"]) fmt::print("{}\n", file.get<std::string>());
   }
 };
 
@@ -341,8 +287,10 @@ void GapOptions::add_json(CLI::App& c) {
   c.add_flag("--json", json, "print one JSON object and nothing else on standard output");
 }
 
-std::vector<sim::Effect> GapOptions::effects() const {
-  return sim::load_effects(effects_dir.empty() ? sim::find_effects() : fs::path(effects_dir));
+std::vector<sim::Effect> GapOptions::effects() const { return sim::load_effects(effects_folder()); }
+
+fs::path GapOptions::effects_folder() const {
+  return effects_dir.empty() ? sim::find_effects() : fs::path(effects_dir);
 }
 
 void require_writable(const std::string& option, const fs::path& path, bool folder) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/gap/model/stretches.hpp"
+
 namespace airside::tools::gap {
 
 namespace {
@@ -29,6 +31,25 @@ bool apply_plan(const TestPlan& plan, double hours_since_first, sim::RecordedRow
   if (plan.vav_command) command(row.vav_on, plan.vav, *plan.vav_command);
   if (plan.fcu_command) command(row.fcu_on, plan.fcu, *plan.fcu_command);
   return row.setpoint_degc != before.setpoint_degc || row.vav_on != before.vav_on || row.fcu_on != before.fcu_on;
+}
+
+bool is_as_planned(const TestPlan& plan, const sim::RecordedRow& row) {
+  constexpr double setpoint_tolerance_k = 0.3, command_tolerance = 0.5;
+  const auto near = [](const std::optional<double>& planned, double degc) {
+    return planned && std::abs(degc - *planned) <= setpoint_tolerance_k;
+  };
+  const auto obeys = [](const std::optional<double>& planned, const std::vector<double>& list, int place) {
+    if (!planned) return true;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const bool concerned = place < 0 || static_cast<int>(i) == place;
+      if (concerned && std::abs(list[i] - *planned) > command_tolerance) return false;
+    }
+    return true;
+  };
+  if (plan.setpoint_degc && !near(plan.setpoint_degc, row.setpoint_degc) &&
+      !near(plan.turns_with_degc, row.setpoint_degc))
+    return false;
+  return obeys(plan.vav_command, row.vav_on, plan.vav) && obeys(plan.fcu_command, row.fcu_on, plan.fcu);
 }
 
 /// VAV boxes and fan coils at which members are.
@@ -133,11 +154,8 @@ std::optional<TestRecording> test_recording(const sim::Recording& recording, con
   const int history = std::min(rules.history_days, first);
   if (history < 1) return std::nullopt;
   TestRecording test;
-  test.recording.station = recording.station;
   const auto begin = static_cast<std::size_t>(first - history) * rows_per_day;
-  test.recording.from = recording.time(begin);
-  test.recording.rows.assign(recording.rows.begin() + static_cast<std::ptrdiff_t>(begin),
-                             recording.rows.begin() + static_cast<std::ptrdiff_t>(last) * rows_per_day);
+  test.recording = part_of(recording, begin, static_cast<std::size_t>(last) * rows_per_day - begin);
   const auto earliest = static_cast<std::size_t>(history) * rows_per_day +
                         static_cast<std::size_t>(std::lround(plan.from_h * rows_an_hour));
   test.first_row = test.recording.rows.size();
@@ -149,6 +167,21 @@ std::optional<TestRecording> test_recording(const sim::Recording& recording, con
     ++test.changed;
   }
   return test;
+}
+
+bool was_done(const sim::Recording& recording, const TestPlan& plan) {
+  const std::size_t days = recording.rows.size() / rows_per_day;
+  for (std::size_t day = 0; day < days; ++day) {
+    std::size_t in_hours = 0, as_planned = 0;
+    for (std::size_t row = day * rows_per_day; row < (day + 1) * rows_per_day; ++row) {
+      const CivilTime t = recording.time(row);
+      if (!acts_at(plan, t.second_of_day() / 3600.0) || (plan.weekend && t.weekday() < 5)) continue;
+      ++in_hours;
+      if (is_as_planned(plan, recording.rows[row])) ++as_planned;
+    }
+    if (in_hours > 0 && 10 * as_planned >= 8 * in_hours) return true;
+  }
+  return false;
 }
 
 }  // namespace airside::tools::gap

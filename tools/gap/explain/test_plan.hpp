@@ -53,4 +53,7 @@ struct TestRecording {
 std::optional<TestRecording> test_recording(const sim::Recording& recording, const TestPlan& plan,
                                             const ExperimentRules& rules = {});
 
+/// Whether the recording's commands are the plan's on a day at least, in four fifths of its hours.
+bool was_done(const sim::Recording& recording, const TestPlan& plan);
+
 }  // namespace airside::tools::gap

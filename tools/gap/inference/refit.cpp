@@ -8,15 +8,21 @@ namespace airside::tools::gap {
 namespace {
 
 /// Of the magnitudes, the best one in the linear model, no further than two probes at a time and not below null.
-Eigen::VectorXd best_step(const Metric& metric, const Eigen::MatrixXd& z, const Eigen::VectorXd& r,
+Eigen::VectorXd best_step(const Metric& metric, Eigen::MatrixXd z, const Eigen::VectorXd& r,
                           const std::vector<Chosen>& chosen) {
   const Eigen::Index n = z.cols();
   if (n == 0) return {};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (chosen[static_cast<std::size_t>(i)].held) z.col(i).setZero();
+  }
   Eigen::MatrixXd m_z(z.rows(), n);
   for (Eigen::Index i = 0; i < n; ++i) m_z.col(i) = metric.times(z.col(i));
   const Eigen::MatrixXd normal = m_z.transpose() * z + 1e-9 * Eigen::MatrixXd::Identity(n, n);
   Eigen::VectorXd step = normal.ldlt().solve(m_z.transpose() * r).cwiseMax(-2.0).cwiseMin(2.0);
-  for (Eigen::Index i = 0; i < n; ++i) step(i) = std::max(step(i), -chosen[static_cast<std::size_t>(i)].steps);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Chosen& c = chosen[static_cast<std::size_t>(i)];
+    step(i) = c.held ? 0 : std::max(step(i), -c.steps);
+  }
   return step;
 }
 
@@ -46,11 +52,15 @@ Eigen::VectorXd Tangent::mean(const Eigen::VectorXd& r) const {
   return all.head(count());
 }
 
-double Tangent::distance(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const {
+Eigen::VectorXd Tangent::without_moved(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const {
   const Eigen::Index structure = nuisance_.directions.cols() - count();
   const Eigen::VectorXd u = mixing_.topLeftCorner(count(), count()).triangularView<Eigen::Lower>().solve(moved);
-  const Eigen::VectorXd s =
-      r - nuisance_.directions.rightCols(structure) * (mixing_.block(count(), 0, structure, count()) * u);
+  return r - nuisance_.directions.rightCols(structure) * (mixing_.block(count(), 0, structure, count()) * u);
+}
+
+double Tangent::distance(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const {
+  const Eigen::VectorXd u = mixing_.topLeftCorner(count(), count()).triangularView<Eigen::Lower>().solve(moved);
+  const Eigen::VectorXd s = without_moved(r, moved);
   return u.squaredNorm() + others_.dot(s, s);
 }
 
@@ -177,6 +187,15 @@ Eigen::MatrixXd Refitter::responses_of(const Refit& at) const {
   return z;
 }
 
+Refit Refitter::magnitudes_alone(const Refit& from, const Eigen::MatrixXd& z) const {
+  const Tangent& tangent = *from.tangent;
+  const Eigen::VectorXd left = tangent.without_moved(whiten(from.residual), from.moved);
+  const Eigen::VectorXd step = best_step(tangent.others(), z, left, from.chosen);
+  std::vector<Chosen> chosen = from.chosen;
+  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i].steps += step(static_cast<Eigen::Index>(i));
+  return at(chosen, from.moved, from.tangent);
+}
+
 Refit Refitter::refit(const Refit& from, const std::shared_ptr<const Tangent>& tangent) const {
   Refit now = from;
   now.tangent = tangent;
@@ -199,6 +218,10 @@ Refit Refitter::refit(const Refit& from, const std::shared_ptr<const Tangent>& t
       const double share = std::clamp(foreseen / (next.cost - now.cost + 2 * foreseen), 0.1, 0.75);
       const Refit nearer = gone(share);
       if (nearer.cost < next.cost) next = nearer;
+    }
+    if (next.cost > now.cost - foreseen / 4 && !now.chosen.empty()) {
+      Refit alone = magnitudes_alone(now, z);
+      if (alone.cost < next.cost) next = std::move(alone);
     }
     const double gained = now.cost - next.cost;
     if (gained <= 0) break;

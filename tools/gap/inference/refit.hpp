@@ -12,7 +12,8 @@ namespace airside::tools::gap {
 /// A candidate with a magnitude.
 struct Chosen {
   std::size_t candidate = 0;
-  double steps = 1;  ///< of the way from null to probe
+  double steps = 1;   ///< of the way from null to probe
+  bool held = false;  ///< it stays as it is, whatever is fitted
 };
 
 /// What parameters and candidates do to the sensors about one model.
@@ -34,6 +35,10 @@ class Tangent {
   /// best.  With L = C C', C lower triangular, parameters first, p = C_pp u:
   ///   u'u + s' M_o s,  s = r - J_o C_op u
   double distance(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const;
+  /// s of distance().
+  Eigen::VectorXd without_moved(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const;
+  /// M_o of distance().
+  const Metric& others() const { return others_; }
 
  private:
   Eigen::Index count() const { return std::ssize(responses_); }
@@ -60,7 +65,7 @@ struct Predicted {
   double expected = 0;              ///< the same, were the one right
 };
 
-/// Cost of each fit: up to 10 simulations; of a tangent, the first included: one a parameter, but none on an engine
+/// Cost of each fit: up to 14 simulations; of a tangent, the first included: one a parameter, but none on an engine
 /// that spares runs: there responses about the twin itself do for all models.
 class Refitter {
  public:
@@ -80,7 +85,8 @@ class Refitter {
            const std::shared_ptr<const Tangent>& tangent) const;
   /// Gauss-Newton on magnitudes and parameters from a simulated model on, never worse than that; r = d - y(s, p) + D p.
   /// What each simulation is worth does not depend on the tangent, which only shows the way; where the way bends, less
-  /// of the step is gone (parabola).
+  /// of the step is gone (parabola), or, where that loses too, magnitudes go alone: when parameters move, fan coils
+  /// switch at other times by chance, which may cost more than the effect gains.
   /// Responses of magnitudes begin as those of the probes; what each simulation shows of how they bend is put into
   /// them, as far as they moved and not the parameters (Broyden's update), so that an effect that saturates is met too.
   Refit refit(const Refit& from, const std::shared_ptr<const Tangent>& tangent) const;
@@ -113,6 +119,8 @@ class Refitter {
   std::vector<Parameter> parameters_at_fit() const;
   Changes changes_of(const std::vector<Chosen>& chosen) const;
   void judge(Refit& at) const;
+  /// One step of refit() on magnitudes, with the parameters where they are.
+  Refit magnitudes_alone(const Refit& from, const Eigen::MatrixXd& z) const;
   bool bends(std::size_t candidate) const;
   Eigen::MatrixXd responses_of(const Refit& at) const;
 

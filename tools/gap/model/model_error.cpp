@@ -103,10 +103,10 @@ ErrorMap errors_by_hour(const Eigen::MatrixXd& residual, Eigen::Index first) {
   });
 }
 
-ErrorMap errors_by_day(const Eigen::MatrixXd& residual, CivilTime from) {
+ErrorMap errors_by_day(const Eigen::MatrixXd& residual, const sim::Recording& recording) {
   std::vector<std::string> days;
   for (Eigen::Index d = 0; d < residual.rows() / bins_per_day; ++d) {
-    days.push_back(hal::civil_text({from.seconds + d * seconds_per_day}).substr(5, 5));
+    days.push_back(hal::civil_text(recording.time(static_cast<std::size_t>(d) * rows_per_day)).substr(5, 5));
   }
   return map_of(residual, std::move(days), 0,
                 [](Eigen::Index t, std::size_t d) { return t / bins_per_day == static_cast<Eigen::Index>(d); });

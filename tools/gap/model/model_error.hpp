@@ -28,7 +28,7 @@ struct ErrorMap {
 /// `first`: bins before are left out, since the model does not know how the room began.
 ErrorMap errors_by_hour(const Eigen::MatrixXd& residual, Eigen::Index first);
 /// All days; groups are named "07-15".
-ErrorMap errors_by_day(const Eigen::MatrixXd& residual, CivilTime from);
+ErrorMap errors_by_day(const Eigen::MatrixXd& residual, const sim::Recording& recording);
 /// Night, dull and sunny hours; cool, mild and warm ones (thirds of the measured outdoor temperatures); rain.
 /// Groups without a bin are left out.
 ErrorMap errors_by_weather(const Eigen::MatrixXd& residual, const sim::Recording& recording, Eigen::Index first);

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "hal/text/civil_text.hpp"
+#include "tools/gap/model/stretches.hpp"
 #include "tools/gap/report/gap_page.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/run/run_facts.hpp"
@@ -30,8 +31,9 @@ std::string versions_of(const gap::GapRun& run) {
 
 void add_facts(const GapPage& page, ReportInput& input) {
   const auto period = [](const gap::Window& window, const gap::CleanLog& log) {
-    return fmt::format("{}: {} to {}, {} days", log.place, date_text(window.recording.from),
-                       date_text({window.recording.to().seconds - 1}), window.measured.rows() / gap::bins_per_day);
+    const gap::Span span = gap::span_of(window.recording);
+    return fmt::format("{}: {} to {}, {} days", log.place, date_text(span.from), date_text({span.to.seconds - 1}),
+                       window.measured.rows() / gap::bins_per_day);
   };
   input.command = page.run.request.command;
   input.facts = {{"site", page.run.request.site},
@@ -75,15 +77,16 @@ std::string channel_title(const sim::Channels& at, int c) {
 
 ReportInput make_gap_report(const gap::GapRun& run) {
   const GapPage page(run);
+  const gap::Span span = gap::span_of(run.loaded.data.test.recording);
   ReportInput input;
   input.title = gap_titles[static_cast<std::size_t>(run.verdict.kind)];
   input.subtitle = fmt::format("{}: {} against its log of {} to {}, weather {}, {}", run.request.site,
-                               run.loaded.engine->description(), date_text(run.loaded.data.test.recording.from),
-                               date_text({run.loaded.data.test.recording.to().seconds - 1}),
+                               run.loaded.engine->description(), date_text(span.from), date_text({span.to.seconds - 1}),
                                std::filesystem::path(run.request.source.weather).filename().string(), versions_of(run));
   input.headline = as_sentence(gap::sentence_of(run));
-  for (const auto add : {add_figures, add_findings, add_experiments, add_heat, add_clean_up, add_maps, add_curves,
-                         add_ranking, add_locked_days, add_guideline, add_ledger, add_retraining, add_facts}) {
+  for (const auto add :
+       {add_figures, add_findings, add_continued, add_suspicions, add_experiments, add_heat, add_clean_up, add_maps,
+        add_curves, add_ranking, add_locked_days, add_guideline, add_ledger, add_retraining, add_facts}) {
     add(page, input);
   }
   return input;

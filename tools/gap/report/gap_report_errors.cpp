@@ -107,7 +107,7 @@ void add_maps(const GapPage& page, ReportInput& input) {
     return gap::errors_by_weather(r, page.run.loaded.data.test.recording, page.first);
   };
   const auto by_day = [&page](const Eigen::MatrixXd& r) {
-    return gap::errors_by_day(r, page.run.loaded.data.test.recording.from);
+    return gap::errors_by_day(r, page.run.loaded.data.test.recording);
   };
   const auto hours = [](HeatMap& map) { map.column_unit = " h"; };
   add_map(page, input, "When the twin is wrong, and in which direction",

@@ -77,17 +77,19 @@ void add_experiments(const GapPage& page, ReportInput& input) {
   ReportTable table;
   table.title = "Which test would tell them apart";
   table.note =
-      "Simulated on this twin with this weather. Power: the chance to tell the two members apart that are hardest "
+      "Simulated on this twin with this weather; airside gap next judges anew with the test's log. Power: the chance "
+      "to tell the two members apart that are hardest "
       "to, "
       "when five in a hundred decisions may be wrong.";
   table.row_header = "test";
   table.prose = true;
-  for (const char* name : {"hours", "power", "rooms", "hardest pair"}) table.columns.push_back({name, "", 0, false});
+  for (const char* name : {"name for --test", "hours", "power", "rooms", "hardest pair"})
+    table.columns.push_back({name, "", 0, false});
   for (std::size_t i = 0; i < page.run.experiments.size() && i < 5; ++i) {
     const gap::ExperimentProposal& e = page.run.experiments[i];
     table.rows.push_back(
         {e.text,
-         {text_cell(number_text(e.hours, 0)),
+         {text_cell(e.name), text_cell(number_text(e.hours, 0)),
           text_cell((e.upper_bound ? "at most " : "") + number_text(100 * e.power, 0) + " %"),
           text_cell(fmt::format("{:.1f} to {:.1f} °C", e.lowest_room_degc, e.highest_room_degc)), text_cell(e.hardest)},
          i == 0 && e.separates ? SeriesRole::main : SeriesRole::plain,
@@ -129,7 +131,9 @@ void add_clean_up(const GapPage& page, ReportInput& input) {
   for (const char* name : {"done", "log", "column", "from", "to", "count", "what was found"}) {
     table.columns.push_back({name, "", 0, false});
   }
-  for (const gap::CleanLog* log : {&page.run.loaded.logs.reference, &page.run.loaded.logs.measured}) {
+  std::vector<const gap::CleanLog*> logs{&page.run.loaded.logs.reference, &page.run.loaded.logs.measured};
+  for (const gap::AddedDays& added : page.run.added) logs.push_back(&added.log);
+  for (const gap::CleanLog* log : logs) {
     for (const gap::Remark& r : gap::shown_remarks(*log)) {
       table.rows.push_back(
           {gap::text_of(r.defect),

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "hal/text/civil_text.hpp"
+#include "tools/gap/model/stretches.hpp"
+#include "tools/gap/run/gap_inputs.hpp"
 #include "tools/gap/run/gap_run.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 
@@ -62,7 +64,11 @@ json after_curve_json(const GapRun& run) {
     for (const double x : run.simulated_after.col(c)) values.push_back(finite_json(std::round(x * 1e4) / 1e4));
     channels[at.name(c)] = std::move(values);
   }
+  json later = json::array();
+  for (const sim::LaterStretch& stretch : run.loaded.data.test.recording.later)
+    later.push_back({{"step", stretch.row / rows_per_bin}, {"from", hal::civil_text(stretch.from)}});
   return {{"from", hal::civil_text(run.loaded.data.test.recording.from)},
+          {"later", later},
           {"step_s", 86400 / bins_per_day},
           {"channels", std::move(channels)}};
 }
@@ -86,8 +92,9 @@ void append_readable(const json& j, const std::string& margin, std::string& text
 }
 
 json period_json(const Window& window) {
-  return {{"from", hal::civil_text(window.recording.from)},
-          {"to", hal::civil_text(window.recording.to())},
+  const Span span = span_of(window.recording);
+  return {{"from", hal::civil_text(span.from)},
+          {"to", hal::civil_text(span.to)},
           {"days", window.measured.rows() / bins_per_day}};
 }
 
@@ -154,14 +161,15 @@ json json_of(const GapRun& run) {
   j["reference"] = period_json(run.loaded.data.reference);
   j["measured"] = period_json(run.loaded.data.test);
   j["locked_days"] = {{"days", (run.residual_given.rows() - run.locked_from()) / bins_per_day},
-                      {"from", hal::civil_text({run.loaded.data.test.recording.from.seconds +
-                                                run.locked_from() / bins_per_day * seconds_per_day})},
+                      {"from", hal::civil_text(run.loaded.data.test.recording.time(
+                                   static_cast<std::size_t>(run.locked_from()) * rows_per_bin))},
                       {"given", model_json(run, run.residual_given)},
                       {"before", model_json(run, run.residual_before)},
                       {"after", model_json(run, run.residual_after)}};
   j["clean_up"] = json::array();
   if (!run.request.source.reference_log.empty()) j["clean_up"].push_back(json_of(run.loaded.logs.reference));
   j["clean_up"].push_back(json_of(run.loaded.logs.measured));
+  for (const AddedDays& added : run.added) j["clean_up"].push_back(json_of(added.log));
   j["parameters"] = json::array();
   for (const ReferenceParameter& p : run.parameters) {
     j["parameters"].push_back({{"id", p.change.at.id()},
@@ -170,6 +178,9 @@ json json_of(const GapRun& run) {
                                {"unit", p.change.at.effect->unit}});
   }
   j["after_curve"] = after_curve_json(run);
+  j["tried"] = suspicions_json(run);
+  j["inputs"] = inputs_json(run.request);
+  j["continued"] = continued_json(run);
   j["retraining"] = run.retraining ? json_of(*run.retraining) : json();
   j["patched"] = run.patched.has_value();
   if (run.patched) {

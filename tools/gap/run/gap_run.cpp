@@ -7,7 +7,9 @@
 #include "sim/json/merge_patch.hpp"
 #include "tools/gap/model/counted_engine.hpp"
 #include "tools/gap/model/energyplus_engine.hpp"
+#include "tools/gap/model/stretches.hpp"
 #include "tools/gap/run/gap_stages.hpp"
+#include "tools/gap/run/more_days.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/gap/verdict/workflow.hpp"
 
@@ -73,6 +75,16 @@ void simulate_curves(GapRun& run, const Engine& engine) {
   run.residual_after = test.measured - run.simulated_after;
 }
 
+/// The model alone with each suspicion.
+void simulate_suspicions(GapRun& run, const Engine& engine) {
+  const Window& test = run.loaded.data.test;
+  for (Suspicion& s : run.suspicions) {
+    Changes changes = run.before;
+    changes.push_back(s.tried.asked);
+    s.residual = test.measured - binned(engine.simulate(changes, test.recording));
+  }
+}
+
 /// The test that tells the candidates apart, or the heat that is missing.
 void explain(GapRun& run, const Engine& engine) {
   const Verdict& v = run.verdict;
@@ -100,7 +112,11 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   run.request = request;
   run.loaded = load_case(request.source, request.site, request.cache);
   require_apart(run.loaded.logs);
-  const CountedEngine engine(*run.loaded.engine, [&progress] { progress.advance(); });
+  add_more_days(run, effects);
+  Changes tries;
+  for (const std::string& text : request.tries) tries.push_back(parse_tried(text, effects, *run.loaded.engine));
+  const CountedEngine counted(*run.loaded.engine, [&progress] { progress.advance(); });
+  const StretchedEngine engine(counted);
   const CaseData& data = run.loaded.data;
   const Library library = library_of(engine, effects);
   const GapStages stages(engine, library, static_cast<int>(data.test.measured.rows() / bins_per_day), request.jobs);
@@ -110,16 +126,21 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   };
   run.responses = {responses(data.reference), responses(data.test)};
   progress.enter(GapStage::fitting);
-  run.verdict = analyse(engine, data, run.responses, run.rules, request.jobs, [&](const Outlook& outlook) {
+  const auto look = [&](const Outlook& outlook) {
     progress.expect(GapStage::searching, stages.search(outlook));
     progress.expect(GapStage::explaining, stages.explanation(outlook));
     if (outlook.searching && outlook.found == 0) progress.enter(GapStage::searching);
-  });
+  };
+  const auto try_all = [&](const Analysed& analysed) {
+    for (const sim::EffectChange& asked : tries) run.suspicions.push_back({try_effect(analysed, asked), {}});
+  };
+  run.verdict = analyse(engine, data, run.responses, run.rules, request.jobs, look, try_all);
   const std::vector<Finding>& findings = run.verdict.findings;
   const bool has_rivals = !findings.empty() && !findings.front().cannot_tell_from.empty();
   progress.expect(GapStage::explaining, stages.explanation(run.verdict.kind, has_rivals));
   progress.enter(GapStage::explaining);
   simulate_curves(run, engine);
+  simulate_suspicions(run, engine);
   explain(run, engine);
   progress.finish();
 
@@ -129,7 +150,8 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
 }
 
 std::string sentence_of(const GapRun& run) {
-  std::string text = sentence_of(run.verdict);
+  const std::string continued = continued_text(run);
+  std::string text = continued.empty() ? sentence_of(run.verdict) : continued + ". " + sentence_of(run.verdict);
   if (!run.experiments.empty()) text += ". " + sentence_of(run.experiments);
   if (run.heat) text += ". " + run.heat->text;
   return text;
@@ -144,7 +166,9 @@ void keep_patched_run(const GapRun& run, const std::filesystem::path& folder) {
   twin.model = sim::merge_patched(std::move(twin.model), sim::model_patch(engine->twin().model, twin.names, run.after),
                                   "effects");
   twin.loops = sim::changed_loops(engine->twin().loops, run.after);
-  const sim::Recording lived = sim::changed_recording(run.loaded.data.test.recording, run.after);
+  const sim::Recording& days = run.loaded.data.test.recording;
+  const std::size_t first_stretch = days.later.empty() ? days.rows.size() : days.later.front().row;
+  const sim::Recording lived = sim::changed_recording(part_of(days, 0, first_stretch), run.after);
   sim::replay_energyplus(twin, lived, {.thermostats = false, .cache = {}, .keep = folder, .engine_runs = nullptr});
 }
 

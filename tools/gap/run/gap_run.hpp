@@ -13,10 +13,17 @@
 #include "tools/gap/model/model_error.hpp"
 #include "tools/gap/model/patched_model.hpp"
 #include "tools/gap/retrain/retrain.hpp"
+#include "tools/gap/tried/tried_effect.hpp"
 #include "tools/gap/verdict/verdict.hpp"
 #include "tools/run/progress/staged_progress.hpp"
 
 namespace airside::tools::gap {
+
+/// Days that came after a first verdict.
+struct MoreDays {
+  std::string log;
+  std::string test;  ///< name of the test on site that was done in them; empty: none
+};
 
 struct GapRequest {
   CaseDescription source;
@@ -24,8 +31,25 @@ struct GapRequest {
   std::string command;  ///< that repeats the run
   std::filesystem::path cache;
   int jobs = 1;
-  bool findings_only = false;  ///< the twin keeps its own parameters; only what was found is added
-  bool best_guess = false;     ///< patch the model with an ambiguous verdict too
+  bool findings_only = false;      ///< the twin keeps its own parameters; only what was found is added
+  bool best_guess = false;         ///< patch the model with an ambiguous verdict too
+  std::vector<std::string> tries;  ///< "vav_flow@2=0.5": the user's own suspicions
+  std::filesystem::path effects;   ///< folder of their files
+  bool sun_on_site = false;        ///< the weather file's sun was measured on the site
+  std::vector<MoreDays> more;      ///< in the order in which they came
+  nlohmann::json earlier;          ///< gap.json of the verdict that they continue; null without
+};
+
+struct AddedDays {
+  CleanLog log;
+  std::string test;
+  Window window;
+};
+
+/// A suspicion of the user's.
+struct Suspicion {
+  TriedEffect tried;
+  Eigen::MatrixXd residual;  ///< as GapRun's, with this effect alone
 };
 
 /// A parameter of the twin, as the reference period wants it.
@@ -38,7 +62,8 @@ struct ReferenceParameter {
 struct GapRun {
   GapRequest request;
   Rules rules;
-  LoadedCase loaded;
+  LoadedCase loaded;             ///< its measured window with the days that were added
+  std::vector<AddedDays> added;  ///< as GapRequest::more
   WindowResponses responses;
   Verdict verdict;
   std::vector<ReferenceParameter> parameters;
@@ -49,6 +74,7 @@ struct GapRun {
   Eigen::MatrixXd simulated_after;              ///< the curve of the model with what was found
   std::vector<ExperimentProposal> experiments;  ///< ambiguous: tests that tell the candidates apart, best first
   std::optional<UnknownHeat> heat;              ///< unknown: what is missing in each zone
+  std::vector<Suspicion> suspicions;            ///< one a try
   std::optional<PatchedModel> patched;          ///< named, or asked for
   std::optional<Retraining> retraining;         ///< asked for: what the patch is worth to the controller
 
@@ -68,6 +94,29 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
 /// What was added to the model, why, how sure that is, and the patch that takes it back. `run.patched` must be set.
 /// Format: docs/formats.md.
 nlohmann::json ledger_of(const GapRun& run);
+
+/// How far a model is off on the fitted or on the locked days: hourly means as ASHRAE Guideline 14 wants them.
+struct PeriodErrors {
+  double temp_rmse_k = 0, power_rmse_kw = 0;
+  Guideline14 room_temp, power;
+};
+PeriodErrors fitted_errors(const GapRun& run, const Eigen::MatrixXd& residual);
+PeriodErrors locked_errors(const GapRun& run, const Eigen::MatrixXd& residual);
+
+/// Each suspicion beside the model without it and the one with what was found. Format: docs/formats.md.
+nlohmann::json suspicions_json(const GapRun& run);
+/// The same for a terminal, "" without any.
+std::string suspicions_text(const GapRun& run);
+
+/// A candidate in the earlier verdict and in this one. 2 ln likelihood, by real simulation where it was simulated, else
+/// by linear responses; NaN where it was not listed.
+struct CandidateBeforeAfter {
+  std::string id;
+  double before = 0, after = 0, limit = 0;
+};
+std::vector<CandidateBeforeAfter> candidates_before_after(const GapRun& run);
+/// "with 5 more days: ambiguous -> named", "" where nothing is continued.
+std::string continued_text(const GapRun& run);
 
 /// What --json prints.
 nlohmann::json json_of(const GapRun& run);

@@ -19,6 +19,9 @@ class Analysis {
  public:
   Analysis(const FittedCase& c, const EffectSearch& search) : c_(c), search_(search), now_(search.unpatched()) {}
 
+  /// With what was found, once it has run.
+  const Refit& model() const { return now_; }
+
   Verdict run(const std::function<void(const Outlook&)>& look) {
     v_.fit = c_.fit;
     v_.nulls = c_.nulls;
@@ -258,14 +261,18 @@ const char* text_of(VerdictKind kind) {
 }
 
 Verdict analyse(const Engine& engine, const CaseData& data, const WindowResponses& responses, const Rules& rules,
-                int jobs, const std::function<void(const Outlook&)>& look) {
+                int jobs, const std::function<void(const Outlook&)>& look,
+                const std::function<void(const Analysed&)>& judged) {
   FittedCase c(engine, data, responses, rules, jobs, look ? Refitter::Start::twin : Refitter::Start::reference);
   if (look) {
     look(first_outlook(c));
     c.refitter.simulate_tangent();
   }
   const EffectSearch search(c);
-  return Analysis(c, search).run(look);
+  Analysis analysis(c, search);
+  const Verdict verdict = analysis.run(look);
+  if (judged) judged({c, search, analysis.model(), verdict});
+  return verdict;
 }
 
 }  // namespace airside::tools::gap
