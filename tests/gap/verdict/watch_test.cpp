@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "gap/gap_desk.hpp"
 #include "hal/text/civil_text.hpp"
 #include "tools/gap/run/watch.hpp"
@@ -62,13 +64,26 @@ TEST(GapWatch, FindsABoxAtHalfItsFlowAndKeepsItsNightsFromRunToRun) {
   EXPECT_NE(fresh.out.find("1 nights, 0 alarms; no alarm tonight"), std::string::npos) << fresh.out;
 }
 
+/// A log as a box keeps it: a file a day.
+void write_daily(const GapDesk& desk, const std::string& log, const std::string& folder) {
+  fs::create_directory(desk.path(folder));
+  std::istringstream in(text_of_file(desk.path(log)));
+  std::string header, line;
+  std::getline(in, header);
+  std::map<std::string, std::string> days;
+  while (std::getline(in, line)) days[line.substr(0, 10)] += line + "\n";
+  for (const auto& [day, rows] : days) desk.write(folder + "/" + day + ".csv", header + "\n" + rows);
+}
+
 TEST(GapWatch, SaysNothingOfDaysLikeTheReference) {
   const GapDesk desk;
   ASSERT_EQ(desk.run(std::string(usual_words) + " --out report").code, 0);
-  const Outcome o =
-      desk.run("watch reference.csv --report report --days 6 --nights 2 --stands 1 -o nights.json --json");
+  write_daily(desk, "reference.csv", "daily");
+  const Outcome o = desk.run("watch daily --report report --days 6 --nights 2 --stands 1 -o nights.json --json");
   ASSERT_EQ(o.code, 0) << o.err;
-  EXPECT_EQ(json::parse(o.out)["alarms"], 0) << o.out;
+  const json j = json::parse(o.out);
+  EXPECT_EQ(j["nights"].size(), 2U);
+  EXPECT_EQ(j["alarms"], 0) << o.out;
 }
 
 TEST(GapWatch, RefusesTooShortALogAndAFileThatIsNoneOfItsOwn) {

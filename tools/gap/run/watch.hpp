@@ -1,5 +1,6 @@
 #pragma once
-// The workflow every night on a box's logs: a verdict over the last days, and an alarm only where the same name comes again and again.
+// The workflow every night on a box's logs: a verdict over the last days, and an alarm only where the same name comes
+// again and again.
 
 #include <functional>
 
