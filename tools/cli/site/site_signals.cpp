@@ -89,15 +89,15 @@ constexpr std::array<SideText, 3> zone_texts = {
       "no band"},
      {"zone_heating_setpoint", "below which each zone is heated", "nothing, mean does not read it", "none for control",
       "heating is taken to begin some 3 K below the cooling setpoint, where the zone was seen to be held",
-      "no zone counts as too cold, so the setpoint is not warmed for one, and reheat is foreseen less well; not "
-      "measured"}}};
+      "no zone counts as too cold, so the setpoint is not warmed for one: energy -0.1 ± 0.6 %, zone degree-hours "
+      "+0.10 a day"}}};
 
 constexpr std::array<SideText, 3> single_texts = {
     {{"supply_temp", "whether supply air follows its setpoint", "the setpoint is taken for it",
       "an AHU that does not follow raises no alarm by its air", refused, "no band"},
      {"supply_flow", "air of the supply fan", "nothing, mean only logs it", "none for control",
       "the heat that the air takes is learned from the meters alone",
-      "cooling and reheat are separated more slowly; not measured"},
+      "cooling and reheat are separated more slowly: energy -0.2 ± 0.3 %, zone degree-hours +0.07 a day"},
      {"occupied", "whether people are there", "reports count every hour in which the fan is not known to rest",
       "degree-hours of empty hours are counted; none for control",
       "reports count every hour in which the fan is not known to rest",
@@ -111,16 +111,20 @@ LackingSignals in_words(const SideText& text, std::string names, bool band) {
 std::string hours_text(int second) { return fmt::format("{:02}:{:02}", second / 3600, second / 60 % 60); }
 
 LackingSignals without_ahu_on(const hal::SiteFile& site) {
+  const char* measured =
+      site.objective == Objective::band ? "energy -0.7 ± 1.2 %, zone degree-hours +0.26 a day" : "not measured";
   const bool always = site.fan_start_s == 0 && site.fan_end_s == 24 * 3600 && !site.fan_weekday_only;
   return {"ahu_on", "whether the fan runs",
           always ? std::string("the fan is taken to run always, as [ahu] has it")
                  : fmt::format("the hours of [ahu] stand in, {} to {}{}", hours_text(site.fan_start_s),
                                hours_text(site.fan_end_s), site.fan_weekday_only ? " on weekdays" : ""),
           always
-              ? "a fan that stands still is not noticed: such hours are learned from, and supply air that cannot "
-                "follow is an alarm; give fan_start and fan_end where it rests"
-              : "a fan that starts or stops at other times is not noticed: such hours are learned from, or left out; "
-                "not measured",
+              ? std::string(
+                    "a fan that stands still is not noticed: such hours are learned from, and supply air that cannot "
+                    "follow is an alarm; give fan_start and fan_end where it rests")
+              : fmt::format("a fan that starts or stops at other times is not noticed: such hours are learned from, or "
+                            "left out; {}",
+                            measured),
           std::nullopt};
 }
 
@@ -158,6 +162,9 @@ std::string signal_facts(const hal::SiteFile& site, const hal::TopologyCounts& c
         "temperatures, setpoint and outdoor_temp alone (`airside study signals`)",
         measured_on, measured_dae_degc.whole.mean, measured_dae_degc.whole.sd, measured_dae_degc.bare.mean,
         measured_dae_degc.bare.sd);
+  }
+  if (!missing.empty() && site.objective == Objective::band) {
+    text += "\n       Figures: four adopted buildings, three fortnights, each kind alone; mean ± sd of the twelve runs";
   }
   return text;
 }
