@@ -153,6 +153,17 @@ TEST(Workflow, NamesWhatIsHiddenAndNothingElse) {
   EXPECT_EQ(ids, (std::vector<std::string>{"fan_power", "room_sensor_bias@1"}));
 }
 
+TEST(Workflow, NamesPeopleWhoComeHoursLate) {
+  const Stage s(true, {"occupancy_shift", "gain_occupied", "gain_after_hours", "setpoint_lag", "duct_leak"});
+  for (const double hours : {2.3, -2.3}) {
+    const Verdict v = s.verdict({{"occupancy_shift", 0, hours}});
+    EXPECT_EQ(v.kind, VerdictKind::named) << v.reason;
+    ASSERT_EQ(v.findings.size(), 1U) << v.reason;
+    EXPECT_EQ(v.findings[0].at.id(), "occupancy_shift");
+    EXPECT_NEAR(v.findings[0].magnitude, hours, 0.7) << v.findings[0].sd;
+  }
+}
+
 sim::Effect& effect_named(std::vector<sim::Effect>& effects, const std::string& name) {
   return *std::find_if(effects.begin(), effects.end(), [&name](const sim::Effect& e) { return e.name == name; });
 }

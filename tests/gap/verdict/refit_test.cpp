@@ -93,5 +93,75 @@ TEST(Refit, FindsAnEffectAloneWhereMovedParametersMakeThermostatsSwitch) {
   EXPECT_EQ(found.moved(0), 0);
 }
 
+/// People who come late: each quarter of an hour shows in other bins, so that a little lateness looks like nothing of
+/// much.
+class LateEngine final : public Engine {
+ public:
+  static constexpr double step_h = 0.25;
+  sim::Effect late, wall;
+  std::vector<Eigen::MatrixXd> shown_at;  // by quarters of an hour from -3 h on
+
+  LateEngine() {
+    late.name = "late";
+    late.low = -3;
+    late.high = 3;
+    wall.name = "wall";
+    wall.low = -10;
+    wall.high = 10;
+    for (unsigned i = 0; i <= 24; ++i) shown_at.push_back(i == 12 ? Eigen::MatrixXd::Zero(engine_bins, 5) : table(i));
+  }
+  static Eigen::MatrixXd table(unsigned i) { return noise_table(100 + i, 0.2); }
+  Eigen::MatrixXd lateness(double hours) const {
+    const double at = (hours + 3) / step_h;
+    const auto below = std::min<std::size_t>(static_cast<std::size_t>(at), shown_at.size() - 2);
+    const double share = at - static_cast<double>(below);
+    return (1 - share) * shown_at[below] + share * shown_at[below + 1];
+  }
+  sim::ChannelTable simulate(const Changes& changes, const sim::Recording& /*recording*/) const override {
+    Eigen::MatrixXd shown = Eigen::MatrixXd::Constant(engine_bins, 5, 25);
+    for (const sim::EffectChange& c : changes) {
+      if (c.at.effect == &late) shown += lateness(c.magnitude);
+    }
+    sim::ChannelTable rows(engine_bins * rows_per_bin, 5);
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) = shown.row(i / rows_per_bin);
+    return rows;
+  }
+  sim::Channels channels() const override { return {2, 0, 1}; }
+  std::array<bool, sim::facades> has_facade() const override { return {}; }
+  bool can(const sim::Effect& /*effect*/) const override { return true; }
+  bool spares_runs() const override { return spares; }
+  std::string description() const override { return "made-up rooms"; }
+  bool spares = false;
+};
+
+TEST(Refit, LooksForALargeEffectWhereASmallOneShowsNothingOfIt) {
+  LateEngine engine;
+  Window window;
+  window.measured = Eigen::MatrixXd::Constant(engine_bins, 5, 25) + engine.lateness(2.25) + noise_table(4, 0.05);
+  Responses responses;
+  responses.base = Eigen::MatrixXd::Constant(engine_bins, 5, 25);
+  responses.parameters = {{{&engine.wall, 0}, 1, Eigen::MatrixXd::Zero(engine_bins, 5)}};
+  responses.candidates = {{{&engine.late, 0}, 0.75, engine.lateness(0.75)},
+                          {{&engine.late, 0}, -0.75, engine.lateness(-0.75)}};
+  ReferenceFit fit;
+  fit.estimate = Eigen::VectorXd::Zero(1);
+  fit.covariance = Eigen::MatrixXd::Identity(1, 1);
+  fit.noise = NoiseModel::fit(noise_table(5, 0.05), engine.channels());
+  fit.parameters = responses.parameters;
+  const std::vector<bool> kept(static_cast<std::size_t>(engine_bins), true);
+  const Refitter refitter(engine, window, responses, fit, {}, kept, 2, Refitter::Start::twin);
+  const Refit none = refitter.at({}, Eigen::VectorXd::Zero(1), refitter.tangent());
+
+  const Refit near = refitter.add(none, {0, 0, 1, 1}, refitter.tangent());
+  EXPECT_LT(none.cost - near.cost, 0.1 * none.cost) << "from its probe it is not found";
+  const std::vector<Refit> far = refitter.far(none, [](std::size_t) { return true; });
+  ASSERT_FALSE(far.empty());
+  EXPECT_LT(far[0].cost, 0.2 * none.cost);
+  EXPECT_EQ(refitter.magnitude(far[0].chosen.back()), 2.25);
+  EXPECT_TRUE(refitter.far(none, [](std::size_t) { return false; }).empty()) << "chosen already";
+  engine.spares = true;
+  EXPECT_TRUE(refitter.far(none, [](std::size_t) { return true; }).empty()) << "runs are dear";
+}
+
 }  // namespace
 }  // namespace airside::tools::gap

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "tools/gap/model/parallel.hpp"
 
 namespace airside::tools::gap {
 
@@ -259,6 +262,34 @@ Refit Refitter::add(const Refit& to, const Score& added, const std::shared_ptr<c
     Refit far = refit(at(chosen, moved, tangent), tangent);
     if (far.cost < best.cost) best = std::move(far);
   }
+  return best;
+}
+
+std::vector<Refit> Refitter::far(const Refit& now, const std::function<bool(std::size_t)>& open) const {
+  if (engine_.spares_runs()) return {};
+  constexpr std::size_t shares = 4;
+  std::vector<std::size_t> candidates;
+  for (std::size_t i = 0; i < responses_.candidates.size(); ++i) {
+    if (bends(i) && open(i)) candidates.push_back(i);
+  }
+  std::vector<std::optional<Refit>> sizes(shares * candidates.size());
+  in_parallel(sizes.size(), jobs_, [&](std::size_t n) {
+    const std::size_t i = candidates[n / shares];
+    const sim::Effect& effect = *responses_.candidates[i].at.effect;
+    const double probe = responses_.candidates[i].probe - effect.null_value;
+    const double bound = (probe > 0 ? effect.high : effect.low) - effect.null_value;
+    std::vector<Chosen> chosen = now.chosen;
+    chosen.push_back({i, bound / probe * static_cast<double>(n % shares + 1) / static_cast<double>(shares)});
+    sizes[n] = at(chosen, now.moved, now.tangent);
+  });
+  std::vector<Refit> best;
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const auto first = sizes.begin() + static_cast<std::ptrdiff_t>(c * shares);
+    const auto least =
+        std::min_element(first, first + shares, [](const auto& a, const auto& b) { return a->cost < b->cost; });
+    if ((*least)->cost < now.cost) best.push_back(std::move(**least));
+  }
+  std::sort(best.begin(), best.end(), [](const Refit& a, const Refit& b) { return a.cost < b.cost; });
   return best;
 }
 

@@ -72,10 +72,24 @@ EffectSearch::Trials EffectSearch::tried_out(const Refit& now) const {
     if (now.cost - trial.cost < least) continue;
     // Beside other effects one that is too small is their shape; alone it counts once it is fitted.
     if (!c_.plausible(trial) && !now.chosen.empty()) continue;
-    std::optional<Refit>& kind = c_.plausible(trial) ? trials.best : trials.small;
-    if (!kind || trial.cost < kind->cost) kind = std::move(trial);
+    keep(trials, std::move(trial));
+  }
+  if (c_.rules.most_effects == 0) return trials;  // a ranking is all that is asked
+  tried = 0;
+  for (const Refit& start : c_.refitter.far(now, [&](std::size_t i) { return !c_.already(now, i); })) {
+    const std::size_t candidate = start.chosen.back().candidate;
+    const double least =
+        c_.limit(candidate) + shape_error(c_.rules, *now.tangent, now.chosen, explained(now), candidate);
+    if (now.cost - start.cost < least || ++tried > c_.rules.first_looks) break;
+    Refit trial = c_.refitter.refit(start, now.tangent);
+    if (c_.plausible(trial)) keep(trials, std::move(trial));
   }
   return trials;
+}
+
+void EffectSearch::keep(Trials& trials, Refit trial) const {
+  std::optional<Refit>& kind = c_.plausible(trial) ? trials.best : trials.small;
+  if (!kind || trial.cost < kind->cost) kind = std::move(trial);
 }
 
 /// Backward: an effect that the others have made superfluous goes.

@@ -45,6 +45,7 @@ class EffectSearch {
 
   std::optional<Refit> better(const Refit& now, std::optional<TooSmall>& too_small) const;
   Trials tried_out(const Refit& now) const;
+  void keep(Trials& trials, Refit trial) const;
   Refit without_superfluous(const Refit& now) const;
   const Refit& refit(const Refit& near) const;
 
