@@ -95,7 +95,7 @@ class Refitter {
   /// responses to its two probes are not each other's mirror image, is tried from its probe too: what comes an hour
   /// late looks otherwise than what comes ten minutes late.
   Refit add(const Refit& to, const Score& added, const std::shared_ptr<const Tangent>& tangent) const;
-  /// One effect more at a quarter, half, three quarters or all of its bound, simulated as it stands, parameters where
+  /// One effect more at a quarter, half, three quarters or all of its bound, simulated without a fit, parameters where
   /// they are: of each effect whose responses to its probes are not each other's mirror image and that `open` lets in
   /// the size of least cost, best first. People who come two hours late show nothing of a response to ten minutes.
   /// Cost: four simulations a candidate; empty on an engine that spares runs.
