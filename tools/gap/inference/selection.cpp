@@ -8,7 +8,7 @@ namespace airside::tools::gap {
 
 Metric::Metric(Eigen::MatrixXd j) : j_(std::move(j)) {
   Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(j_.cols(), j_.cols());
-  inner.selfadjointView<Eigen::Lower>().rankUpdate(j_.transpose());
+  if (j_.cols() > 0) inner.selfadjointView<Eigen::Lower>().rankUpdate(j_.transpose());
   inner_.compute(inner.selfadjointView<Eigen::Lower>());
 }
 
