@@ -28,8 +28,26 @@ inline const sim::RcRoom& small_room() {
   return room;
 }
 
+/// A folder in which `airside gap` runs.
+class Desk {
+ public:
+  fs::path path(const std::string& name) const { return folder_.path() / name; }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(path(name), std::ios::binary) << text;
+  }
+  json read(const std::string& name) const { return sim::read_json(path(name)); }
+  std::set<std::string> names() const { return names_in(folder_.path()); }
+  Outcome run(const std::string& words) const {
+    std::istringstream in("gap " + words);
+    return run_program("airside", {std::istream_iterator<std::string>(in), {}}, folder_.path(), scratch_.path());
+  }
+
+ private:
+  TemporaryFolder folder_, scratch_;
+};
+
 /// A folder with a site, weather, effects and logs of the small room, in which a box has half its flow.
-class GapDesk {
+class GapDesk : public Desk {
  public:
   explicit GapDesk(int days = 8) : effects_(sim::load_effects(sim::find_effects())) {
     sim::write_epw(path("w.epw").string(), *weather_, 2021);
@@ -47,17 +65,6 @@ class GapDesk {
     log("reference.csv", measure(small_room(), weather_, before));
     const std::vector<Hidden> hidden{{"vav_flow", 1, 0.5}};
     log("measured.csv", measure(hide(small_room(), hidden, effects_), weather_, after, hidden));
-  }
-
-  fs::path path(const std::string& name) const { return folder_.path() / name; }
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(path(name), std::ios::binary) << text;
-  }
-  json read(const std::string& name) const { return sim::read_json(path(name)); }
-  std::set<std::string> names() const { return names_in(folder_.path()); }
-  Outcome run(const std::string& words) const {
-    std::istringstream in("gap " + words);
-    return run_program("airside", {std::istream_iterator<std::string>(in), {}}, folder_.path(), scratch_.path());
   }
 
   /// Two columns under each other's names.
@@ -80,7 +87,6 @@ class GapDesk {
 
   std::vector<sim::Effect> effects_;
   std::shared_ptr<const sim::Weather> weather_ = sim::synthetic_weather(3);
-  TemporaryFolder folder_, scratch_;
 };
 
 inline constexpr const char* usual_words =

@@ -160,6 +160,7 @@ TEST(Workflow, NamesPeopleWhoComeHoursLate) {
     EXPECT_EQ(v.kind, VerdictKind::named) << v.reason;
     ASSERT_EQ(v.findings.size(), 1U) << v.reason;
     EXPECT_EQ(v.findings[0].at.id(), "occupancy_shift");
+    // 2.9 h are found for 2.3 h, at the far end of the range that was tried; why is not known.
     EXPECT_NEAR(v.findings[0].magnitude, hours, 0.7) << v.findings[0].sd;
   }
 }

@@ -18,7 +18,7 @@ constexpr const char* next_words =
     "--site site.toml --measured measured.csv --reference reference.csv --effects effects";
 
 /// A leaky room, seen for a week: a leak and a thin wall look nearly alike.
-class LeakyDesk {
+class LeakyDesk : public Desk {
  public:
   static constexpr int days = 8;
   static constexpr std::uint64_t seed = 3;
@@ -50,16 +50,6 @@ class LeakyDesk {
     log("after_pause.csv", measure(leaky_, weather_, run));
   }
 
-  fs::path path(const std::string& name) const { return folder_.path() / name; }
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(path(name), std::ios::binary) << text;
-  }
-  json read(const std::string& name) const { return sim::read_json(path(name)); }
-  std::set<std::string> names() const { return names_in(folder_.path()); }
-  Outcome run(const std::string& words) const {
-    std::istringstream in("gap " + words);
-    return run_program("airside", {std::istream_iterator<std::string>(in), {}}, folder_.path(), scratch_.path());
-  }
   /// The log of the test on the leaky room, `later` days after those on which it was proposed.
   void do_test(const std::string& name, const std::string& file, int later = 7) const {
     const auto plans = test_plans(channels, {});
@@ -110,7 +100,6 @@ class LeakyDesk {
   sim::RcRoom whole_ = measured_room(sim::make_room(), seed, false);
   sim::RcRoom leaky_ = hide(whole_, {{"infiltration", 0, 0.5}}, effects_);
   sim::Recording recording_;
-  TemporaryFolder folder_, scratch_;
 };
 
 /// The passive verdict, which every test begins with.

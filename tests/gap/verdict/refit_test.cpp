@@ -18,9 +18,25 @@ Eigen::MatrixXd noise_table(unsigned seed, double sd) {
   return Eigen::MatrixXd::NullaryExpr(engine_bins, 5, [&] { return normal(bits); });
 }
 
+/// Two rooms of which the engine knows what to show.
+class MadeUpRooms : public Engine {
+ public:
+  sim::Channels channels() const override { return {2, 0, 1}; }
+  std::array<bool, sim::facades> has_facade() const override { return {}; }
+  bool can(const sim::Effect& /*effect*/) const override { return true; }
+  std::string description() const override { return "made-up rooms"; }
+
+ protected:
+  static sim::ChannelTable rows_of(const Eigen::MatrixXd& shown) {
+    sim::ChannelTable rows(engine_bins * rows_per_bin, 5);
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) = shown.row(i / rows_per_bin);
+    return rows;
+  }
+};
+
 /// Two rooms, in which "heat" and "wall" add their patterns in proportion. As soon as the wall moves, whatever by,
 /// thermostats switch at other times.
-class SwitchingEngine final : public Engine {
+class SwitchingEngine final : public MadeUpRooms {
  public:
   bool switches = true;
   sim::Effect heat = effect("heat"), wall = effect("wall");
@@ -33,14 +49,8 @@ class SwitchingEngine final : public Engine {
       shown += c.magnitude * (by_wall ? wall_pattern : heat_pattern);
       if (by_wall && switches && std::abs(c.magnitude) > 1e-9) shown += chance;
     }
-    sim::ChannelTable rows(engine_bins * rows_per_bin, 5);
-    for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) = shown.row(i / rows_per_bin);
-    return rows;
+    return rows_of(shown);
   }
-  sim::Channels channels() const override { return {2, 0, 1}; }
-  std::array<bool, sim::facades> has_facade() const override { return {}; }
-  bool can(const sim::Effect& /*effect*/) const override { return true; }
-  std::string description() const override { return "made-up rooms"; }
 
  private:
   static sim::Effect effect(const char* name) {
@@ -95,7 +105,7 @@ TEST(Refit, FindsAnEffectAloneWhereMovedParametersMakeThermostatsSwitch) {
 
 /// People who come late: each quarter of an hour shows in other bins, so that a little lateness looks like nothing of
 /// much.
-class LateEngine final : public Engine {
+class LateEngine final : public MadeUpRooms {
  public:
   static constexpr double step_h = 0.25;
   sim::Effect late, wall;
@@ -122,15 +132,9 @@ class LateEngine final : public Engine {
     for (const sim::EffectChange& c : changes) {
       if (c.at.effect == &late) shown += lateness(c.magnitude);
     }
-    sim::ChannelTable rows(engine_bins * rows_per_bin, 5);
-    for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) = shown.row(i / rows_per_bin);
-    return rows;
+    return rows_of(shown);
   }
-  sim::Channels channels() const override { return {2, 0, 1}; }
-  std::array<bool, sim::facades> has_facade() const override { return {}; }
-  bool can(const sim::Effect& /*effect*/) const override { return true; }
   bool spares_runs() const override { return spares; }
-  std::string description() const override { return "made-up rooms"; }
   bool spares = false;
 };
 

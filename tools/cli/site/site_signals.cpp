@@ -163,7 +163,8 @@ std::string signal_facts(const hal::SiteFile& site, const hal::TopologyCounts& c
         measured_on, measured_dae_degc.whole.mean, measured_dae_degc.whole.sd, measured_dae_degc.bare.mean,
         measured_dae_degc.bare.sd);
   }
-  if (!missing.empty() && site.objective == Objective::band) {
+  if (std::ranges::any_of(missing,
+                          [](const LackingSignals& m) { return m.cost.find("energy -") != std::string::npos; })) {
     text += "\n       Figures: four adopted buildings, three fortnights, each kind alone; mean ± sd of the twelve runs";
   }
   return text;

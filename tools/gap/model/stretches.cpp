@@ -45,22 +45,22 @@ Span span_of(const sim::Recording& recording) {
 }
 
 sim::ChannelTable StretchedEngine::simulate(const Changes& changes, const sim::Recording& recording) const {
-  if (recording.later.empty()) return engine_.simulate(changes, recording);
+  if (recording.later.empty()) return engine().simulate(changes, recording);
   // What sensors alone show counts days from the first stretch's first day on, in responses too.
   Changes lived = changes, shown;
   const auto only_shown = std::stable_partition(
-      lived.begin(), lived.end(), [this](const sim::EffectChange& c) { return !engine_.only_shows(*c.at.effect); });
+      lived.begin(), lived.end(), [this](const sim::EffectChange& c) { return !engine().only_shows(*c.at.effect); });
   shown.assign(only_shown, lived.end());
   lived.erase(only_shown, lived.end());
-  sim::ChannelTable table(static_cast<Eigen::Index>(recording.rows.size()), engine_.channels().count());
+  sim::ChannelTable table(static_cast<Eigen::Index>(recording.rows.size()), engine().channels().count());
   for (std::size_t i = 0; i <= recording.later.size(); ++i) {
     const std::size_t first = i == 0 ? 0 : recording.later[i - 1].row;
     const std::size_t last = i < recording.later.size() ? recording.later[i].row : recording.rows.size();
     const sim::Recording part = part_of(recording, first, last - first);
     table.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first)) =
-        engine_.simulate(lived, part);
+        engine().simulate(lived, part);
   }
-  return shown.empty() ? table : sim::changed_sensors(std::move(table), engine_.channels(), shown);
+  return shown.empty() ? table : sim::changed_sensors(std::move(table), engine().channels(), shown);
 }
 
 }  // namespace airside::tools::gap

@@ -1,6 +1,7 @@
 #pragma once
 // Several stretches of a log as one window: days that were added later, or a test on site, beside the days before.
 
+#include "tools/gap/model/forwarding_engine.hpp"
 #include "tools/gap/model/responses.hpp"
 
 namespace airside::tools::gap {
@@ -19,21 +20,10 @@ struct Span {
 Span span_of(const sim::Recording& recording);
 
 /// An engine that lives through each stretch of a recording on its own.
-class StretchedEngine final : public Engine {
+class StretchedEngine final : public ForwardingEngine {
  public:
-  /// `engine` is kept by reference.
-  explicit StretchedEngine(const Engine& engine) : engine_(engine) {}
+  using ForwardingEngine::ForwardingEngine;
   sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override;
-  sim::Channels channels() const override { return engine_.channels(); }
-  std::array<bool, sim::facades> has_facade() const override { return engine_.has_facade(); }
-  bool can(const sim::Effect& effect) const override { return engine_.can(effect); }
-  bool doubts(const sim::Effect& effect) const override { return engine_.doubts(effect); }
-  bool only_shows(const sim::Effect& effect) const override { return engine_.only_shows(effect); }
-  bool spares_runs() const override { return engine_.spares_runs(); }
-  std::string description() const override { return engine_.description(); }
-
- private:
-  const Engine& engine_;
 };
 
 }  // namespace airside::tools::gap

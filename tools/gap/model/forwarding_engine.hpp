@@ -1,0 +1,28 @@
+#pragma once
+// An engine around another one.
+
+#include "tools/gap/model/engine.hpp"
+
+namespace airside::tools::gap {
+
+/// Answers what the other one does; who derives from it says how it simulates.
+class ForwardingEngine : public Engine {
+ public:
+  /// `engine` is kept by reference.
+  explicit ForwardingEngine(const Engine& engine) : engine_(engine) {}
+  sim::Channels channels() const override { return engine_.channels(); }
+  std::array<bool, sim::facades> has_facade() const override { return engine_.has_facade(); }
+  bool can(const sim::Effect& effect) const override { return engine_.can(effect); }
+  bool doubts(const sim::Effect& effect) const override { return engine_.doubts(effect); }
+  bool only_shows(const sim::Effect& effect) const override { return engine_.only_shows(effect); }
+  bool spares_runs() const override { return engine_.spares_runs(); }
+  std::string description() const override { return engine_.description(); }
+
+ protected:
+  const Engine& engine() const { return engine_; }
+
+ private:
+  const Engine& engine_;
+};
+
+}  // namespace airside::tools::gap
