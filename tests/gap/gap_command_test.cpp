@@ -20,7 +20,7 @@ namespace {
 
 TEST(GapCommand, NamesWhatIsHiddenReportsPatchesTheRoomAndTakesThePatchBack) {
   const GapDesk desk;
-  const Outcome o = desk.run(std::string(usual_words) + " --out out --apply patched.json --json");
+  const Outcome o = desk.run(std::string(usual_words) + " --out out --apply patched.json --price 0.25 --json");
   ASSERT_EQ(o.code, 0) << o.err;
   const json j = json::parse(o.out);  // one object and nothing else
   ASSERT_EQ(j["verdict"], "named") << j.dump(1);
@@ -38,6 +38,13 @@ TEST(GapCommand, NamesWhatIsHiddenReportsPatchesTheRoomAndTakesThePatchBack) {
             0.5 * j["locked_days"]["before"]["temp_rmse_k"].get<double>());
   EXPECT_EQ(j, desk.read("out/gap.json"));
   EXPECT_TRUE(j["retraining"].is_null());
+  // Half the flow of a box saves a little cooling, and the sentence ends with what to do.
+  const json& energy = j["energy"].at(0);
+  EXPECT_EQ(energy["id"], "vav_flow@2");
+  EXPECT_LT(energy["kwh_per_day"].get<double>(), 0) << energy;
+  EXPECT_NEAR(energy["kwh_per_day"].get<double>(), energy["by_meter"]["power_1_kw"].get<double>(), 1e-9);
+  EXPECT_NEAR(energy["cost_per_day"]["cost"].get<double>(), 0.25 * energy["kwh_per_day"].get<double>(), 1e-9);
+  EXPECT_NE(j["sentence"].get<std::string>().find("to confirm it on site: hood at the diffuser"), std::string::npos);
   // The curve that the page draws as measured minus simulated; nothing is measured of a value that never came.
   const json& curve = j["after_curve"];
   EXPECT_EQ(curve["from"], "2021-07-09T00:00:00");

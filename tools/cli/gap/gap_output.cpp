@@ -31,6 +31,11 @@ void say(const gap::GapRun& run, const nlohmann::json& j, const RunFacts& facts)
     fmt::print("  {}: not sure, {}: gain {:.0f} (limit {:.0f}); on site: {}\n", f.at.id(), f.why_not,
                f.log_likelihood_ratio, f.log_likelihood_limit, f.at.effect->confirm);
   }
+  if (run.heat) {
+    for (const gap::ZoneHeat& z : run.heat->zones) {
+      if (!z.text.empty()) fmt::print("  {}\n", z.text);
+    }
+  }
   fmt::print("{}", gap::suspicions_text(run));
   if (!run.experiments.empty()) {
     const fs::path folder = fs::path(j["report"].get<std::string>()).parent_path();

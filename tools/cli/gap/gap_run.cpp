@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 struct SiteCommand : GapOptions {
   std::string site_path, measured, reference, twin, plant, room, weather, out = "gap-report", apply, keep_run, cache;
   std::vector<std::string> patches, tries;
-  std::string measured_room;
+  std::string measured_room, currency = "EUR";
+  double price = 0;
   int reference_days = 0, seeds = 5, pretrain_days = 31, control_days = 7;
   bool best_guess = false, findings_only = false, no_duties = false, sun_on_site = false, retrain = false;
 
@@ -54,6 +55,10 @@ struct SiteCommand : GapOptions {
     c.add_option("--try", tries,
                  "a suspicion of your own, EFFECT=SIZE or EFFECT@PLACE=SIZE such as vav_flow@2=0.5: does the log speak "
                  "for it?");
+    CLI::Option* priced =
+        c.add_option("--price", price, "of a kWh of any meter: what a finding costs is said in money too")
+            ->check(CLI::PositiveNumber);
+    c.add_option("--currency", currency, "with --price: its name")->capture_default_str()->needs(priced);
     c.add_option("--keep-run", keep_run, "folder for the patched twin's run, which plain energyplus repeats");
     CLI::Option* retrains = c.add_flag("--retrain", retrain,
                                        "pretrain on the twin and on the patched twin, and run both sets of weights on "
@@ -98,6 +103,10 @@ struct SiteCommand : GapOptions {
     add("--weather", weather);
     add("--effects", effects_dir);
     for (const std::string& one : tries) add("--try", one);
+    if (price > 0) {
+      add("--price", fmt::format("{:g}", price));
+      add("--currency", currency);
+    }
     if (findings_only) text += " --findings-only";
     if (best_guess) text += " --best-guess";
     if (no_duties) text += " --no-duties";
@@ -194,6 +203,7 @@ struct SiteCommand : GapOptions {
     r.tries = tries;
     r.effects = effects_folder();
     r.sun_on_site = sun_on_site;
+    r.price = {price, currency};
     r.cache = cache.empty() ? fs::path(out) / "runs" : fs::path(cache);
     gap::CaseDescription& c = r.source;
     c.topology = site.file.topology;

@@ -44,7 +44,7 @@ struct ZoneHeat {
   double weekday_kw = 0, weekend_kw = 0;  ///< in those hours; NaN where there is no such day
   double days_share = 0;                  ///< of days on which it is at least half of that
   std::vector<HeatDriver> drivers;
-  std::string text;  ///< one sentence; empty where it is noise
+  std::string brief, text;  ///< where, when and how much; the same with what it goes with; empty where it is noise
 };
 
 struct UnknownHeat {
@@ -52,7 +52,7 @@ struct UnknownHeat {
   std::vector<ZoneHeat> zones;     ///< all, in order
   std::vector<double> smoothing;   ///< of each zone: weight of the squared second differences
   double residual_ratio = 0;       ///< mean square of what the heat leaves of the whitened temperatures
-  std::string text;                ///< of the zones above noise, largest first; or that there is none
+  std::string text;                ///< of the largest, and how many more; or that there is none
 };
 
 /// Heat u of each zone in each 30-min bin, from room and fan-coil temperatures.

@@ -111,7 +111,7 @@ class HeatDescription {
     day_ = mean_day(x_, first_);
     drivers(channels);
     amounts();
-    if (z_.above_noise) z_.text = sentence();
+    if (z_.above_noise) describe();
   }
   const ZoneHeat& zone() const { return z_; }
   const Eigen::VectorXd& heat_kw() const { return x_; }
@@ -314,7 +314,7 @@ class HeatDescription {
     return fmt::format("on {:.0f} of {} days", z_.days_share * days_counted_, days_counted_);
   }
 
-  std::string sentence() const {
+  void describe() {
     std::vector<std::string> with, without;
     bool weather = false;
     const HeatDriver* rain = nullptr;
@@ -329,14 +329,14 @@ class HeatDescription {
                          });
     const double kw = by_rain ? rain_kw_ : z_.active_kw;
     const std::string how_much = with_interval(std::abs(kw), sd_95 * (by_rain ? rain_sd_kw_ : z_.active_sd_kw)) + " kW";
-    std::string text = fmt::format("something {} zone {} ", kw < 0 ? "cools" : "heats", z_.zone + 1);
-    text += by_rain ? fmt::format("when it rains, by about {}", how_much)
+    z_.brief = fmt::format("something {} zone {} ", kw < 0 ? "cools" : "heats", z_.zone + 1);
+    z_.brief += by_rain ? fmt::format("when it rains, by about {}", how_much)
                     : fmt::format("{} by about {} ({:.1f} kWh a day) {}", when(), how_much, std::abs(z_.kwh_per_day),
                                   which_days());
+    std::string& text = z_.text = z_.brief;
     text += weather ? "; driven by the weather" : slope_noticed_ ? "" : "; not weather-driven";
     if (!with.empty()) text += "; it goes with " + joined(with, " and ");
     if (!without.empty()) text += "; it does not go with " + joined(without, " or ");
-    return text;
   }
 
   static constexpr Eigen::Index first_ = bins_per_day;  // the first day remembers an unknown start
@@ -368,8 +368,11 @@ void describe_heat(UnknownHeat& heat, const sim::Recording& recording, const sim
   }
   std::sort(reported.begin(), reported.end(),
             [](const ZoneHeat* a, const ZoneHeat* b) { return std::abs(a->active_kw) > std::abs(b->active_kw); });
-  heat.text = reported.empty() ? "no zone has heat above the noise" : "";
-  for (const ZoneHeat* zone : reported) heat.text += (heat.text.empty() ? "" : ". ") + zone->text;
+  heat.text = reported.empty() ? "no zone has heat above the noise" : reported.front()->brief;
+  if (reported.size() < 2) return;
+  std::vector<std::string> others;
+  for (std::size_t i = 1; i < reported.size(); ++i) others.push_back(std::to_string(reported[i]->zone + 1));
+  heat.text += fmt::format("; less in zone{} {}", others.size() > 1 ? "s" : "", joined(others, " and "));
 }
 
 }  // namespace airside::tools::gap

@@ -19,6 +19,15 @@ std::string finding_magnitude(const gap::Finding& f) {
                      gap::unit_suffix(*f.at.effect), interval.low, interval.high, f.at.effect->null_value);
 }
 
+std::string energy_text(const gap::GapRun& run, std::size_t finding) {
+  const gap::FindingEnergy& e = run.energy[finding];
+  if (e.by_meter.empty()) return "no meter";
+  std::string text = fmt::format("{:+.1f} kWh a day ({:+.1f} to {:+.1f}) on {:.1f}", e.total, e.low, e.high, e.without);
+  const gap::Price& price = run.request.price;
+  if (price.per_kwh > 0) text += fmt::format("; {:+.2f} {} a day", price.per_kwh * e.total, price.currency);
+  return text;
+}
+
 }  // namespace
 
 void add_figures(const GapPage& page, ReportInput& input) {
@@ -49,20 +58,24 @@ void add_findings(const GapPage& page, ReportInput& input) {
   table.note = fmt::format(
       "Gain: twice the logarithm of the likelihood that the effect adds; up to its limit it is noise. Margin: that "
       "gain "
-      "over the gain of the best other explanation. Signs: share of two-day blocks that ask for the same direction.");
+      "over the gain of the best other explanation. Signs: share of two-day blocks that ask for the same direction. "
+      "Energy: by the site's meters, with it less without it, under the commands of the log.");
   table.row_header = "effect";
   table.prose = true;
   for (const char* name :
-       {"magnitude, 95 % interval", "gain", "margin", "signs", "not separable from", "looks like", "confirm on site"}) {
+       {"magnitude, 95 % interval", "energy", "gain", "margin", "signs", "not separable from", "looks like",
+        "confirm on site"}) {
     table.columns.push_back({name, "", 0, false});
   }
   std::vector<gap::Finding> listed = page.run.verdict.findings;
   listed.insert(listed.end(), page.run.verdict.unsure.begin(), page.run.verdict.unsure.end());
-  for (const gap::Finding& f : listed) {
+  for (std::size_t i = 0; i < listed.size(); ++i) {
+    const gap::Finding& f = listed[i];
     std::string alike;
     for (const sim::EffectAt& other : f.cannot_tell_from) alike += (alike.empty() ? "" : "; ") + other.text();
     table.rows.push_back({f.at.text() + (f.why_not.empty() ? "" : " (" + f.why_not + ")"),
-                          {text_cell(finding_magnitude(f)), text_cell(number_text(f.log_likelihood_ratio, 0)),
+                          {text_cell(finding_magnitude(f)), text_cell(i < page.run.energy.size() ? energy_text(page.run, i) : "–"),
+                           text_cell(number_text(f.log_likelihood_ratio, 0)),
                            text_cell(f.margin > 999 ? "> 999 x" : number_text(f.margin, 1) + " x"),
                            text_cell(number_text(100 * f.same_sign, 0) + " %"), text_cell(alike.empty() ? "–" : alike),
                            text_cell(f.at.effect->looks_like), text_cell(f.at.effect->confirm)},
@@ -102,7 +115,10 @@ void add_heat(const GapPage& page, ReportInput& input) {
   if (!page.run.heat) return;
   ReportTable table;
   table.title = "What is missing, as heat into each zone";
-  table.note = as_sentence(page.run.heat->text);
+  for (const gap::ZoneHeat& z : page.run.heat->zones) {
+    if (!z.text.empty()) table.note += (table.note.empty() ? "" : " ") + as_sentence(z.text);
+  }
+  if (table.note.empty()) table.note = as_sentence(page.run.heat->text);
   table.row_header = "zone";
   table.columns = {{"mean", "kW", 2, false},           {"from", "h", 0, false},    {"to", "h", 0, false},
                    {"in those hours", "kW", 2, false}, {"a day", "kWh", 1, false}, {"above noise", "", 0, false}};

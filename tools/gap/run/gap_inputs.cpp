@@ -91,6 +91,7 @@ GapRequest request_of(const std::string& report, const json& inputs) {
   r.effects = unchanged(report, "folder of effects", inputs.at("effects"));
   r.sun_on_site = inputs.at("sun_on_site");
   r.findings_only = inputs.at("findings_only");
+  r.price = {inputs.at("price").at("per_kwh"), inputs.at("price").at("currency")};
   for (const json& more : inputs.at("more"))
     r.more.push_back({unchanged(report, "log of added days", more.at("log")), more.at("test")});
   return r;
@@ -120,7 +121,8 @@ json inputs_json(const GapRequest& r) {
           {"more", more},
           {"effects", input_json(r.effects.string())},
           {"sun_on_site", r.sun_on_site},
-          {"findings_only", r.findings_only}};
+          {"findings_only", r.findings_only},
+          {"price", {{"per_kwh", r.price.per_kwh}, {"currency", r.price.currency}}}};
 }
 
 GapRequest earlier_request(const fs::path& folder) {

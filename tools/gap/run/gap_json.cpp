@@ -177,6 +177,9 @@ json json_of(const GapRun& run) {
                                {"sd", finite_json(p.sd)},
                                {"unit", p.change.at.effect->unit}});
   }
+  j["energy"] = json::array();
+  for (std::size_t i = 0; i < run.energy.size(); ++i)
+    j["energy"].push_back(json_of(run.energy[i], run.verdict.findings[i], at, run.request.price));
   j["after_curve"] = after_curve_json(run);
   j["tried"] = suspicions_json(run);
   j["inputs"] = inputs_json(run.request);

@@ -56,6 +56,19 @@ PatchedModel patch_model(const GapRun& run) {
   return patched_room(model_of(source), engine.room(), run.after);
 }
 
+/// What each finding costs, beside the others.
+void weigh_energy(GapRun& run, const Engine& engine, const Eigen::MatrixXd& simulated_before) {
+  const Window& test = run.loaded.data.test;
+  const std::vector<Finding>& findings = run.verdict.findings;
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    Changes fewer = run.after;
+    fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(run.before.size() + i));
+    const Eigen::MatrixXd without =
+        findings.size() == 1 ? simulated_before : binned(engine.simulate(fewer, test.recording));
+    run.energy.push_back(energy_of(findings[i], run.simulated_after, without, engine.channels()));
+  }
+}
+
 /// Parameters, changes, and the curves and residuals of the model without and with them.
 void simulate_curves(GapRun& run, const Engine& engine) {
   const Window& test = run.loaded.data.test;
@@ -73,6 +86,7 @@ void simulate_curves(GapRun& run, const Engine& engine) {
   run.residual_given = test.measured - run.responses.test.base;
   run.residual_before = test.measured - simulated_before;
   run.residual_after = test.measured - run.simulated_after;
+  weigh_energy(run, engine, simulated_before);
 }
 
 /// The model alone with each suspicion.
@@ -152,6 +166,14 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
 std::string sentence_of(const GapRun& run) {
   const std::string continued = continued_text(run);
   std::string text = continued.empty() ? sentence_of(run.verdict) : continued + ". " + sentence_of(run.verdict);
+  if (run.verdict.kind == VerdictKind::named) {
+    for (std::size_t i = 0; i < run.energy.size(); ++i) {
+      const std::string energy = sentence_of(run.energy[i], run.request.price);
+      const Finding& f = run.verdict.findings[i];
+      const std::string name = run.energy.size() > 1 ? f.at.id() + ": " : "";
+      text += ". " + name + (energy.empty() ? "" : energy + "; ") + "to confirm it on site: " + f.at.effect->confirm;
+    }
+  }
   if (!run.experiments.empty()) text += ". " + sentence_of(run.experiments);
   if (run.heat) text += ". " + run.heat->text;
   return text;

@@ -13,6 +13,7 @@
 #include "tools/gap/model/model_error.hpp"
 #include "tools/gap/model/patched_model.hpp"
 #include "tools/gap/retrain/retrain.hpp"
+#include "tools/gap/run/finding_energy.hpp"
 #include "tools/gap/tried/tried_effect.hpp"
 #include "tools/gap/verdict/verdict.hpp"
 #include "tools/run/progress/staged_progress.hpp"
@@ -36,6 +37,7 @@ struct GapRequest {
   std::vector<std::string> tries;  ///< "vav_flow@2=0.5": the user's own suspicions
   std::filesystem::path effects;   ///< folder of their files
   bool sun_on_site = false;        ///< the weather file's sun was measured on the site
+  Price price;                     ///< of what a finding costs
   std::vector<MoreDays> more;      ///< in the order in which they came
   nlohmann::json earlier;          ///< gap.json of the verdict that they continue; null without
 };
@@ -72,6 +74,7 @@ struct GapRun {
   Eigen::MatrixXd residual_before;              ///< with fitted parameters
   Eigen::MatrixXd residual_after;               ///< and with what was found
   Eigen::MatrixXd simulated_after;              ///< the curve of the model with what was found
+  std::vector<FindingEnergy> energy;            ///< one a finding
   std::vector<ExperimentProposal> experiments;  ///< ambiguous: tests that tell the candidates apart, best first
   std::optional<UnknownHeat> heat;              ///< unknown: what is missing in each zone
   std::vector<Suspicion> suspicions;            ///< one a try
@@ -83,7 +86,7 @@ struct GapRun {
   Eigen::Index locked_from() const;
 };
 
-/// The verdict in one sentence, with the test to do or the heat that is missing.
+/// The verdict in one sentence, with what it costs and how to confirm it, the test to do or the heat that is missing.
 std::string sentence_of(const GapRun& run);
 
 /// Runs it.  `effects` must outlive the result.
