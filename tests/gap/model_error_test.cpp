@@ -71,7 +71,7 @@ TEST(ModelError, GivesGuideline14AsTheStandardDoes) {
   residual.col(0) << 1, 3, -1, -1;  // hourly: 2, -1
   residual.col(3) << 0, 0, 1, 1;
   const Guideline14 temp = guideline_14_room_temp(measured, residual, channels, 0, 4);
-  EXPECT_EQ(temp.hours, 2);
+  EXPECT_EQ(temp.count, 2);
   EXPECT_NEAR(temp.cv_rmse_percent, 100 * std::sqrt(5) / 25, 1e-9);
   EXPECT_NEAR(temp.nmbe_percent, 100 * 1.0 / 25, 1e-9);
   EXPECT_TRUE(temp.passes());
@@ -79,6 +79,30 @@ TEST(ModelError, GivesGuideline14AsTheStandardDoes) {
   EXPECT_NEAR(power.cv_rmse_percent, 25, 1e-9);
   EXPECT_NEAR(power.nmbe_percent, 25, 1e-9);
   EXPECT_FALSE(power.passes());
+}
+
+TEST(ModelError, GivesEachMeterHourByHourAndMonthByMonth) {
+  const sim::Channels channels{1, 0, 2};
+  constexpr int days = 31 + 28 + 10;  // January, February, and too little of March
+  sim::Recording recording;
+  recording.from = sim::civil_midnight(2021, 1, 1);
+  recording.rows.resize(days * rows_per_day);
+  Eigen::MatrixXd measured = Eigen::MatrixXd::Constant(days * bins_per_day, 5, 10);
+  Eigen::MatrixXd residual = Eigen::MatrixXd::Zero(days * bins_per_day, 5);
+  residual.col(4).topRows(31 * bins_per_day).setConstant(1);  // the second meter, in January
+  const MeterFigures right = guideline_14_meter(measured, residual, recording, 3, 0, residual.rows());
+  EXPECT_EQ(right.hourly.count, days * 24);
+  EXPECT_EQ(right.monthly.count, 2);
+  EXPECT_EQ(right.monthly.cv_rmse_percent, 0);
+  EXPECT_TRUE(right.monthly.passes_monthly());
+  const MeterFigures wrong = guideline_14_meter(measured, residual, recording, 4, 0, residual.rows());
+  const double january = 31 * 24 * 10, february = 28 * 24 * 10, mean = (january + february) / 2;
+  EXPECT_NEAR(wrong.monthly.cv_rmse_percent, 100 * (january / 10) / mean, 1e-9);
+  EXPECT_NEAR(wrong.monthly.nmbe_percent, 100 * (january / 10) / mean, 1e-9);
+  EXPECT_FALSE(wrong.monthly.passes_monthly()) << "10 % off in one month";
+  EXPECT_TRUE(wrong.hourly.passes());
+  EXPECT_EQ(guideline_14_meter(measured, residual, recording, 4, 0, 40 * bins_per_day).monthly.count, 1)
+      << "nine days are no month";
 }
 
 }  // namespace

@@ -164,10 +164,7 @@ TEST(Refit, LooksForALargeEffectWhereASmallOneShowsNothingOfIt) {
   EXPECT_EQ(refitter.magnitude(far[0].chosen.back()), 2.25);
   EXPECT_TRUE(refitter.far(none, [](std::size_t) { return false; }).empty()) << "chosen already";
   engine.spares = true;
-  engine.late.unit = "K";
   EXPECT_TRUE(refitter.far(none, [](std::size_t) { return true; }).empty()) << "runs are dear";
-  engine.late.unit = "h";
-  EXPECT_FALSE(refitter.far(none, [](std::size_t) { return true; }).empty()) << "but what moves in time is worth them";
 }
 
 }  // namespace

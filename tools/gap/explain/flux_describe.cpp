@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
+#include "tools/gap/explain/day_stretch.hpp"
 #include "tools/gap/explain/flux.hpp"
 #include "tools/gap/explain/interval_text.hpp"
 
@@ -12,7 +12,6 @@ namespace airside::tools::gap {
 
 namespace {
 
-constexpr double hours_per_bin = 24.0 / bins_per_day;
 constexpr double sd_95 = 1.96;
 
 /// A known quantity, one value a bin; NaN where unknown.
@@ -21,16 +20,6 @@ struct KnownSeries {
   bool weather = false;
   Eigen::VectorXd value;
 };
-
-/// Mean of each bin of the day.  Shape: bins_per_day.
-Eigen::VectorXd mean_day(const Eigen::VectorXd& x, Eigen::Index first) {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(bins_per_day), count = sum;
-  for (Eigen::Index t = first; t < x.size(); ++t) {
-    sum(t % bins_per_day) += x(t);
-    count(t % bins_per_day) += 1;
-  }
-  return sum.cwiseQuotient(count.cwiseMax(1));
-}
 
 Eigen::VectorXd without_mean_day(Eigen::VectorXd x, Eigen::Index first) {
   const Eigen::VectorXd day = mean_day(x, first);
@@ -87,11 +76,6 @@ std::vector<KnownSeries> known_series(const sim::Recording& recording, Eigen::In
     add("boxes open", false, [&](std::size_t i) { return mean(row(i).vav_on); });
   }
   return list;
-}
-
-std::string clock_of(double hour) {
-  const int minutes = static_cast<int>(std::lround(60 * hour)) % 1440;
-  return minutes % 60 == 0 ? fmt::format("{}", minutes / 60) : fmt::format("{}:{:02}", minutes / 60, minutes % 60);
 }
 
 std::string joined(const std::vector<std::string>& words, const char* last) {
@@ -199,48 +183,29 @@ class HeatDescription {
     }
     z_.kwh_per_day = 24 * z_.mean_kw;
     active_hours();
-    if (levelled_ && length_ <= bins_per_day * 2 / 3) {  // other hours have none
-      const Eigen::VectorXd others =
-          weights_of([&](Eigen::Index bin) { return (bin - from_ + 3 + bins_per_day) % bins_per_day >= length_ + 6; });
+    if (levelled_ && stretch_.length <= bins_per_day * 2 / 3) {  // other hours have none
+      const Eigen::VectorXd others = weights_of([&](Eigen::Index bin) {
+        return (bin - stretch_.from + 3 + bins_per_day) % bins_per_day >= stretch_.length + 6;
+      });
       x_.array() -= others.dot(x_);
       day_ = mean_day(x_, first_);
       z_.mean_kw = uniform_.dot(x_);
       z_.kwh_per_day = 24 * z_.mean_kw;
       active_hours();
     }
-    const Eigen::VectorXd active = weights_of([&](Eigen::Index bin) { return is_active(bin); });
+    const Eigen::VectorXd active = weights_of([&](Eigen::Index bin) { return stretch_.holds(bin); });
     z_.active_kw = active.dot(x_);
     z_.active_sd_kw = sd_of(active);
     active_days();
     // Whether there is heat was decided by chance alone; how much it is must hold for other errors, too.
-    z_.active_sd_kw = with_other_errors(z_.active_kw, z_.active_sd_kw, from_, length_);
+    z_.active_sd_kw = with_other_errors(z_.active_kw, z_.active_sd_kw, stretch_.from, stretch_.length);
     z_.mean_sd_kw = with_other_errors(z_.mean_kw, z_.mean_sd_kw, 0, bins_per_day);
   }
 
   /// Of a mean over a stretch of the day: chance, or how days differ if that is more, and the twin's other errors.
   ///   sd^2 = max(sd_chance, sd_days)^2 + (model_share kw)^2
   double with_other_errors(double kw, double sd_of_chance, Eigen::Index from, Eigen::Index length) const {
-    return std::hypot(std::max(sd_of_chance, sd_of_days(from, length)), rules_.model_share * kw);
-  }
-
-  /// Standard deviation of the mean over days, from how these scatter about working days' and weekends' own mean; 0
-  /// where no two are alike. A stretch over midnight belongs to the day on which it begins.
-  double sd_of_days(Eigen::Index from, Eigen::Index length) const {
-    std::array<double, 2> count{}, sum{}, squares{};
-    for (Eigen::Index d = 1; d < days() && d * bins_per_day + from + length <= x_.size(); ++d) {
-      const double kw = x_.segment(d * bins_per_day + from, length).mean();
-      const std::size_t kind = recording_.time(static_cast<std::size_t>(d) * rows_per_day).weekday() >= 5 ? 1 : 0;
-      count[kind] += 1;
-      sum[kind] += kw;
-      squares[kind] += kw * kw;
-    }
-    double scatter = 0, freedom = 0;
-    for (std::size_t kind = 0; kind < 2; ++kind) {
-      if (count[kind] < 2) continue;
-      scatter += std::max(0.0, squares[kind] - sum[kind] * sum[kind] / count[kind]);
-      freedom += count[kind] - 1;
-    }
-    return freedom > 0 ? std::sqrt(scatter / freedom / (count[0] + count[1])) : 0;
+    return std::hypot(std::max(sd_of_chance, sd_of_days(x_, recording_, from, length)), rules_.model_share * kw);
   }
 
   /// Weights of the mean over bins of the day, on all days but the first.
@@ -251,30 +216,12 @@ class HeatDescription {
     return w / std::max(1.0, w.sum());
   }
 
-  /// The stretch of the mean day about its peak in which it stays above half of it.
   void active_hours() {
-    Eigen::Index peak = 0;
-    day_.cwiseAbs().maxCoeff(&peak);
-    z_.peak_kw = day_(peak);
-    const double sign = z_.peak_kw < 0 ? -1 : 1, half = sign * z_.peak_kw / 2;
-    const auto holds = [&](Eigen::Index bin) {
-      return sign * day_((bin % bins_per_day + bins_per_day) % bins_per_day) > half;
-    };
-    Eigen::Index from = peak, to = peak + 1;
-    while (to - from < bins_per_day && holds(from - 1)) --from;
-    while (to - from < bins_per_day && holds(to)) ++to;
-    from_ = (from % bins_per_day + bins_per_day) % bins_per_day;
-    length_ = to - from;
-    z_.from_h = hours_per_bin * static_cast<double>(from_);
-    z_.to_h = std::fmod(z_.from_h + hours_per_bin * static_cast<double>(length_), 24.0);
-    if (length_ >= bins_per_day - 4) {
-      from_ = 0;
-      length_ = bins_per_day;
-      z_.from_h = 0;
-      z_.to_h = 24;
-    }
+    stretch_ = active_stretch(day_);
+    z_.peak_kw = stretch_.peak;
+    z_.from_h = stretch_.from_h();
+    z_.to_h = stretch_.to_h();
   }
-  bool is_active(Eigen::Index bin_of_day) const { return (bin_of_day - from_ + bins_per_day) % bins_per_day < length_; }
 
   /// Nights are counted whole: a stretch belongs to the day on which it begins.
   void active_days() {
@@ -282,12 +229,12 @@ class HeatDescription {
     for (Eigen::Index d = 1; d < days(); ++d) {
       double sum = 0;
       Eigen::Index n = 0;
-      for (Eigen::Index t = d * bins_per_day + from_; t < std::min(d * bins_per_day + from_ + length_, x_.size());
-           ++t) {
+      for (Eigen::Index t = d * bins_per_day + stretch_.from;
+           t < std::min(d * bins_per_day + stretch_.from + stretch_.length, x_.size()); ++t) {
         sum += x_(t);
         ++n;
       }
-      if (n < length_ / 2) continue;
+      if (n < stretch_.length / 2) continue;
       const double kw = sum / static_cast<double>(n);
       const bool at_weekend = recording_.time(static_cast<std::size_t>(d) * rows_per_day).weekday() >= 5;
       (at_weekend ? weekend : weekday) += kw;
@@ -302,10 +249,6 @@ class HeatDescription {
     days_counted_ = static_cast<int>(all);
   }
 
-  std::string when() const {
-    if (length_ == bins_per_day) return "day and night";
-    return fmt::format("between {} and {} h", clock_of(z_.from_h), clock_of(z_.to_h));
-  }
   std::string which_days() const {
     if (z_.days_share >= 0.85) return "on all days";
     const bool both = std::isfinite(z_.weekday_kw) && std::isfinite(z_.weekend_kw);
@@ -331,8 +274,8 @@ class HeatDescription {
     const std::string how_much = with_interval(std::abs(kw), sd_95 * (by_rain ? rain_sd_kw_ : z_.active_sd_kw)) + " kW";
     z_.brief = fmt::format("something {} zone {} ", kw < 0 ? "cools" : "heats", z_.zone + 1);
     z_.brief += by_rain ? fmt::format("when it rains, by about {}", how_much)
-                    : fmt::format("{} by about {} ({:.1f} kWh a day) {}", when(), how_much, std::abs(z_.kwh_per_day),
-                                  which_days());
+                        : fmt::format("{} by about {} ({:.1f} kWh a day) {}", stretch_.text(), how_much,
+                                      std::abs(z_.kwh_per_day), which_days());
     std::string& text = z_.text = z_.brief;
     text += weather ? "; driven by the weather" : slope_noticed_ ? "" : "; not weather-driven";
     if (!with.empty()) text += "; it goes with " + joined(with, " and ");
@@ -345,7 +288,7 @@ class HeatDescription {
   const HeatRules& rules_;
   Eigen::VectorXd x_, day_, uniform_;  // uniform_: weights of the mean
   bool levelled_ = false;
-  Eigen::Index from_ = 0, length_ = bins_per_day;
+  DayStretch stretch_;
   double rain_kw_ = 0, rain_sd_kw_ = 0;
   int days_counted_ = 0;
   bool slope_noticed_ = false;

@@ -35,9 +35,6 @@ Eigen::VectorXd steps_between(const std::vector<Chosen>& from, const std::vector
   return step;
 }
 
-/// What moves in time looks different hour by hour; a run may be spent on it even where runs are dear.
-bool moves_in_time(const sim::Effect& effect) { return effect.unit == "h" || effect.unit == "s"; }
-
 }  // namespace
 
 Tangent::Tangent(const std::vector<Candidate>& candidates, NuisanceResponses nuisance, Eigen::MatrixXd mixing,
@@ -269,11 +266,11 @@ Refit Refitter::add(const Refit& to, const Score& added, const std::shared_ptr<c
 }
 
 std::vector<Refit> Refitter::far(const Refit& now, const std::function<bool(std::size_t)>& open) const {
+  if (engine_.spares_runs()) return {};
   constexpr std::size_t shares = 4;
   std::vector<std::size_t> candidates;
   for (std::size_t i = 0; i < responses_.candidates.size(); ++i) {
-    const bool affordable = !engine_.spares_runs() || moves_in_time(*responses_.candidates[i].at.effect);
-    if (affordable && bends(i) && open(i)) candidates.push_back(i);
+    if (bends(i) && open(i)) candidates.push_back(i);
   }
   std::vector<std::optional<Refit>> sizes(shares * candidates.size());
   in_parallel(sizes.size(), jobs_, [&](std::size_t n) {

@@ -98,7 +98,7 @@ class Refitter {
   /// One effect more at a quarter, half, three quarters or all of its bound, simulated without a fit, parameters where
   /// they are: of each effect whose responses to its probes are not each other's mirror image and that `open` lets in
   /// the size of least cost, best first. People who come two hours late show nothing of a response to ten minutes.
-  /// Cost: four simulations a candidate; on an engine that spares runs only effects that are hours or seconds.
+  /// Cost: four simulations a candidate; empty on an engine that spares runs.
   std::vector<Refit> far(const Refit& now, const std::function<bool(std::size_t)>& open) const;
   /// The same about the model itself: what saturates there answers to other parameters than the twin does.
   Refit about_itself(const Refit& at) const;

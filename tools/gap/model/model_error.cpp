@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 
 #include "hal/text/civil_text.hpp"
 
@@ -61,7 +62,7 @@ class Guideline14Sum {
   }
   Guideline14 figures() const {
     Guideline14 g;
-    g.hours = count_;
+    g.count = count_;
     if (count_ < 2 || measured_ == 0) return g;
     const double mean = measured_ / count_, freedom = count_ - 1;
     g.cv_rmse_percent = 100 * std::sqrt(square_ / freedom) / mean;
@@ -149,7 +150,12 @@ ErrorMap errors_by_weather(const Eigen::MatrixXd& residual, const sim::Recording
 }
 
 bool Guideline14::passes() const {
-  return hours > 1 && cv_rmse_percent <= cv_rmse_limit_percent && std::abs(nmbe_percent) <= nmbe_limit_percent;
+  return count > 1 && cv_rmse_percent <= cv_rmse_limit_percent && std::abs(nmbe_percent) <= nmbe_limit_percent;
+}
+
+bool Guideline14::passes_monthly() const {
+  return count > 1 && cv_rmse_percent <= monthly_cv_rmse_limit_percent &&
+         std::abs(nmbe_percent) <= monthly_nmbe_limit_percent;
 }
 
 Guideline14 guideline_14_room_temp(const Eigen::MatrixXd& measured, const Eigen::MatrixXd& residual,
@@ -175,6 +181,30 @@ Guideline14 guideline_14_power(const Eigen::MatrixXd& measured, const Eigen::Mat
     sum.add(kw, error);
   }
   return sum.figures();
+}
+
+MeterFigures guideline_14_meter(const Eigen::MatrixXd& measured, const Eigen::MatrixXd& residual,
+                                const sim::Recording& recording, int c, Eigen::Index first, Eigen::Index last) {
+  struct Month {
+    double kwh = 0, error_kwh = 0;
+    int hours = 0;
+  };
+  Guideline14Sum hourly, monthly;
+  std::map<std::string, Month> months;
+  for (Eigen::Index t = first; t + 1 < last; t += 2) {
+    const double kw = hour_mean(measured(t, c), measured(t + 1, c));
+    const double error = hour_mean(residual(t, c), residual(t + 1, c));
+    hourly.add(kw, error);
+    if (!std::isfinite(kw) || !std::isfinite(error)) continue;
+    Month& month = months[hal::civil_text(recording.time(static_cast<std::size_t>(t) * rows_per_bin)).substr(0, 7)];
+    month.kwh += kw;
+    month.error_kwh += error;
+    ++month.hours;
+  }
+  for (const auto& [name, month] : months) {
+    if (month.hours >= 24 * MeterFigures::least_days) monthly.add(month.kwh, month.error_kwh);
+  }
+  return {hourly.figures(), monthly.figures()};
 }
 
 }  // namespace airside::tools::gap

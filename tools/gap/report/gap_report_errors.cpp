@@ -99,6 +99,40 @@ std::vector<int> telling_channels(const GapPage& page) {
   return channels;
 }
 
+/// Meter by meter; months only where the locked days hold two.
+void add_meters(const GapPage& page, ReportInput& input) {
+  using gap::Guideline14;
+  ReportTable table;
+  table.title = "The same, meter by meter";
+  table.note = fmt::format(
+      "Hourly means of the locked days, and energies of the months of which they hold {} days or more, if there are "
+      "two; monthly limits are {:.0f} % CV(RMSE) and {:.0f} % NMBE.",
+      gap::MeterFigures::least_days, Guideline14::monthly_cv_rmse_limit_percent,
+      Guideline14::monthly_nmbe_limit_percent);
+  table.row_header = "meter and model";
+  table.columns = {{"hourly, CV(RMSE)", "%", 1, false},
+                   {"hourly, NMBE", "%", 1, false},
+                   {"monthly, CV(RMSE)", "%", 1, false},
+                   {"monthly, NMBE", "%", 1, false}};
+  const gap::Window& test = page.run.loaded.data.test;
+  const auto row = [&](int meter, const char* model, const Eigen::MatrixXd& residual) {
+    const gap::MeterFigures f =
+        gap::guideline_14_meter(test.measured, residual, test.recording, meter, page.run.locked_from(), page.bins());
+    const auto monthly = [&](double value) { return f.monthly.count > 1 ? number_cell(value) : text_cell("–"); };
+    table.rows.push_back({channel_title(page.at, meter) + ", " + model,
+                          {number_cell(f.hourly.cv_rmse_percent), number_cell(f.hourly.nmbe_percent),
+                           monthly(f.monthly.cv_rmse_percent), monthly(f.monthly.nmbe_percent)},
+                          SeriesRole::plain,
+                          false});
+  };
+  for (int meter = page.at.power(); meter < page.at.fcu_duty(); ++meter) {
+    row(meter, "twin as given", page.run.residual_given);
+    if (!page.run.before.empty()) row(meter, "fitted to the reference", page.run.residual_before);
+    if (page.found()) row(meter, "with what was found", page.run.residual_after);
+  }
+  if (!table.rows.empty()) input.blocks.push_back(table);
+}
+
 }  // namespace
 
 void add_maps(const GapPage& page, ReportInput& input) {
@@ -248,6 +282,7 @@ void add_guideline(const GapPage& page, ReportInput& input) {
        SeriesRole::reference,
        false});
   input.blocks.push_back(table);
+  add_meters(page, input);
 }
 
 }  // namespace airside::tools

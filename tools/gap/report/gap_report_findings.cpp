@@ -28,6 +28,30 @@ std::string energy_text(const gap::GapRun& run, std::size_t finding) {
   return text;
 }
 
+void add_meter_offsets(const GapPage& page, ReportInput& input) {
+  if (page.run.meter_offsets.empty()) return;
+  ReportTable table;
+  table.title = "What is missing, as power of a meter";
+  table.note = "Measured less simulated, after the missing heat was put into the zones.";
+  table.row_header = "meter";
+  table.columns = {{"from", "h", 0, false},
+                   {"to", "h", 0, false},
+                   {"in those hours", "kW", 2, false},
+                   {"a day", "kWh", 1, false},
+                   {"above noise", "", 0, false}};
+  for (const gap::MeterOffset& offset : page.run.meter_offsets) {
+    table.rows.push_back({fmt::format("power {}", offset.meter + 1),
+                          {number_cell(offset.from_h),
+                           number_cell(offset.to_h),
+                           {offset.kw, offset.sd_kw, ""},
+                           number_cell(offset.kwh_per_day),
+                           text_cell(offset.above_noise ? "yes" : "no")},
+                          offset.above_noise ? SeriesRole::main : SeriesRole::plain,
+                          false});
+  }
+  input.blocks.push_back(table);
+}
+
 }  // namespace
 
 void add_figures(const GapPage& page, ReportInput& input) {
@@ -62,9 +86,8 @@ void add_findings(const GapPage& page, ReportInput& input) {
       "Energy: by the site's meters, with it less without it, under the commands of the log.");
   table.row_header = "effect";
   table.prose = true;
-  for (const char* name :
-       {"magnitude, 95 % interval", "energy", "gain", "margin", "signs", "not separable from", "looks like",
-        "confirm on site"}) {
+  for (const char* name : {"magnitude, 95 % interval", "energy", "gain", "margin", "signs", "not separable from",
+                           "looks like", "confirm on site"}) {
     table.columns.push_back({name, "", 0, false});
   }
   std::vector<gap::Finding> listed = page.run.verdict.findings;
@@ -73,14 +96,15 @@ void add_findings(const GapPage& page, ReportInput& input) {
     const gap::Finding& f = listed[i];
     std::string alike;
     for (const sim::EffectAt& other : f.cannot_tell_from) alike += (alike.empty() ? "" : "; ") + other.text();
-    table.rows.push_back({f.at.text() + (f.why_not.empty() ? "" : " (" + f.why_not + ")"),
-                          {text_cell(finding_magnitude(f)), text_cell(i < page.run.energy.size() ? energy_text(page.run, i) : "–"),
-                           text_cell(number_text(f.log_likelihood_ratio, 0)),
-                           text_cell(f.margin > 999 ? "> 999 x" : number_text(f.margin, 1) + " x"),
-                           text_cell(number_text(100 * f.same_sign, 0) + " %"), text_cell(alike.empty() ? "–" : alike),
-                           text_cell(f.at.effect->looks_like), text_cell(f.at.effect->confirm)},
-                          SeriesRole::plain,
-                          false});
+    table.rows.push_back(
+        {f.at.text() + (f.why_not.empty() ? "" : " (" + f.why_not + ")"),
+         {text_cell(finding_magnitude(f)), text_cell(i < page.run.energy.size() ? energy_text(page.run, i) : "–"),
+          text_cell(number_text(f.log_likelihood_ratio, 0)),
+          text_cell(f.margin > 999 ? "> 999 x" : number_text(f.margin, 1) + " x"),
+          text_cell(number_text(100 * f.same_sign, 0) + " %"), text_cell(alike.empty() ? "–" : alike),
+          text_cell(f.at.effect->looks_like), text_cell(f.at.effect->confirm)},
+         SeriesRole::plain,
+         false});
   }
   input.blocks.push_back(table);
 }
@@ -136,6 +160,7 @@ void add_heat(const GapPage& page, ReportInput& input) {
          false});
   }
   input.blocks.push_back(table);
+  add_meter_offsets(page, input);
 }
 
 void add_clean_up(const GapPage& page, ReportInput& input) {

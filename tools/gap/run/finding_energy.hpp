@@ -18,10 +18,10 @@ struct Price {
 /// Of the model with all findings less the same without one of them, commands as recorded, mean over the days that
 /// count.  kWh a day.
 struct FindingEnergy {
-  std::vector<double> by_meter;   ///< of each power channel
-  double total = 0;               ///< their sum
-  double low = 0, high = 0;       ///< of the sum, where the finding's 95 % interval ends; low <= high
-  double without = 0;             ///< energy of all meters without the finding
+  std::vector<double> by_meter;  ///< of each power channel
+  double total = 0;              ///< their sum
+  double low = 0, high = 0;      ///< of the sum, where the finding's 95 % interval ends; low <= high
+  double without = 0;            ///< energy of all meters without the finding
 
   /// Whether the interval has one sign.
   bool is_sure() const { return low > 0 || high < 0; }

@@ -32,8 +32,25 @@ json change_json(const PatchedChange& patched) {
 json figures_json(const Guideline14& g) {
   return {{"cv_rmse_percent", g.cv_rmse_percent},
           {"nmbe_percent", g.nmbe_percent},
-          {"hours", g.hours},
+          {"hours", g.count},
           {"passes", g.passes()}};
+}
+
+/// Of each meter; no monthly figures where there are not two months.
+json meters_json(const GapRun& run, const Eigen::MatrixXd& residual) {
+  const sim::Channels at = run.channels();
+  const Window& test = run.loaded.data.test;
+  json meters = json::object();
+  for (int c = at.power(); c < at.fcu_duty(); ++c) {
+    const MeterFigures f =
+        guideline_14_meter(test.measured, residual, test.recording, c, run.locked_from(), residual.rows());
+    const json monthly = {{"cv_rmse_percent", f.monthly.cv_rmse_percent},
+                          {"nmbe_percent", f.monthly.nmbe_percent},
+                          {"months", f.monthly.count},
+                          {"passes", f.monthly.passes_monthly()}};
+    meters[at.name(c)] = {{"hourly", figures_json(f.hourly)}, {"monthly", f.monthly.count > 1 ? monthly : json()}};
+  }
+  return meters;
 }
 
 /// The model alone on the locked days.
@@ -52,6 +69,7 @@ json model_json(const GapRun& run, const Eigen::MatrixXd& residual) {
            figures_json(guideline_14_room_temp(measured, residual, at, run.locked_from(), residual.rows()))},
           {"guideline_14_power",
            figures_json(guideline_14_power(measured, residual, at, run.locked_from(), residual.rows()))},
+          {"guideline_14_meters", meters_json(run, residual)},
           {"channels", by_channel}};
 }
 
@@ -157,6 +175,7 @@ json json_of(const GapRun& run) {
   j["experiments"] = json::array();
   for (const ExperimentProposal& e : run.experiments) j["experiments"].push_back(json_of(e));
   j["missing_heat"] = run.heat ? json_of(*run.heat, false) : json();
+  j["missing_power"] = run.heat ? json_of(run.meter_offsets, at) : json();
   j["model"] = {{"engine", run.request.source.engine}, {"file", run.request.source.model}};
   j["reference"] = period_json(run.loaded.data.reference);
   j["measured"] = period_json(run.loaded.data.test);

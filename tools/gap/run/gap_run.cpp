@@ -114,6 +114,9 @@ void explain(GapRun& run, const Engine& engine) {
     rules.nuisance = v.nulls.nuisance;
     rules.model_share = run.rules.magnitude_share;
     run.heat = reconstruct_heat(engine, test, v.fit, run.responses.test, fitted, run.request.jobs, rules);
+    const Eigen::MatrixXd with_heat = binned(engine.simulate(fitted, heated(test.recording, run.heat->heat_kw)));
+    run.meter_offsets = meter_offsets(test.measured - with_heat - v.fit.structural(run.responses.test), test.recording,
+                                      engine.channels());
   }
 }
 
@@ -176,6 +179,8 @@ std::string sentence_of(const GapRun& run) {
   }
   if (!run.experiments.empty()) text += ". " + sentence_of(run.experiments);
   if (run.heat) text += ". " + run.heat->text;
+  const std::string meters = text_of(run.meter_offsets);
+  if (!meters.empty()) text += "; beside it " + meters;
   return text;
 }
 

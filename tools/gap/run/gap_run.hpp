@@ -10,6 +10,7 @@
 #include "tools/gap/case/case_loader.hpp"
 #include "tools/gap/explain/experiment.hpp"
 #include "tools/gap/explain/flux.hpp"
+#include "tools/gap/explain/meter_offset.hpp"
 #include "tools/gap/model/model_error.hpp"
 #include "tools/gap/model/patched_model.hpp"
 #include "tools/gap/retrain/retrain.hpp"
@@ -77,6 +78,7 @@ struct GapRun {
   std::vector<FindingEnergy> energy;            ///< one a finding
   std::vector<ExperimentProposal> experiments;  ///< ambiguous: tests that tell the candidates apart, best first
   std::optional<UnknownHeat> heat;              ///< unknown: what is missing in each zone
+  std::vector<MeterOffset> meter_offsets;       ///< unknown: power that this heat does not explain, one a meter
   std::vector<Suspicion> suspicions;            ///< one a try
   std::optional<PatchedModel> patched;          ///< named, or asked for
   std::optional<Retraining> retraining;         ///< asked for: what the patch is worth to the controller
