@@ -13,20 +13,20 @@
 namespace airside::tools::gap {
 namespace {
 
-constexpr int days = 14;
+constexpr int metered_days = 14;
 
 class MeterOffsetTest : public ::testing::Test {
  protected:
   MeterOffsetTest() {
     recording.from = sim::civil_midnight(2021, 7, 5);
-    recording.rows.resize(days * rows_per_day);
+    recording.rows.resize(metered_days * rows_per_day);
     std::mt19937 random(3);
     std::normal_distribution<double> noise(0, 0.2);
-    residual = Eigen::MatrixXd::NullaryExpr(days * bins_per_day, at.count(), [&] { return noise(random); });
+    residual = Eigen::MatrixXd::NullaryExpr(metered_days * bins_per_day, at.count(), [&] { return noise(random); });
   }
   /// On the second meter, every day.
   void add(double kw, int from_bin, int to_bin) {
-    for (int day = 0; day < days; ++day) {
+    for (int day = 0; day < metered_days; ++day) {
       for (int bin = from_bin; bin < to_bin; ++bin)
         residual((day * bins_per_day + bin) % residual.rows(), at.power() + 1) += kw;
     }
@@ -67,7 +67,7 @@ TEST_F(MeterOffsetTest, MakesNothingOutOfNoise) {
   for (unsigned seed = 1; seed <= 50; ++seed) {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0, 0.5);
-    residual = Eigen::MatrixXd::NullaryExpr(days * bins_per_day, at.count(), [&] { return noise(random); });
+    residual = Eigen::MatrixXd::NullaryExpr(metered_days * bins_per_day, at.count(), [&] { return noise(random); });
     EXPECT_EQ(text_of(meter_offsets(residual, recording, at)), "") << seed;
   }
 }

@@ -82,7 +82,6 @@ TEST(ModelError, GivesGuideline14AsTheStandardDoes) {
 }
 
 TEST(ModelError, GivesEachMeterHourByHourAndMonthByMonth) {
-  const sim::Channels channels{1, 0, 2};
   constexpr int days = 31 + 28 + 10;  // January, February, and too little of March
   sim::Recording recording;
   recording.from = sim::civil_midnight(2021, 1, 1);

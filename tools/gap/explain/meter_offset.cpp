@@ -13,7 +13,7 @@ namespace airside::tools::gap {
 
 namespace {
 
-constexpr double sd_95 = 1.96;
+constexpr double meter_sd_95 = 1.96;
 
 MeterOffset offset_of(const Eigen::VectorXd& x, const sim::Recording& recording, int meter,
                       const MeterOffsetRules& rules) {
@@ -33,7 +33,7 @@ MeterOffset offset_of(const Eigen::VectorXd& x, const sim::Recording& recording,
       of_days > 0 && std::abs(offset.kw) > rules.limit_sd * of_days && std::abs(offset.kw) > rules.least_kw;
   if (offset.above_noise) {
     offset.text = fmt::format("power {} is {} kW {} the model {} ({:.1f} kWh a day)", meter + 1,
-                              with_interval(std::abs(offset.kw), sd_95 * offset.sd_kw),
+                              with_interval(std::abs(offset.kw), meter_sd_95 * offset.sd_kw),
                               offset.kw < 0 ? "below" : "above", stretch.text(), std::abs(offset.kwh_per_day));
   }
   return offset;
