@@ -79,6 +79,44 @@ TEST(NightCooling, AFanThatStartsFarFromTheSetpointOrUnderColdAirIsNone) {
   EXPECT_FALSE(cold.cooling.expects(cold.time)) << "outdoor air cools, which costs little";
 }
 
+TEST(NightCooling, HeatLeftInTheRoomsHasItsPriceWhereSuchANightWasSeen) {
+  Night night;
+  night.row(false, 27);
+  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 8), 0) << "no night is known";
+  night.cycle(28);
+  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 8), 1);
+  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 4), 0.5);
+  EXPECT_EQ(night.cooling.stored_heat_share(night.time, -1), 0) << "outdoor air takes it";
+  EXPECT_EQ(night.cooling.stored_heat_share({night.time.seconds + 49 * hour_s}, 8), 0);
+}
+
+TEST(NightCooling, AfterSuchANightTheObjectiveLeavesNoHeatInTheRoomsOfAHotDay) {
+  FormulaBuilding building;
+  BandObjective objective;
+  objective.reset({});
+  building.live({}, objective, 6);
+  const CivilTime noon{6 * seconds_per_day + 43200};
+  building.outdoor_degc = 36;
+  building.room_degc.fill(23.5);  // below their setpoint, with dampers at their least: warmer air cools less
+  for (double& q : building.load_k) q *= 0.2;
+  const auto saving = [&] {
+    const DemandReading at = building.read(noon);
+    return objective.evaluate({}, at, {}, 12).cost_kw - objective.evaluate({}, at, {}, 15).cost_kw;
+  };
+  const double before = saving();
+  ASSERT_GT(before, 0) << "less cooling by the hour";
+  building.setpoint_degc = 28;
+  building.room_degc.fill(27.5);
+  for (int i = -100; i < -96; ++i) {
+    DemandReading at = building.read({noon.seconds + i * row_s});
+    at.flows = i == -99;
+    objective.observe({}, at);
+  }
+  building.setpoint_degc = 24;
+  building.room_degc.fill(23.5);
+  EXPECT_LT(saving(), 0.5 * before);
+}
+
 TEST(NightCooling, TheObjectiveIsNoWarmerThanTheScheduleThen) {
   FormulaBuilding building;
   BandObjective objective;

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "airside/demand/power_model.hpp"
 #include "demand/zone_fixture.hpp"
 
@@ -9,6 +12,8 @@ namespace {
 
 using namespace airside;
 using demand_test::FormulaBuilding;
+
+constexpr double not_metered = std::numeric_limits<double>::quiet_NaN();
 
 BandObjective learned_power(FormulaBuilding& building, int days = 8) {
   BandObjective objective;
@@ -58,6 +63,33 @@ TEST(PowerModel, IsLessSureOfASetpointThatIsFurtherAway) {
   };
   EXPECT_DOUBLE_EQ(sd(14), 0);
   EXPECT_LT(sd(15), sd(17));
+}
+
+/// Flow and the coil's load go up and down together; cooling is said to fall by this much where flow is full.
+PowerModel learned_from(double fall_kw) {
+  PowerModel model;
+  for (int i = 0; i < 800; ++i) {
+    const double flow = 0.5 + 0.2 * std::sin(0.3 * i), room = 24 + 0.5 * std::sin(0.07 * i);
+    const PowerShapes x =
+        power_shapes({.flow = flow, .supply_degc = 14, .room_degc = room, .outdoor_degc = 30 + 3 * std::sin(0.05 * i)});
+    const double fan_kw = 6 * x.flow_cubed;
+    model.update({}, x,
+                 {.total_kw = fan_kw + 60 * x.lift - fall_kw * x.flow, .fan_kw = fan_kw, .flow_m3_s = not_metered});
+  }
+  return model;
+}
+
+TEST(PowerModel, CoolingDoesNotFallWithFlowAsMuchAsTheFanTakes) {
+  const double slope = 6 * 3 * 0.25;  // of the fan at half flow
+  EXPECT_GE(learned_from(25).lift_law().theta()[5], -0.25 * slope);
+  EXPECT_LT(learned_from(25).lift_law().theta()[5], -0.15 * slope) << "and as far as that it is believed";
+  EXPECT_GT(learned_from(-3).lift_law().theta()[5], 0) << "the other way it is free";
+}
+
+TEST(PowerModel, WhatCoolingTakesGrowsWithTheLoadAndTheWeather) {
+  const PowerModel model = learned_from(0);
+  EXPECT_NEAR(model.cooling_kw(0.1, 30), 6, 1);
+  EXPECT_NEAR(model.cooling_kw(-0.1, 30), -model.cooling_kw(0.1, 30), 1e-9);
 }
 
 TEST(PowerModel, AFlowSensorSaysWhatHeatFlows) {

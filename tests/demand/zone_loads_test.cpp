@@ -63,11 +63,37 @@ TEST(ZoneLoads, AZoneThatStaysBelowItsSetpointAsksForNothing) {
 TEST(ZoneLoads, ASetpointThatUsedToFallIsForeseen) {
   ZoneLoads loads = learned_zone(0.2, 5);
   for (int i = 0; i < cycles_per_day; ++i) {
-    loads.note_profile({i * cycle_s}, 1, i < 24 ? 28.0 : 24.0);  // until 07:12
+    loads.note_profile({i * cycle_s}, 1, i < 24 ? 28.0 : 24.0, i < 24);  // until 07:12
   }
   EXPECT_DOUBLE_EQ(loads.setpoint_fall_k({18 * cycle_s}, 28), 0);
   EXPECT_DOUBLE_EQ(loads.setpoint_fall_k({19 * cycle_s}, 28), -4);
   EXPECT_DOUBLE_EQ(loads.setpoint_fall_k({30 * cycle_s}, 24), 0);
+}
+
+TEST(ZoneLoads, AZoneThatIsNeverSetBackKeepsItsSetpointWhereOthersFall) {
+  ZoneLoads loads = learned_zone(0.2, 5);
+  EXPECT_DOUBLE_EQ(loads.expected_setpoint_degc(0, 28, -3), 28) << "no setpoint was seen yet";
+  loads.note_setpoint(0, 24);
+  EXPECT_DOUBLE_EQ(loads.expected_setpoint_degc(0, 28, -3), 25);
+  EXPECT_DOUBLE_EQ(loads.expected_setpoint_degc(0, 28, -9), 24);
+  EXPECT_DOUBLE_EQ(loads.expected_setpoint_degc(0, 24, -3), 24);
+  const std::vector<double> room{24.0}, set{24.0}, damper{0.5};
+  const ZoneSignals zones{room, set, damper};
+  EXPECT_DOUBLE_EQ(loads.forecast(settings, zones, 0, 14, 1, -3).wanted,
+                   loads.forecast(settings, zones, 0, 14, 1, 0).wanted);
+}
+
+TEST(ZoneLoads, ADayOffSaysNothingOfAWorkingDaysLoads) {
+  ZoneLoads loads = learned_zone(0.2, 5);
+  const CivilTime t{30 * cycle_s}, next{31 * cycle_s};
+  loads.note_profile(t, 1, 24, false);
+  loads.note_profile(next, 1, 24, false);
+  EXPECT_DOUBLE_EQ(loads.growth(t), 1);
+  for (int i = 0; i < 20; ++i) loads.update(settings, 0, 2.5, 0);  // half the load
+  loads.note_profile(next, 1, 28, true);
+  EXPECT_DOUBLE_EQ(loads.growth(t), 1);
+  loads.note_profile(next, 1, 24, false);
+  EXPECT_LT(loads.growth(t), 0.95);
 }
 
 TEST(ZoneLoads, AZoneThatTheColdestAirDoesNotCoolCountsLess) {

@@ -20,7 +20,8 @@
 
 namespace airside {
 
-/// J(A) = P(A) + caution sd(P(A) - P(schedule)) + P_mean (sum of saturation and warm cost + move_cost (A - A_last)^2)
+/// J(A) = P(A) + P_stored(A) + caution sd(P(A) - P(schedule))
+///        + P_mean (sum of saturation and warm cost + move_cost (A - A_last)^2)
 /// Shape: at most max_zones zones, max_candidates setpoints. Cost: one forecast a zone and candidate.
 /// Plain bytes: part of the durable state.  Source: docs/method.md 17.
 class BandObjective {
@@ -37,8 +38,7 @@ class BandObjective {
   void observe(const DemandSettings& s, const DemandReading& at) {
     night_.watch(loads_, at);
     if (!at.flows || !carries(at) || !std::isfinite(at.outdoor_degc)) {
-      rows_ = 0;
-      has_begin_ = 0;
+      rows_ = has_begin_ = 0;
       return;
     }
     if (starts_cycle(at.time)) {
@@ -67,8 +67,9 @@ class BandObjective {
     f.setpoint_degc = setpoint_degc;
     f.power_kw = power_.power_kw(x) + s.heat_worth * power_.heating_kw(x);
     f.most_open = there.most_open;
-    f.cost_kw =
-        f.power_kw + s.caution * power_.difference_sd_kw(x, x0) + scale * (there.penalty + s.move_cost * move * move);
+    const double stored = night_.stored_heat_share(at.time, at.outdoor_degc - there.air.room_degc);
+    f.cost_kw = f.power_kw + stored * power_.cooling_kw(x0.lift - x.lift, at.outdoor_degc) +
+                s.caution * power_.difference_sd_kw(x, x0) + scale * (there.penalty + s.move_cost * move * move);
     return f;
   }
 
@@ -168,7 +169,7 @@ class BandObjective {
   }
 
   AirState air_now(const DemandReading& at) const {
-    AirState a;
+    AirState a{.supply_degc = at.supply_degc, .outdoor_degc = at.outdoor_degc};
     int seen = 0;
     const std::size_t n = std::min(at.zones.count(), max_zones);
     for (std::size_t i = 0; i < n; ++i) {
@@ -184,8 +185,6 @@ class BandObjective {
     a.room_degc /= seen;
     a.cold_share /= seen;
     a.cold_boxes_k /= seen;
-    a.supply_degc = at.supply_degc;
-    a.outdoor_degc = at.outdoor_degc;
     return a;
   }
 
@@ -222,14 +221,16 @@ class BandObjective {
     power_.update(s, mean,
                   {.total_kw = total_sum_ / rows_, .fan_kw = fan_sum_ / rows_, .flow_m3_s = flow_sum_ / rows_});
     const std::size_t n = std::min(at.zones.count(), max_zones);
+    std::size_t back = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const double moved_k = at.zones.temp_degc[i] - begin_temp_[i];
       loads_.update(s, i, demand_sum_[i] / rows_, moved_k);
       if (!zone_is_seen(at.zones, i)) continue;
+      back += loads_.is_set_back(i, at.zones.setpoint_degc[i]) ? 1u : 0u;
       loads_.note_free_load(i, loads_.heating_share(i, begin_temp_[i], at.zones.setpoint_degc[i]));
       loads_.note_held(i, at.zones.temp_degc[i], moved_k, at.zones.damper[i], at.zones.setpoint_degc[i]);
     }
-    loads_.note_profile(at.time, n, mean_setpoint_degc(at));
+    loads_.note_profile(at.time, n, mean_setpoint_degc(at), 2 * back > n);
   }
 
   ZoneLoads loads_;

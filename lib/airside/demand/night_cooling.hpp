@@ -41,14 +41,22 @@ class NightCooling {
   }
 
   /// Whether most zones are set back, on a night like those in which the fan cycled to cool.
-  bool expects(CivilTime t) const {
-    const std::int64_t since_s = t.seconds - seen_at_s_;
-    return phase_ != not_set_back && since_s >= 0 && since_s <= remembered_s;
+  bool expects(CivilTime t) const { return phase_ != not_set_back && is_remembered(t); }
+
+  /// Which share of the heat that warmer air leaves in the rooms is cooled out later: none where the fan did not cycle
+  /// for that of late, or outdoor air is colder than the rooms.  0..1.
+  double stored_heat_share(CivilTime t, double outdoors_warmer_k) const {
+    return is_remembered(t) ? std::clamp(outdoors_warmer_k / hot_k, 0.0, 1.0) : 0.0;
   }
 
  private:
-  static constexpr double near_k = 2.5, colder_outdoors_k = 4.0;
+  static constexpr double near_k = 2.5, colder_outdoors_k = 4.0, hot_k = 8.0;
   static constexpr std::int64_t remembered_s = 48 * 3600, never = -1'000'000'000'000;
+  bool is_remembered(CivilTime t) const {
+    const std::int64_t since_s = t.seconds - seen_at_s_;
+    return since_s >= 0 && since_s <= remembered_s;
+  }
+
   enum Phase : std::int64_t { not_set_back, rests, cools, runs };
 
   std::int64_t seen_at_s_ = never;

@@ -65,6 +65,14 @@ class PowerModel {
     return rest + (has_fan_ != 0 ? fan_.predict(fan_row(x)) : 0.0);
   }
 
+  /// Electricity that cooling takes for this much more of a coil's load, kW.
+  double cooling_kw(double lift, double outdoor_degc) const {
+    const double w = economizer_share(), warm = (outdoor_degc - 25) / 10;
+    const double c = (1 - w) * lift_.theta()[1] + w * coil_.theta()[1];
+    const double c_warm = (1 - w) * lift_.theta()[2] + w * coil_.theta()[2];
+    return lift * std::max(0.0, c + c_warm * warm);
+  }
+
   /// Heat that the setpoint costs: of boxes that are cold already and get colder air, and of outdoor air that is warmed
   /// up to the setpoint, kW. Not learned, since what rooms need varies much more than what the setpoint adds, and
   /// meters often do not see it; it is known to a constant.
@@ -111,6 +119,7 @@ class PowerModel {
   static constexpr int prior_samples = 40;
   static constexpr double air_kj_m3k = 1.207;
   static constexpr double usual_cop = 3.5, worst_cop = 1.5, best_cop = 9;
+  static constexpr double wet_share = 0.2;  ///< of the fan's slope: what a colder coil may condense more
   static constexpr double unbounded = 1e12;
   static constexpr double error_memory = 0.01;  // 100 cycles that tell the laws apart
 
@@ -136,12 +145,19 @@ class PowerModel {
     const double error = law.update(x, kw, noise);
     // What cools takes power, as much as a chiller's efficiency allows.
     law.bound(1, flow_kw_ / best_cop, flow_kw_ > 0 ? flow_kw_ / worst_cop : unbounded);
-    if (has_fan_ == 0) {
+    if (has_fan_ != 0) {
+      // Flow and the coil's load go up and down together, so the meters hardly tell them apart: without this bound
+      // cooling was believed to fall with flow by two thirds of what the fan takes more.
+      law.bound(5, -wet_share * std::max(0.0, fan_slope_kw()), unbounded);
+    } else {
       law.bound(5, 0.5 * fan_prior_[0], unbounded);  // a fan is never free
       law.bound(6, 0.5 * fan_prior_[1], unbounded);
     }
     return error;
   }
+
+  /// dP_f / dF at the flow of the first cycles.
+  double fan_slope_kw() const { return fan_.theta()[1] + 3 * fan_.theta()[2] * mean_flow_ * mean_flow_; }
 
   /// Only cycles in which the two laws differ and no box heats, which neither of them means.
   void weigh(const PowerShapes& x, double lift_error, double coil_error) {

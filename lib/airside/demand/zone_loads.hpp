@@ -51,9 +51,11 @@ class ZoneLoads {
     zone.load_k = std::clamp(zone.model.theta()[1] / b, 0.0, mean_u_k + credited_rise_k / b);
   }
 
-  /// Remembers how the day's loads go: the mean load of a time of day.
-  void note_profile(CivilTime t, std::size_t count, double mean_setpoint_degc) {
+  /// Remembers how the day's loads go: the mean load of a time of day. Loads of a day off, on which zones are set back
+  /// and the fan cycles, say nothing of working days.
+  void note_profile(CivilTime t, std::size_t count, double mean_setpoint_degc, bool set_back) {
     if (mean_setpoint_degc > 0) setpoint_profile_[static_cast<std::size_t>(cycle_of_day(t))] = mean_setpoint_degc;
+    if (set_back) return;
     double& slot = profile_[static_cast<std::size_t>(cycle_of_day(t))];
     const double now = mean_load_k(count);
     if (now > 0) slot += (slot > 0 ? 0.3 : 1.0) * (now - slot);
@@ -64,6 +66,12 @@ class ZoneLoads {
     const double now = profile_[static_cast<std::size_t>(cycle_of_day(t))];
     const double next = profile_[static_cast<std::size_t>((cycle_of_day(t) + 1) % cycles_per_day)];
     return now > 0 && next > 0 ? std::clamp(next / now, 0.8, 1.25) : 1.0;
+  }
+
+  /// The setpoint that zone i is expected to get where the mean of all is to fall: not lower than it ever was, since a
+  /// zone that is not set back keeps its own.  Units: degC; fall_k <= 0.
+  double expected_setpoint_degc(std::size_t i, double setpoint_degc, double fall_k) const {
+    return std::min(setpoint_degc, std::max(zones_[i].least_setpoint_degc, setpoint_degc + fall_k));
   }
 
   /// By how much zone setpoints fell yesterday within the cycles to come, K, <= 0: rooms are to be ready, and a box
@@ -178,7 +186,7 @@ class ZoneLoads {
   ///   wanted = (q + (T - T_set)+ / (b n)) / (T_ref - T_supply),  T_ref = min(T, T_set);  0 while minimum flow suffices
   ZoneForecast forecast(const DemandSettings& s, const ZoneSignals& zones, std::size_t i, double supply_degc,
                         double factor, double fall_k) const {
-    const double room = zones.temp_degc[i], set = zones.setpoint_degc[i] + fall_k;
+    const double room = zones.temp_degc[i], set = expected_setpoint_degc(i, zones.setpoint_degc[i], fall_k);
     const double b = gain(i), q = load_k(i) * factor;
     const double least = least_damper(i);
     const double warm_k = std::max(0.0, room - set);
