@@ -77,7 +77,7 @@ TEST(TestCommands, CommandWhatThePlanSaysInItsHoursAndNothingElse) {
   EXPECT_EQ(one.fan_coil(1, at(0, 21)), std::nullopt);
 }
 
-/// Two sealed cases of a week, judged by a few effects.
+/// Two sealed cases of eight days, judged by a few effects.
 class TestedDesk : public Desk {
  public:
   TestedDesk() {
@@ -87,9 +87,11 @@ class TestedDesk : public Desk {
       fs::copy_file(sim::find_effects() / (std::string(name) + ".json"),
                     path("effects") / (std::string(name) + ".json"));
     }
-    write("site.toml", "[site]\nname = \"Careful\"\n[setpoint]\nmin_degc = 20\nmax_degc = 26\nmax_change_k = 0.8\n");
+    write("site.toml",
+          "[site]\nname = \"Careful\"\ntopology = \"5vav-5fcu-2power\"\n[setpoint]\nmin_degc = 20\nmax_degc = "
+          "26\nmax_change_k = 0.8\n");
     must(
-        "blind --cases 3 --only single --hide infiltration,duct_heat_gain --ratio 3 --seed 31 --days 8 --rough "
+        "blind --cases 2 --only single --hide infiltration,envelope_u --ratio 3 --seed 33 --days 8 --rough "
         "--window 3 --effects effects -o cases --key key.json");
   }
   json must(const std::string& words) const {
@@ -192,7 +194,7 @@ TEST(TestedCases, AreTestedWithinTheEnvelopeJudgedAnewAndScoredOnceEach) {
     }
     return json();
   };
-  EXPECT_EQ(row("exact, 1 test")["n"], 3);
+  EXPECT_EQ(row("exact, 1 test")["n"], 2);
   EXPECT_GE(row("exact, 1 test")["k"], row("exact")["k"]);
   EXPECT_NE(desk.run("score verdicts.json key.json").out.find("without and with executed tests"), std::string::npos);
 }
@@ -204,7 +206,7 @@ struct BadTests {
 TEST(TestedCases, RefuseMissingAndForeignKeysAndCasesThatWereNotJudged) {
   const TestedDesk desk;
   json open = {{"format", 1}, {"verdicts", json::array()}}, some = open, closed = open;
-  for (const char* name : {"case-0001", "case-0002", "case-0003"}) {
+  for (const char* name : {"case-0001", "case-0002"}) {
     const json proposal = {{"name", "night_purge"}, {"comfortable", true}, {"power", 0.9}};
     open["verdicts"].push_back({{"case", name}, {"verdict", "ambiguous"}, {"experiments", {proposal}}});
     closed["verdicts"].push_back({{"case", name}, {"verdict", "ambiguous"}});
@@ -216,14 +218,14 @@ TEST(TestedCases, RefuseMissingAndForeignKeysAndCasesThatWereNotJudged) {
   json other = desk.read("key.json");
   other["seed"] = 32;
   desk.write("other.json", other.dump());
-  other["cases"].erase("case-0003");
+  other["cases"].erase("case-0002");
   desk.write("fewer.json", other.dump());
   const auto before = desk.files_of_cases();
   for (const BadTests& b : std::vector<BadTests>{
            {"test-cases cases --verdicts open.json --key no.json", "no.json", ""},
            {"test-cases cases --verdicts open.json --key open.json", "--key", "an answer key"},
            {"test-cases cases --verdicts open.json --key other.json", "case-0001", "not those of the measured log"},
-           {"test-cases cases --verdicts open.json --key fewer.json", "case-0003", "no such case"},
+           {"test-cases cases --verdicts open.json --key fewer.json", "case-0002", "no such case"},
            {"test-cases cases --verdicts some.json --key key.json", "case-0002", "run-cases --propose --continue"},
            {"test-cases cases --verdicts closed.json --key key.json", "case-0001", "run-cases --propose"},
            {"test-cases cases --verdicts no.json --key key.json", "no.json", ""},
@@ -237,10 +239,11 @@ TEST(TestedCases, RefuseMissingAndForeignKeysAndCasesThatWereNotJudged) {
     EXPECT_EQ(desk.files_of_cases(), before) << b.words;
   }
   // Limits that the test would have to leave: it is passed over, and never done by half.
-  desk.write("site.toml", "[site]\nname = \"Warm\"\n[setpoint]\nmin_degc = 22\nmax_degc = 26\n");
+  desk.write("site.toml",
+             "[site]\nname = \"Warm\"\ntopology = \"5vav-5fcu-2power\"\n[setpoint]\nmin_degc = 22\nmax_degc = 26\n");
   const json none =
       desk.must("test-cases cases --verdicts open.json --key key.json --effects effects --site site.toml");
-  EXPECT_EQ(none["left"], (json{{"beyond the site's limits", 3}}));
+  EXPECT_EQ(none["left"], (json{{"beyond the site's limits", 2}}));
   EXPECT_EQ(desk.files_of_cases(), before);
 }
 

@@ -89,7 +89,7 @@ struct ScoreTable {
 /// named: "gap closed" = 1 - (after - floor)/(before - floor) within -1 .. 1, left out where before <= floor;
 ///   "harm": after > before. An after that is not finite harms and closes -1.
 /// Where tests on site were done: each measure of single, null, outside and pair again as "<measure>, N tests", of the
-/// verdicts after at most N executed tests, a case without any counting as it stands.
+/// verdicts after at most N executed tests, a case without any counting by its first.
 /// right names: "magnitude error" = |m - m_true| / |m_true - null|; "interval covers".
 /// A case without verdict, or whose logs were refused, is abstained, with a warning.
 /// `null_of`: the magnitude at which nothing is changed, one an effect of the library.

@@ -26,7 +26,7 @@ bool says_in_class(const ScoredCase& c) {
 
 std::string after(std::size_t tests) { return fmt::format(", {} test{}", tests, tests == 1 ? "" : "s"); }
 
-/// The verdicts after at most so many tests.
+/// The verdicts after at most that number of tests.
 std::vector<ScoredCase> after_at_most(std::size_t tests, const std::vector<ScoredCase>& cases) {
   std::vector<ScoredCase> said;
   for (const ScoredCase& c : cases) said.push_back(c.after.empty() ? c : c.after[std::min(tests, c.after.size()) - 1]);
