@@ -32,6 +32,13 @@ struct ModelNames {
   std::vector<std::string> powers = {"Electricity:HVAC", "Electricity:Plant"};  ///< meters, one a power sensor
 };
 
+/// A fan coil that somebody switches, whatever its thermostat wants.
+struct SwitchedFanCoil {
+  int fcu = 0;  ///< 0-based
+  std::int64_t from_s = 0, to_s = 0;
+  bool on = false;
+};
+
 /// The control loops and disturbances of the rooms, stepped beside the engine.
 struct RoomLoopOptions {
   double fcu_setpoint_degc = 26.0;  ///< fan coils start above setpoint + band, stop below setpoint - band
@@ -46,6 +53,7 @@ struct RoomLoopOptions {
   bool weekends = false;           ///< Saturday and Sunday nearly empty
   double vav_off_per_day = 0.1;    ///< chance that a VAV is off for 36-90 min on a day
   double sensor_noise_k = 0.02;    ///< standard deviation; readings are then rounded to 0.01
+  std::vector<SwitchedFanCoil> switched;
 };
 
 /// Changes to the weather file, written into a copy for the run.

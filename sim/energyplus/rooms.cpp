@@ -106,6 +106,10 @@ const RoomCommands& RoomLoops::step(CivilTime t, int step_s, double setpoint_deg
   for (int i = 0; i < vavs_; ++i) commands_.vav_on[static_cast<std::size_t>(i)] = vav_out(t, i) ? 0.0 : 1.0;
   for (std::size_t i = 0; i < commands_.fcu_on.size(); ++i)
     commands_.fcu_on[i] = fcu_wanted(t, fcu_temps_degc[i], commands_.fcu_on[i] > 0.5) ? 1.0 : 0.0;
+  for (const SwitchedFanCoil& by_hand : options_.switched) {
+    if (t.seconds >= by_hand.from_s && t.seconds < by_hand.to_s)
+      commands_.fcu_on.at(static_cast<std::size_t>(by_hand.fcu)) = by_hand.on ? 1.0 : 0.0;
+  }
 
   const double keep = std::exp(-step_s / noise_memory_s);
   const double draw = 0.05 * options_.occupancy_noise * std::sqrt(1.0 - keep * keep);

@@ -6,9 +6,10 @@
 
 namespace airside::sim {
 
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SwitchedFanCoil, fcu, from_s, to_s, on)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RoomLoopOptions, fcu_setpoint_degc, fcu_band_k, fcu_from_hour, fcu_to_hour, dampers,
                                    supply_lag_s, supply_bias_k, occupancy_scale, occupancy_shift_min, occupancy_noise,
-                                   weekends, vav_off_per_day, sensor_noise_k)
+                                   weekends, vav_off_per_day, sensor_noise_k, switched)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ModelNames, interior_zones, perimeter_zones, supply_setpoint_schedule,
                                    vav_on_schedule, vav_damper_schedule, fcu_on_schedule, interior_occupancy_schedule,
                                    perimeter_occupancy_schedule, supply_air_node, mau_outlet_node, powers)

@@ -89,6 +89,29 @@ void RcPlant::obey_recording() {
   if (!row.zone_heat_kw.empty()) set_zone_heat(row.zone_heat_kw);
 }
 
+void RcPlant::command(std::vector<double> vav_on, std::vector<double> fcu_on) {
+  if (vav_on.size() != vav_w_k_.size() || fcu_on.size() != fcu_on_.size())
+    throw std::invalid_argument("RcPlant: a command must be given for every box and fan coil");
+  vav_commanded_ = std::move(vav_on);
+  fcu_commanded_ = std::move(fcu_on);
+  update_disturbance();
+  if (recording_) obey_recording();
+  update_thermostats();
+  obey_commands();
+  update_airflow();
+  sensors_.vav_on = disturbance_.vav_on;
+  sensors_.fcu_on = fcu_on_;
+}
+
+void RcPlant::obey_commands() {
+  for (std::size_t v = 0; v < vav_commanded_.size(); ++v) {
+    if (std::isfinite(vav_commanded_[v])) disturbance_.vav_on[v] = vav_commanded_[v];
+  }
+  for (std::size_t f = 0; f < fcu_commanded_.size(); ++f) {
+    if (std::isfinite(fcu_commanded_[f])) fcu_on_[f] = fcu_commanded_[f];
+  }
+}
+
 void RcPlant::set_zone_heat(const std::vector<double>& kw) {
   if (kw.size() != air_degc_.size()) throw std::invalid_argument("RcPlant: heat must be given for every zone");
   heat_w_.resize(kw.size());
@@ -311,13 +334,17 @@ void RcPlant::step() {
   coil_load_kw_ = fcu_load_kw_ = 0;
   std::fill(fcu_duty_.begin(), fcu_duty_.end(), 0.0);
   for (int i = 0; i < network_->inner_steps; ++i) {
-    if (i > 0) update_thermostats();
+    if (i > 0) {
+      update_thermostats();
+      obey_commands();
+    }
     inner_step(network_->dt_s);
   }
   now_.seconds += step_s;
   update_disturbance();
   if (recording_) obey_recording();
   update_thermostats();
+  obey_commands();
   update_airflow();
   update_power();
 }

@@ -86,6 +86,10 @@ class RcPlant final : public PlantModel {
     obey_recording();
   }
 
+  /// From now on boxes and fan coils do what somebody commands, whatever their schedules and thermostats want; NaN:
+  /// left to these.  Shape: one a VAV, one an FCU.  Units: 0 closed or off, 1 open or on.
+  void command(std::vector<double> vav_on, std::vector<double> fcu_on);
+
   /// From now on sensors show numbers that are not rounded: differences of two runs would drown in rounding.
   void show_exact_values() { exact_ = true; }
 
@@ -98,6 +102,7 @@ class RcPlant final : public PlantModel {
   void inner_step(double dt_s);
   void update_disturbance();
   void obey_recording();
+  void obey_commands();
   void update_thermostats();
   void update_airflow();
   void update_power();
@@ -118,11 +123,12 @@ class RcPlant final : public PlantModel {
   Disturbance disturbance_, held_;
 
   std::vector<double> air_degc_, mass_degc_, wall_degc_, deep_degc_, sensed_degc_, flux_w_;
-  std::vector<double> wall_sun_k_;                    // what the sun adds to a wall's skin
-  std::vector<double> vav_w_k_;                       // capacity flow of each box that reaches its zone
-  std::vector<double> heat_w_;                        // zone; of set_zone_heat; empty: none
-  std::vector<double> fcu_on_, fcu_duty_, fcu_cold_;  // cold: 0..1, how far its coil is
-  double ahu_w_k_ = 0;                                // capacity flow through the AHU coil
+  std::vector<double> wall_sun_k_;                     // what the sun adds to a wall's skin
+  std::vector<double> vav_w_k_;                        // capacity flow of each box that reaches its zone
+  std::vector<double> heat_w_;                         // zone; of set_zone_heat; empty: none
+  std::vector<double> fcu_on_, fcu_duty_, fcu_cold_;   // cold: 0..1, how far its coil is
+  std::vector<double> vav_commanded_, fcu_commanded_;  // of command(); empty: none
+  double ahu_w_k_ = 0;                                 // capacity flow through the AHU coil
   double setpoint_degc_, supply_degc_, duct_degc_, mau_degc_ = 18;
   double water_drift_k_ = 0;  // of the chilled water
   double coil_load_kw_ = 0, mau_load_kw_ = 0, fcu_load_kw_ = 0;

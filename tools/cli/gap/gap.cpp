@@ -4,8 +4,6 @@
 
 #include <cstdio>
 #include <map>
-#include <mutex>
-#include <optional>
 
 #include "hal/text/input_error.hpp"
 #include "sim/json/json_file.hpp"
@@ -13,13 +11,9 @@
 #include "tools/cli/gap/gap.hpp"
 #include "tools/cli/gap/gap_fit.hpp"
 #include "tools/gap/blind/blind_cases.hpp"
-#include "tools/gap/case/case_loader.hpp"
-#include "tools/gap/model/parallel.hpp"
 #include "tools/gap/model/patched_model.hpp"
 #include "tools/gap/report/confusion_svg.hpp"
 #include "tools/gap/score/score.hpp"
-#include "tools/gap/verdict/shared_responses.hpp"
-#include "tools/gap/verdict/verdict_json.hpp"
 
 namespace airside::tools {
 
@@ -52,126 +46,6 @@ struct EffectsCommand : GapOptions {
                  e.confirm);
     }
     if (json) fmt::print("{}\n", nlohmann::json{{"effects", j}}.dump());
-  }
-};
-
-struct RunCasesCommand : GapOptions {
-  std::string folder, out = "verdicts.json", cache;
-  bool all_own = false, go_on = false;
-
-  using Done = std::function<void(const fs::path&, nlohmann::json)>;
-  using Found = std::map<fs::path, nlohmann::json>;
-
-  /// Verdicts of an earlier run on these cases.
-  Found found_before(const std::vector<fs::path>& folders) const {
-    Found found;
-    if (!go_on || !fs::exists(out)) return found;
-    const nlohmann::json before = sim::read_json(out);
-    const auto list = before.find("verdicts");
-    if (list == before.end() || !list->is_array())
-      throw hal::InputError(out, "no list of verdicts", "what run-cases wrote",
-                            "leave --continue out, or name another -o");
-    for (const nlohmann::json& one : *list) {
-      const auto at = std::find_if(folders.begin(), folders.end(), [&one](const fs::path& path) {
-        return one.is_object() && one.value("case", "") == path.filename().string();
-      });
-      if (at == folders.end())
-        throw hal::InputError(out, "a verdict on " + one.value("case", "no case"), "one of the cases in " + folder,
-                              "leave --continue out, or name another -o");
-      found[*at] = one;
-    }
-    return found;
-  }
-
-  /// What effects would do in both windows of a case, by its own commands alone.
-  static gap::WindowResponses responses_of(const gap::LoadedCase& c, const std::vector<sim::Effect>& list, int threads,
-                                           const std::function<void()>& advance) {
-    const gap::Library library = gap::library_of(*c.engine, list);
-    const auto responses = [&](const gap::Window& window) {
-      return gap::simulate_responses(*c.engine, library, window.recording, true, threads, advance);
-    };
-    return {responses(c.data.reference), responses(c.data.test)};
-  }
-
-  /// One bad log among hundreds of cases is a verdict too.
-  std::optional<gap::LoadedCase> load(const fs::path& path, const Done& done) const {
-    const std::string name = path.filename().string();
-    try {
-      return gap::load_case(gap::read_case(path), name, cache);
-    } catch (const gap::RefusedLog& e) {
-      fmt::print(stderr, "{}: refused: {}\n", name, e.what());
-      done(path, gap::refused_json(name, e.what()));
-      return std::nullopt;
-    }
-  }
-
-  static void judge(const fs::path& path, const gap::LoadedCase& c, const gap::WindowResponses& responses,
-                    const Done& done) {
-    const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses);
-    done(path, gap::json_of(verdict, c.name, responses.test, c.engine->channels()));
-  }
-
-  /// Cases of one window and model share what their recordings allow.
-  void judge_window(const std::vector<fs::path>& paths, const std::vector<sim::Effect>& list, const Found& before,
-                    const Done& done) const {
-    if (std::all_of(paths.begin(), paths.end(), [&](const fs::path& path) { return before.contains(path); })) return;
-    std::vector<std::pair<fs::path, gap::LoadedCase>> cases;
-    for (const fs::path& path : paths) {
-      if (auto c = load(path, done)) cases.emplace_back(path, std::move(*c));
-    }
-    if (cases.empty()) return;
-    std::vector<const gap::CaseData*> data;
-    for (const auto& [path, c] : cases) data.push_back(&c.data);
-    const gap::LoadedCase& usual = cases[gap::most_usual(data)].second;
-    const gap::Library library = gap::library_of(*usual.engine, list);
-    Progress bar("responses of " + usual.engine->description(), 2 * gap::runs_of(library, true));
-    const gap::SharedWindows shared(*usual.engine, library, usual.data, jobs, [&bar] { bar.advance(); });
-    bar.finish();
-    gap::in_parallel(cases.size(), jobs, [&](std::size_t i) {
-      const auto& [path, c] = cases[i];
-      if (!before.contains(path)) judge(path, c, shared.of(*c.engine, c.data, {}, 1), done);
-    });
-  }
-
-  void run() const {
-    require_writable("--out", out, false);
-    const auto list = effects();
-    const auto folders = gap::case_folders(folder);
-    std::map<std::string, std::vector<fs::path>> windows;
-    std::vector<fs::path> alone;
-    const Found before = found_before(folders);
-    for (const fs::path& path : folders) {
-      const gap::CaseDescription c = gap::read_case(path);
-      // What a window shares depends on all of its cases, those that are done too.
-      if (before.contains(path) && !gap::shares_responses(c)) continue;
-      (gap::shares_responses(c) && !all_own ? windows[gap::shared_window_of(c)] : alone).push_back(path);
-    }
-    Found found = before;
-    std::mutex mutex;
-    Progress bar(fmt::format("{} cases", folders.size() - before.size()), folders.size() - before.size());
-    const Done done = [&](const fs::path& path, nlohmann::json verdict) {
-      const std::lock_guard lock(mutex);
-      if (before.contains(path)) return;
-      found[path] = std::move(verdict);
-      // What is known is kept if the run is ended.
-      nlohmann::json verdicts = nlohmann::json::array();
-      for (const auto& [name, one] : found) verdicts.push_back(one);
-      gap::write_whole_file(out, nlohmann::json{{"format", 1}, {"verdicts", verdicts}}.dump(1) + "\n");
-      bar.advance();
-    };
-    for (const auto& [window, cases] : windows) judge_window(cases, list, before, done);
-    gap::in_parallel(alone.size(), jobs, [&](std::size_t i) {
-      if (const auto c = load(alone[i], done)) judge(alone[i], *c, responses_of(*c, list, 1, {}), done);
-    });
-    bar.finish();
-    std::map<std::string, int> count;
-    for (const auto& [path, verdict] : found) ++count[verdict.value("verdict", "")];
-    if (json) {
-      fmt::print("{}\n", nlohmann::json{{"cases", folders.size()}, {"verdicts", out}, {"count", count}}.dump());
-      return;
-    }
-    for (const auto& [kind, n] : count) fmt::print("{:>5} {}\n", n, kind);
-    fmt::print("verdicts: {}\n", out);
   }
 };
 
@@ -301,17 +175,8 @@ void add_gap(CLI::App& app) {
   blind->add_json(*c);
   c->callback([blind] { blind->run(); });
 
-  auto cases = std::make_shared<RunCasesCommand>();
-  c = gap->add_subcommand("run-cases", "a verdict for every case of a folder");
-  c->add_option("folder", cases->folder, "folder of cases")->required();
-  c->add_option("-o,--out", cases->out, "file for the verdicts")->capture_default_str();
-  c->add_option("--cache", cases->cache, "folder of finished EnergyPlus runs, used again");
-  c->add_flag("--all-own", cases->all_own, "share nothing: every response under the case's own commands");
-  c->add_flag("--continue", cases->go_on, "keep the verdicts in --out, judge the other cases");
-  cases->add_effects(*c);
-  cases->add_jobs(*c);
-  cases->add_json(*c);
-  c->callback([cases] { cases->run(); });
+  add_gap_run_cases(*gap);
+  add_gap_test_cases(*gap);
 
   auto score = std::make_shared<ScoreCommand>();
   c = gap->add_subcommand("score", "compare verdicts with the key");

@@ -16,6 +16,12 @@ void add_gap_retrain(CLI::App& gap);
 /// Adds `airside gap next`: more days, or a test on site, after a first verdict.
 void add_gap_next(CLI::App& gap);
 
+/// Adds `airside gap run-cases`: a verdict for every case of a folder.
+void add_gap_run_cases(CLI::App& gap);
+
+/// Adds `airside gap test-cases`: the proposed tests, done on the hidden rooms of blind cases.
+void add_gap_test_cases(CLI::App& gap);
+
 /// Adds `airside gap watch`: a verdict every night.
 void add_gap_watch(CLI::App& gap);
 

@@ -7,6 +7,7 @@
 
 #include "sim/rc/rc_plant.hpp"
 #include "sim/stateless_draw.hpp"
+#include "tools/gap/blind/test_commands.hpp"
 
 namespace airside::tools::gap {
 
@@ -272,7 +273,17 @@ std::vector<hal::LogRow> measure(const sim::RcRoom& room, std::shared_ptr<const 
     const CivilTime t = plant.time();
     sim::Sensors shown = plant.sensors();
     wrong.apply(shown, t);
-    if (starts_cycle(t)) plant.set_setpoint(setpoint = operated.setpoint_degc(t, shown.room_temp_degc));
+    if (starts_cycle(t)) {
+      const double usual = operated.setpoint_degc(t, shown.room_temp_degc);
+      setpoint = run.tests ? run.tests->setpoint_degc(t, usual, setpoint) : usual;
+      plant.set_setpoint(setpoint);
+    }
+    if (run.tests) {
+      const sim::RecordedRow commands = run.tests->commands(t, room.vavs, room.fcus);
+      plant.command(commands.vav_on, commands.fcu_on);
+      shown.vav_on = plant.sensors().vav_on;  // a row shows what holds from its time on
+      shown.fcu_on = plant.sensors().fcu_on;
+    }
     if (!(t < run.start)) rows.push_back(measured_row(shown, t, setpoint, run));
     plant.advance_to({t.seconds + row_s});
   }

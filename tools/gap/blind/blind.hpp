@@ -16,6 +16,8 @@
 
 namespace airside::tools::gap {
 
+class TestCommands;
+
 /// What is hidden.
 struct Hidden {
   std::string effect;  ///< name of a file of sim/effects/library, or of something that the library does not have
@@ -42,6 +44,7 @@ struct MeasuredRun {
   /// Of what is commanded and of what never arrives; none: `seed`. Runs that share it share their commands, as far as
   /// no feedback makes them.
   std::optional<std::uint64_t> command_seed = std::nullopt;
+  std::shared_ptr<const TestCommands> tests = nullptr;  ///< done in its last days; none: operated as ever
   std::uint64_t commands() const { return command_seed.value_or(seed); }
 };
 

@@ -112,7 +112,7 @@ class Generator {
     return setup;
   }
 
-  fs::path weather_file(int window) const { return folder_ / "weather" / fmt::format("{}.epw", window + 1); }
+  fs::path weather_file(int window) const { return weather_of_window(folder_, window); }
 
   void write_weather() const {
     fs::create_directories(folder_ / "weather");
@@ -144,7 +144,7 @@ class Generator {
     write_case(folder, description);
   }
 
-  std::uint64_t seed_of(int i) const { return plan_.seed * 1'000'003 + static_cast<std::uint64_t>(i) * 2; }
+  std::uint64_t seed_of(int i) const { return seed_of_case(plan_.seed, i); }
   double uniform(int i, CaseDraw what) const { return sim::draw_uniform(seed_of(i), what, 0, 0); }
   int lot(int i, CaseDraw what, int count) const {
     return std::min(count - 1, static_cast<int>(uniform(i, what) * count));
@@ -262,16 +262,6 @@ class Generator {
   std::unique_ptr<BlindSite> rc_, energyplus_;
 };
 
-/// When a file was written would tell how long its effect took to hide.
-void forget_times(const fs::path& folder) {
-  const fs::file_time_type then{fs::file_time_type::clock::from_sys(
-      std::chrono::sys_seconds{std::chrono::sys_days{std::chrono::year{2021} / std::chrono::December / 1}})};
-  std::vector<fs::path> all;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) all.push_back(entry.path());
-  for (const auto& path : all) fs::last_write_time(path, then);
-  fs::last_write_time(folder, then);
-}
-
 nlohmann::json finite_or_null(double x) { return std::isfinite(x) ? nlohmann::json(x) : nlohmann::json(); }
 
 nlohmann::json key_of(const std::vector<Sized>& list, const std::vector<sim::Effect>& effects) {
@@ -302,6 +292,12 @@ nlohmann::json key_entry(const PlannedCase& c, const MadeCase& made, const std::
 
 }  // namespace
 
+void forget_time(const fs::path& path) {
+  const fs::file_time_type then{fs::file_time_type::clock::from_sys(
+      std::chrono::sys_seconds{std::chrono::sys_days{std::chrono::year{2021} / std::chrono::December / 1}})};
+  fs::last_write_time(path, then);
+}
+
 void make_blind_cases(const BlindPlan& plan, const std::vector<sim::Effect>& effects, const fs::path& folder,
                       const fs::path& key, const std::function<void()>& done) {
   std::error_code failed;
@@ -316,7 +312,7 @@ void make_blind_cases(const BlindPlan& plan, const std::vector<sim::Effect>& eff
   }
   const Generator generator(plan, effects, folder, done);
   nlohmann::json answers = {{"format", 1}, {"seed", plan.seed}, {"cases", nlohmann::json::object()}};
-  const std::vector<int> order = in_order_of_name(plan);
+  const std::vector<int> order = in_order_of_name(plan.seed, plan.total());
   std::mutex mutex;
   in_parallel(order.size(), plan.jobs, [&](std::size_t n) {
     const int i = order[n];
@@ -327,7 +323,9 @@ void make_blind_cases(const BlindPlan& plan, const std::vector<sim::Effect>& eff
     answers["cases"][name] = key_entry(c, made, effects);
     if (done) done();
   });
-  forget_times(folder);
+  std::vector<fs::path> all{folder};
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) all.push_back(entry.path());
+  for (const fs::path& path : all) forget_time(path);
   std::ofstream out(key);
   out << answers.dump(1) << '\n';
   if (!out)

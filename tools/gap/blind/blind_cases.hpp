@@ -49,4 +49,7 @@ void make_blind_cases(const BlindPlan& plan, const std::vector<sim::Effect>& eff
                       const std::filesystem::path& folder, const std::filesystem::path& key,
                       const std::function<void()>& done = {});
 
+/// When a file was written would tell how long its effect took to hide.
+void forget_time(const std::filesystem::path& path);
+
 }  // namespace airside::tools::gap

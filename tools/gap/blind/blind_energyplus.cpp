@@ -12,6 +12,7 @@
 #include "sim/json/merge_patch.hpp"
 #include "sim/stateless_draw.hpp"
 #include "tools/gap/blind/blind_energyplus_objects.hpp"
+#include "tools/gap/blind/test_commands.hpp"
 
 namespace airside::tools::gap {
 
@@ -133,16 +134,26 @@ void follow(Json& model, const char* type, const std::string& name, const std::s
   model["Schedule:Compact"]["Built " + plant] = schedule;
 }
 
+/// Whether a test, else the window, has the box open.
+bool box_on(const MeasuredRun& run, int vav, CivilTime t) {
+  const std::optional<bool> tested = run.tests ? run.tests->box(vav, t) : std::nullopt;
+  return tested.value_or(WindowCommands(run).box_on(vav, t));
+}
+
+bool fan_coil_on(const MeasuredRun& run, int fcu, CivilTime t) {
+  const std::optional<bool> tested = run.tests ? run.tests->fan_coil(fcu, t) : std::nullopt;
+  return tested.value_or(WindowCommands(run).fan_coil_on(fcu, t));
+}
+
 void follow_window(Json& model, const sim::ModelNames& names, const MeasuredRun& run, CivilTime begin, CivilTime to,
                    std::int64_t ahead_s) {
-  const WindowCommands commands(run);
   for (int v = 0; v < std::ssize(names.interior_zones); ++v) {
-    const Json schedule = schedule_of([&](CivilTime t) { return commands.box_on(v, t); }, begin, to, ahead_s);
+    const Json schedule = schedule_of([&](CivilTime t) { return box_on(run, v, t); }, begin, to, ahead_s);
     follow(model, "AirTerminal:SingleDuct:VAV:NoReheat", names.interior_zones[static_cast<std::size_t>(v)] + " VAV",
            placed(names.vav_on_schedule, v), schedule);
   }
   for (int f = 0; !run.feedback && f < std::ssize(names.perimeter_zones); ++f) {
-    const Json schedule = schedule_of([&](CivilTime t) { return commands.fan_coil_on(f, t); }, begin, to, ahead_s);
+    const Json schedule = schedule_of([&](CivilTime t) { return fan_coil_on(run, f, t); }, begin, to, ahead_s);
     const std::string zone = names.perimeter_zones[static_cast<std::size_t>(f)];
     const std::string plant = placed(names.fcu_on_schedule, f);
     follow(model, "ZoneHVAC:FourPipeFanCoil", zone + " Fan Coil", plant, schedule);
@@ -325,6 +336,8 @@ std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesyst
   options.weather = weather;
   options.seed = sim::draw_bits(room.seed, draw_built, 999, static_cast<std::int64_t>(run.seed)) >> 16;
   options.rooms.vav_off_per_day = 0;  // the window's commands say when
+  const int fcus = static_cast<int>(options.names.perimeter_zones.size());
+  if (run.tests && run.feedback) options.rooms.switched = switched_by_tests(*run.tests, fcus, ahead_s);
   Json built = built_model(room, options.rooms);
   follow_window(built, options.names, run, begin, to, ahead_s);
   wander_mau(built, run.seed, begin, to);
@@ -336,7 +349,6 @@ std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesyst
   options.initial_setpoint_degc = 23;
 
   sim::EnergyPlusPlant plant(options);
-  const WindowCommands commands(run);
   MeasuredOperator operated(run);
   WrongSensors wrong(room.sensors, run.start);
   std::vector<hal::LogRow> rows;
@@ -350,14 +362,18 @@ std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesyst
     }
     shown.outdoor_temp_degc = std::round(100 * (shown.outdoor_temp_degc + room.outdoor_shown_k)) / 100;
     wrong.apply(shown, t);
-    if (starts_cycle(t)) plant.set_setpoint(setpoint = operated.setpoint_degc(t, shown.room_temp_degc));
+    if (starts_cycle(t)) {
+      const double usual = operated.setpoint_degc(t, shown.room_temp_degc);
+      setpoint = run.tests ? run.tests->setpoint_degc(t, usual, setpoint) : usual;
+      plant.set_setpoint(setpoint);
+    }
     plant.advance_to({t.seconds - ahead_s + row_s / 2});
     // Commands are logged as they hold from now on.
     shown.fcu_on = plant.sensors().fcu_on;
     for (int v = 0; v < std::ssize(shown.vav_on); ++v)
-      shown.vav_on[static_cast<std::size_t>(v)] = commands.box_on(v, t) ? 1 : 0;
+      shown.vav_on[static_cast<std::size_t>(v)] = box_on(run, v, t) ? 1 : 0;
     for (int f = 0; !run.feedback && f < std::ssize(shown.fcu_on); ++f)
-      shown.fcu_on[static_cast<std::size_t>(f)] = commands.fan_coil_on(f, t) ? 1 : 0;
+      shown.fcu_on[static_cast<std::size_t>(f)] = fan_coil_on(run, f, t) ? 1 : 0;
     plant.advance_to({t.seconds - ahead_s + row_s});
     if (!(t < run.start)) rows.push_back(measured_row(shown, t, setpoint, run));
   }

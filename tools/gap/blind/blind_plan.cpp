@@ -1,5 +1,7 @@
 #include "tools/gap/blind/blind_plan.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -33,11 +35,19 @@ PlannedCase planned_case(const BlindPlan& plan, int i) {
   return c;
 }
 
-std::vector<int> in_order_of_name(const BlindPlan& plan) {
-  std::vector<int> order(static_cast<std::size_t>(plan.total()));
+std::uint64_t seed_of_case(std::uint64_t plan_seed, int i) {
+  return plan_seed * 1'000'003 + static_cast<std::uint64_t>(i) * 2;
+}
+
+std::filesystem::path weather_of_window(const std::filesystem::path& folder, int window) {
+  return folder / "weather" / fmt::format("{}.epw", window + 1);
+}
+
+std::vector<int> in_order_of_name(std::uint64_t plan_seed, int total) {
+  std::vector<int> order(static_cast<std::size_t>(total));
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&plan](int a, int b) {
-    return sim::draw_bits(plan.seed, draw_name, 0, a) < sim::draw_bits(plan.seed, draw_name, 0, b);
+  std::sort(order.begin(), order.end(), [plan_seed](int a, int b) {
+    return sim::draw_bits(plan_seed, draw_name, 0, a) < sim::draw_bits(plan_seed, draw_name, 0, b);
   });
   return order;
 }

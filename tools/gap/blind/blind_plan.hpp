@@ -27,7 +27,13 @@ struct PlannedCase {
 
 PlannedCase planned_case(const BlindPlan& plan, int i);
 
+/// Of a case's room, people and noise.
+std::uint64_t seed_of_case(std::uint64_t plan_seed, int i);
+
+/// The weather of a window, 0 .., of the cases in a folder.
+std::filesystem::path weather_of_window(const std::filesystem::path& folder, int window);
+
 /// Case numbers in the order of their names, which says nothing: cases of one set do not stand together.
-std::vector<int> in_order_of_name(const BlindPlan& plan);
+std::vector<int> in_order_of_name(std::uint64_t plan_seed, int total);
 
 }  // namespace airside::tools::gap

@@ -27,6 +27,12 @@ MeasuredRun run_after(MeasuredRun run) {
   return run;
 }
 
+MeasuredRun with_tests(MeasuredRun run, int days, std::shared_ptr<const TestCommands> tests) {
+  run.days = days;
+  run.tests = std::move(tests);
+  return run;
+}
+
 BlindSite::Kinds kinds_of(const Engine& engine, const std::vector<sim::Effect>& effects,
                           const std::function<bool(const sim::Effect&)>& can) {
   BlindSite::Kinds kinds;
@@ -139,6 +145,12 @@ class RcSite final : public BlindSite {
     const MeasuredRun reference = reference_run(setup_, w, seed);
     return {measure(room, weather(w), reference),
             measure(hide(room, hidden, *setup_.effects), weather(w), run_after(reference), hidden)};
+  }
+
+  std::vector<hal::LogRow> lived_on(const std::vector<Hidden>& hidden, const BlindWindow& w, std::uint64_t seed,
+                                    int days, std::shared_ptr<const TestCommands> tests) const override {
+    const MeasuredRun run = with_tests(run_after(reference_run(setup_, w, seed)), days, std::move(tests));
+    return measure(hide(built(seed, w.feedback), hidden, *setup_.effects), weather(w), run, hidden);
   }
 
  private:
@@ -254,6 +266,13 @@ class EnergyPlusSite final : public BlindSite {
     const Prepared& p = prepared_.at(w);
     return {p.rows,
             measure(hide(p.room, hidden, *setup_.effects, seed), weather_file(w), run_after(commanded(w, seed)))};
+  }
+
+  std::vector<hal::LogRow> lived_on(const std::vector<Hidden>& hidden, const BlindWindow& w, std::uint64_t seed,
+                                    int days, std::shared_ptr<const TestCommands> tests) const override {
+    const EnergyPlusRoom room = energyplus_measured_room(setup_.twin, room_seed(w), w.feedback);
+    const MeasuredRun run = with_tests(run_after(commanded(w, seed)), days, std::move(tests));
+    return measure(hide(room, hidden, *setup_.effects, seed), weather_file(w), run);
   }
 
  private:

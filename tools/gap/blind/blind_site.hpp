@@ -72,6 +72,11 @@ class BlindSite {
   }
   /// Thread-safe after prepare().
   virtual BlindLogs live(const std::vector<Hidden>& hidden, const BlindWindow& window, std::uint64_t seed) const = 0;
+  /// The measured log of live(), lived on to `days` in all, with tests in the later ones. Needs no prepare().
+  /// Thread-safe.
+  virtual std::vector<hal::LogRow> lived_on(const std::vector<Hidden>& hidden, const BlindWindow& window,
+                                            std::uint64_t seed, int days,
+                                            std::shared_ptr<const TestCommands> tests) const = 0;
 
  protected:
   Kinds kinds_;

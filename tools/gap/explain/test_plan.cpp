@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/text/input_error.hpp"
+#include "hal/text/toml_section.hpp"
 #include "tools/gap/model/stretches.hpp"
 
 namespace airside::tools::gap {
@@ -139,6 +141,33 @@ std::vector<TestPlan> test_plans(const sim::Channels& channels, std::span<const 
   return plans;
 }
 
+std::vector<TestPlan> all_plans(const sim::Channels& channels, const std::vector<sim::Effect>& effects) {
+  std::vector<sim::EffectChange> members;
+  for (const sim::PlaceKind kind : {sim::PlaceKind::vav, sim::PlaceKind::fcu}) {
+    const auto one = std::find_if(effects.begin(), effects.end(), [&](const auto& e) { return e.place == kind; });
+    const int places = kind == sim::PlaceKind::vav ? channels.rooms : channels.fcus;
+    for (int place = 0; one != effects.end() && place < places; ++place) members.push_back({{&*one, place}, 0});
+  }
+  return test_plans(channels, members);
+}
+
+TestPlan named_plan(const std::string& name, const sim::Channels& channels, const std::vector<sim::Effect>& effects) {
+  const std::vector<TestPlan> plans = all_plans(channels, effects);
+  const auto found = std::find_if(plans.begin(), plans.end(), [&](const TestPlan& p) { return p.name == name; });
+  if (found != plans.end()) return *found;
+  std::vector<std::string> names;
+  for (const TestPlan& p : plans) names.push_back(p.name);
+  const std::string near = hal::nearest_name(name, names);
+  throw hal::InputError(
+      "--test " + name, "no such test", fmt::format("one of {}", fmt::join(names, ", ")),
+      near.empty() ? "the earlier report lists those that it proposes" : fmt::format("did you mean {}?", near));
+}
+
+bool command_by(const TestPlan& plan, CivilTime begin, CivilTime t, sim::RecordedRow& row) {
+  const double since_h = static_cast<double>(t.seconds - begin.seconds) / 3600 - plan.from_h;
+  return since_h >= 0 && acts_at(plan, t.second_of_day() / 3600.0) && apply_plan(plan, since_h, row);
+}
+
 std::optional<TestRecording> test_recording(const sim::Recording& recording, const TestPlan& plan,
                                             const ExperimentRules& rules) {
   const int whole = static_cast<int>(recording.rows.size()) / rows_per_day;
@@ -156,13 +185,11 @@ std::optional<TestRecording> test_recording(const sim::Recording& recording, con
   TestRecording test;
   const auto begin = static_cast<std::size_t>(first - history) * rows_per_day;
   test.recording = part_of(recording, begin, static_cast<std::size_t>(last) * rows_per_day - begin);
-  const auto earliest = static_cast<std::size_t>(history) * rows_per_day +
-                        static_cast<std::size_t>(std::lround(plan.from_h * rows_an_hour));
+  const auto first_of_test = static_cast<std::size_t>(history) * rows_per_day;
+  const CivilTime begin_of_test = test.recording.time(first_of_test);
   test.first_row = test.recording.rows.size();
-  for (std::size_t row = earliest; row < test.recording.rows.size(); ++row) {
-    if (!acts_at(plan, test.recording.time(row).second_of_day() / 3600.0)) continue;
-    const double since_h = static_cast<double>(row - earliest) / rows_an_hour;
-    if (!apply_plan(plan, since_h, test.recording.rows[row])) continue;
+  for (std::size_t row = first_of_test; row < test.recording.rows.size(); ++row) {
+    if (!command_by(plan, begin_of_test, test.recording.time(row), test.recording.rows[row])) continue;
     test.first_row = std::min(test.first_row, row);
     ++test.changed;
   }

@@ -42,6 +42,16 @@ struct ExperimentRules {
 std::vector<TestPlan> test_plans(const sim::Channels& channels, std::span<const sim::EffectChange> members,
                                  const ExperimentRules& rules = {});
 
+/// Gives the plan's commands at t to a row, if it acts then; `begin` the midnight of the test's first day.
+/// Whether the row is another one now.
+bool command_by(const TestPlan& plan, CivilTime begin, CivilTime t, sim::RecordedRow& row);
+
+/// Every test that can be proposed on a site.
+std::vector<TestPlan> all_plans(const sim::Channels& channels, const std::vector<sim::Effect>& effects);
+
+/// One of them.  Errors: hal::InputError that lists the names.
+TestPlan named_plan(const std::string& name, const sim::Channels& channels, const std::vector<sim::Effect>& effects);
+
 /// A recording with a test in its last days.
 struct TestRecording {
   sim::Recording recording;

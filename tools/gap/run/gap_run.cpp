@@ -10,6 +10,7 @@
 #include "tools/gap/model/stretches.hpp"
 #include "tools/gap/run/gap_stages.hpp"
 #include "tools/gap/run/more_days.hpp"
+#include "tools/gap/run/proposed_tests.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/gap/verdict/workflow.hpp"
 
@@ -28,21 +29,6 @@ std::vector<ReferenceParameter> reference_parameters(const ReferenceFit& fit, co
     fitted.push_back({changes[i], responses.parameters[i].prior_sd * std::sqrt(std::max(0.0, variance))});
   }
   return fitted;
-}
-
-/// The first finding and what the log cannot tell it from, each at the magnitude that it would have.
-Changes rivals(const GapRun& run) {
-  const Finding& first = run.verdict.findings.front();
-  Changes members{{first.at, first.magnitude}};
-  for (const sim::EffectAt& at : first.cannot_tell_from) {
-    for (const Score& score : run.verdict.ranking) {
-      const Candidate& c = run.responses.test.candidates[score.candidate];
-      if (c.at.id() != at.id() || members.size() >= 5) continue;
-      const sim::Effect& e = *at.effect;
-      members.push_back({at, std::clamp(e.null_value + score.steps * (c.probe - e.null_value), e.low, e.high)});
-    }
-  }
-  return members;
 }
 
 PatchedModel patch_model(const GapRun& run) {
@@ -105,10 +91,7 @@ void explain(GapRun& run, const Engine& engine) {
   const Window& test = run.loaded.data.test;
   const Changes fitted = v.fit.changes();
   if (v.kind == VerdictKind::ambiguous) {
-    ExperimentRules rules;
-    rules.nuisance = v.nulls.nuisance;
-    run.experiments =
-        propose_experiments(engine, test, v.fit, run.responses.test, rivals(run), fitted, run.request.jobs, rules);
+    run.experiments = proposed_tests(engine, test, v, run.responses.test, run.request.jobs);
   } else if (v.kind == VerdictKind::unknown) {
     HeatRules rules;
     rules.nuisance = v.nulls.nuisance;
@@ -152,8 +135,7 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
     for (const sim::EffectChange& asked : tries) run.suspicions.push_back({try_effect(analysed, asked), {}});
   };
   run.verdict = analyse(engine, data, run.responses, run.rules, request.jobs, look, try_all);
-  const std::vector<Finding>& findings = run.verdict.findings;
-  const bool has_rivals = !findings.empty() && !findings.front().cannot_tell_from.empty();
+  const bool has_rivals = rivals_of(run.verdict, run.responses.test).size() > 1;
   progress.expect(GapStage::explaining, stages.explanation(run.verdict.kind, has_rivals));
   progress.enter(GapStage::explaining);
   simulate_curves(run, engine);

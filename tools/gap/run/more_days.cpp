@@ -7,7 +7,6 @@
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
-#include "hal/text/toml_section.hpp"
 #include "tools/gap/model/log_window.hpp"
 #include "tools/gap/model/stretches.hpp"
 #include "tools/run/site.hpp"
@@ -68,29 +67,6 @@ void require_new(const hal::LogRow& first, const hal::LogRow& last, const CleanL
                                     hal::civil_text(first.time), hal::civil_text(last.time), known.place,
                                     hal::civil_text(known.rows.front().time), hal::civil_text(known.rows.back().time)),
                         "days that were not judged yet", "leave out the days that are known");
-}
-
-/// Every test that can be proposed on this site.
-std::vector<TestPlan> all_plans(const sim::Channels& channels, const std::vector<sim::Effect>& effects) {
-  std::vector<sim::EffectChange> members;
-  for (const sim::PlaceKind kind : {sim::PlaceKind::vav, sim::PlaceKind::fcu}) {
-    const auto one = std::find_if(effects.begin(), effects.end(), [&](const auto& e) { return e.place == kind; });
-    const int places = kind == sim::PlaceKind::vav ? channels.rooms : channels.fcus;
-    for (int place = 0; one != effects.end() && place < places; ++place) members.push_back({{&*one, place}, 0});
-  }
-  return test_plans(channels, members);
-}
-
-TestPlan named_plan(const std::string& name, const sim::Channels& channels, const std::vector<sim::Effect>& effects) {
-  const std::vector<TestPlan> plans = all_plans(channels, effects);
-  const auto found = std::find_if(plans.begin(), plans.end(), [&](const TestPlan& p) { return p.name == name; });
-  if (found != plans.end()) return *found;
-  std::vector<std::string> names;
-  for (const TestPlan& p : plans) names.push_back(p.name);
-  const std::string near = hal::nearest_name(name, names);
-  throw hal::InputError(
-      "--test " + name, "no such test", fmt::format("one of {}", fmt::join(names, ", ")),
-      near.empty() ? "the earlier report lists those that it proposes" : fmt::format("did you mean {}?", near));
 }
 
 /// Duties of fan coils that the test commanded say nothing of their thermostats.

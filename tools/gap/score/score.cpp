@@ -1,6 +1,7 @@
 #include "tools/gap/score/score.hpp"
 
 #include "tools/gap/score/score_measures.hpp"
+#include "tools/gap/score/score_tests.hpp"
 
 namespace airside::tools::gap {
 
@@ -42,6 +43,7 @@ ScoreTable score(const nlohmann::json& verdicts, const nlohmann::json& key,
   ScoreTable table;
   describe_sets(table, cases);
   count_sets(table, cases);
+  count_after_tests(table, cases);
   measure_shrink(table, cases);
   measure_magnitudes(table, cases, null_of);
   const auto below_1 = [](const ScoredCase& c) {

@@ -58,8 +58,17 @@ struct SetFacts {
   int refused = 0;  ///< their logs could not be used
 };
 
+/// A test on site, the last of those that were done in a case.
+struct TestFacts {
+  std::string test;
+  int cases = 0;                ///< of single effects in which it was the last
+  int before = 0, exact = 0;    ///< of these named exactly without any test, and with it
+  int in_class = 0, wrong = 0;  ///< with it: named or ambiguous with the truth; named without
+};
+
 struct ScoreTable {
   std::vector<SetFacts> sets;
+  std::vector<TestFacts> tests;
   std::vector<CountRow> counts;
   std::vector<SpreadRow> spreads;
   Confusion confusion;          ///< single, outside, null and real cases, without those below
@@ -79,6 +88,8 @@ struct ScoreTable {
 ///   or ambiguous; "extra name": named, an effect covers neither.
 /// named: "gap closed" = 1 - (after - floor)/(before - floor) within -1 .. 1, left out where before <= floor;
 ///   "harm": after > before. An after that is not finite harms and closes -1.
+/// Where tests on site were done: each measure of single, null, outside and pair again as "<measure>, N tests", of the
+/// verdicts after at most N executed tests, a case without any counting by its first.
 /// right names: "magnitude error" = |m - m_true| / |m_true - null|; "interval covers".
 /// A case without verdict, or whose logs were refused, is abstained, with a warning.
 /// `null_of`: the magnitude at which nothing is changed, one an effect of the library.

@@ -164,6 +164,21 @@ void read_verdict(ScoredCase& c, const Field& field, const std::map<std::string,
   }
 }
 
+/// Verdicts that were drawn anew after tests stand beside the first.
+void read_verdicts_after_tests(ScoredCase& c, const Field& field, const std::map<std::string, double>& null_of) {
+  if (!field.has("after_tests")) return;
+  ScoredCase untold = c;  // what the key says of it
+  untold.effects.clear();
+  untold.ranking.clear();
+  untold.locked.reset();
+  for (const Field& one : field.at("after_tests").items()) {
+    ScoredCase later = untold;
+    read_verdict(later, one, null_of);
+    for (const Field& test : one.at("tests").items()) later.tests.push_back(test.text());
+    c.after.push_back(std::move(later));
+  }
+}
+
 }  // namespace
 
 std::vector<ScoredCase> read_cases(const Json& verdicts, const Json& key,
@@ -182,6 +197,7 @@ std::vector<ScoredCase> read_cases(const Json& verdicts, const Json& key,
     if (found == index_of.end()) id.refuse("a case of the answer key", "score with the key of the same drawing");
     if (cases[found->second].answered) id.refuse("one verdict a case", "remove the older one");
     read_verdict(cases[found->second], field, null_of);
+    read_verdicts_after_tests(cases[found->second], field, null_of);
   }
   return cases;
 }

@@ -45,6 +45,8 @@ struct ScoredCase {
   std::vector<SaidEffect> effects;
   std::vector<std::string> ranking;
   std::optional<SaidLocked> locked;
+  std::vector<std::string> tests;  ///< done on site before this was said
+  std::vector<ScoredCase> after;   ///< what was said after the first test, after the second, ..
 };
 
 /// "vav_flow" of "vav_flow@3".

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "tools/gap/score/score.hpp"
+#include "tools/gap/score/score_tests.hpp"
 
 namespace airside::tools::gap {
 
@@ -30,6 +31,7 @@ nlohmann::json json_of(const ScoreTable& table) {
                  {"spreads", Json::array()},
                  {"confusion", confusion_json(table.confusion)},
                  {"confusion_below_1", confusion_json(table.confusion_below_1)},
+                 {"tests", tests_json(table)},
                  {"warnings", table.warnings}};
   for (const SetFacts& s : table.sets) {
     object["sets"].push_back({{"set", s.set},

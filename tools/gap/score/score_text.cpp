@@ -6,6 +6,7 @@
 
 #include "tools/gap/score/score.hpp"
 #include "tools/gap/score/score_cases.hpp"
+#include "tools/gap/score/score_tests.hpp"
 
 namespace airside::tools::gap {
 
@@ -120,6 +121,7 @@ std::string text_of(const ScoreTable& table) {
                         s.energyplus_feedback, s.unanswered, s.refused);
   }
   write_targets(text, table);
+  text += tests_text(table);
   text += "\nIn parts: % [Wilson 95 % interval] cases\n";
   for (const char* set : set_names) write_slices(text, table, set);
   for (const char* set : {"named", "right names"}) write_slices(text, table, set);
