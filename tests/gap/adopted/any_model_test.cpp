@@ -139,9 +139,8 @@ TEST(AnyModel, WallsAreChangedWhereTheyInsulate) {
 TEST(AnyModel, ZoneIsAskedForItsOwnObjectsAndTheFloorForAll) {
   EXPECT_EQ(foreign_patch("gain_zone", 1, 2), (Json{{"Lights", {{"Licht", {{"watts_per_floor_area", 16.0}}}}}}));
   EXPECT_EQ(foreign_patch("gain_zone", 0, 2), Json::object()) << "its lights are those of another zone too";
-  const Json p = foreign_patch("gain_occupied", 0, 2);
-  EXPECT_EQ(p["Lights"].size(), 2U);
-  EXPECT_EQ(p["Lights"]["Licht alle"]["lighting_level"], 600.0);
+  EXPECT_EQ(foreign_patch("occupancy_shift", 0, 2)["Lights"].size(), 2U);
+  EXPECT_EQ(foreign_patch("gain_occupied", 0, 2), Json::object()) << "nobody is there";
 }
 
 TEST(AnyModel, HeatIsAddedToEveryZoneAndNothingAtNull) {
@@ -165,7 +164,7 @@ TEST(AnyModel, PeopleWhoComeLateHaveACopyOfTheirSchedule) {
 }
 
 TEST(AnyModel, WhatTheModelLacksIsNotApplicableAndSaidSo) {
-  EXPECT_EQ(why_absent("gain_occupied", 0), "");
+  EXPECT_EQ(why_absent("occupancy_shift", 0), "");
   EXPECT_EQ(why_absent("room_sensor_bias", 1), "");
   EXPECT_EQ(why_absent("clock_shift", 0), "");
   EXPECT_EQ(why_absent("setpoint_lag", 0), "");
