@@ -19,6 +19,7 @@ double changed(double x, By by, double m) {
     case By::set: return m;
     case By::raise: return std::max(x, m);
     case By::lower: return std::min(x, m);
+    case By::divide: return x / m;
     default: return x;
   }
 }
@@ -227,8 +228,13 @@ ChannelTable changed_sensors(ChannelTable table, const Channels& channels, std::
   return table;
 }
 
-RoomLoopOptions changed_loops(RoomLoopOptions loops, std::span<const EffectChange> changes) {
-  each_op(changes, &Effect::energyplus, EffectOp::On::loop, [&](const EffectOp& op, int place, double m) {
+double changed_number(const EffectOp& op, double x, double magnitude) {
+  return kept(op, changed(x, op.by, amount(op, magnitude)));
+}
+
+RoomLoopOptions changed_loops(RoomLoopOptions loops, std::span<const EffectChange> changes,
+                              const std::vector<EffectOp> Effect::*ops) {
+  each_op(changes, ops, EffectOp::On::loop, [&](const EffectOp& op, int place, double m) {
     for (int i = 0; op.field == "damper" && i < std::ssize(loops.dampers); ++i) {
       double& damper = loops.dampers[static_cast<std::size_t>(i)];
       if (place < 0 || place == i) damper = kept(op, changed(damper, op.by, m));

@@ -32,17 +32,33 @@ enum class By {
   lag,       ///< first-order lag of m' s
   exchange,  ///< m' of the other sensor of the pair, 1 - m' of its own
   jet,       ///< m' of the supply temperature, 1 - m' of its own
+  divide,    ///< x / m'
+  shift,     ///< of a schedule: m' h later
+};
+
+/// How an object of a model that somebody else wrote stands to an effect's place.
+enum class Select {
+  model,      ///< any of its type
+  zones,      ///< in the place's zone, or in the zones of the loop
+  terminals,  ///< the air terminal of those zones
+  air_loop,   ///< fan, coil or outdoor-air controller of the loop
+  windows,  ///< outermost layer of its type in the windows of those zones; at a façade in copies for its windows alone
+  walls,    ///< the layer that insulates most in each outer construction of those zones
 };
 
 /// One change. In names and texts {n} is the 1-based place, {zone} the model's zone there, {facade} "south",
 /// {Facade} "South", {m} the number m'.
 struct EffectOp {
-  enum class On { room, model, loop, command, clock, weather, sensor };
+  enum class On { room, model, loop, command, clock, weather, sensor, selected };
   On on = On::room;
   std::string type;                   ///< model: object type
   std::string name;                   ///< model: object name, `*` matches anything
   std::string field;                  ///< room, model, loop: field; command, weather, sensor: which
-  nlohmann::json object;              ///< model: a new object instead of a field; a text that is "{m}" becomes m'
+  Select select = Select::model;      ///< selected: how the object stands to the effect's place
+  std::vector<std::string> fields;    ///< selected: each that the object has
+  nlohmann::json object;              ///< model: a new object instead of a field; a text that is "{m}" becomes m'.
+                                      ///< selected: a new one where no field was found
+  bool per_area = false;              ///< selected: m' is times the zone's floor area, m2
   PlaceKind each = PlaceKind::floor;  ///< zone, vav or fcu: at every one; floor: at the effect's own place
   By by = By::add;
   double factor = 1, offset = 0;
@@ -63,7 +79,8 @@ struct Effect {
   bool candidate = true;                         ///< false: a parameter only, never named
   std::string looks_like, confirm;               ///< in words, for people
   std::vector<EffectOp> rc, energyplus, common;  ///< common: commands, clock, weather, sensors
-  bool on_rc = true, on_energyplus = true;
+  std::vector<EffectOp> any_model;               ///< of an EnergyPlus model that somebody else wrote
+  bool on_rc = true, on_energyplus = true, on_any_model = true;
   std::string file;
 
   /// Sensors are exchanged or not, never by a tenth.
@@ -115,6 +132,10 @@ ChannelTable changed_sensors(ChannelTable table, const Channels& channels, std::
 /// The changes to a model as one merge patch (RFC 7386); empty where they do not touch it.
 /// Errors: hal::InputError when no object matches, or its field is no number.
 nlohmann::json model_patch(const nlohmann::json& model, const ModelNames& names, std::span<const EffectChange> changes);
-RoomLoopOptions changed_loops(RoomLoopOptions loops, std::span<const EffectChange> changes);
+/// `ops`: the list that names the loops.
+RoomLoopOptions changed_loops(RoomLoopOptions loops, std::span<const EffectChange> changes,
+                              const std::vector<EffectOp> Effect::*ops = &Effect::energyplus);
+/// What a change makes of a number, kept within the change's bounds; m' as of the magnitude.
+double changed_number(const EffectOp& op, double x, double magnitude);
 
 }  // namespace airside::sim

@@ -5,6 +5,7 @@
 
 #include "hal/text/input_error.hpp"
 #include "sim/effects/effect.hpp"
+#include "sim/effects/effect_section.hpp"
 #include "sim/effects/effect_text.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/json/json_file.hpp"
@@ -22,80 +23,43 @@ const std::map<std::string, PlaceKind> each_names{
     {"zone", PlaceKind::zone}, {"vav", PlaceKind::vav}, {"fcu", PlaceKind::fcu}};
 const std::map<std::string, By> by_names{{"multiply", By::multiply}, {"add", By::add},     {"set", By::set},
                                          {"raise", By::raise},       {"lower", By::lower}, {"drift", By::drift},
-                                         {"lag", By::lag},           {"jet", By::jet},     {"exchange", By::exchange}};
-
-template <class Map>
-std::string keys_of(const Map& map) {
-  std::string text;
-  for (const auto& [key, value] : map) text += (text.empty() ? "" : ", ") + key;
-  return text;
-}
-
-/// One object of the file, read key by key; what nobody asked for is an error.
-class Section {
- public:
-  Section(const Json& json, std::string place) : json_(json), place_(std::move(place)) {
-    if (!json.is_object()) refuse("", json.dump(), "an object");
-  }
-  bool has(const char* key) {
-    asked_.push_back(key);
-    return json_.contains(key) && !json_[key].is_null();
-  }
-  bool is_null(const char* key) { return json_.contains(key) && json_[key].is_null(); }
-  std::string text(const char* key, const std::string& otherwise) {
-    if (!has(key)) return otherwise;
-    if (!json_[key].is_string()) refuse(key, json_[key].dump(), "a text");
-    return json_[key].get<std::string>();
-  }
-  std::string text(const char* key) {
-    if (!has(key)) refuse(key, "nothing", "a text");
-    return text(key, "");
-  }
-  double number(const char* key, double otherwise) {
-    if (!has(key)) return otherwise;
-    if (!json_[key].is_number()) refuse(key, json_[key].dump(), "a number");
-    return json_[key].get<double>();
-  }
-  double number(const char* key) {
-    if (!has(key)) refuse(key, "nothing", "a number");
-    return number(key, 0);
-  }
-  bool flag(const char* key, bool otherwise) {
-    if (!has(key)) return otherwise;
-    if (!json_[key].is_boolean()) refuse(key, json_[key].dump(), "true or false");
-    return json_[key].get<bool>();
-  }
-  template <class Map>
-  typename Map::mapped_type choice(const char* key, const Map& map, typename Map::mapped_type otherwise) {
-    if (!has(key)) return otherwise;
-    const auto found = map.find(text(key));
-    if (found == map.end()) refuse(key, json_[key].dump(), "one of " + keys_of(map));
-    return found->second;
-  }
-  const Json& at(const char* key) const { return json_[key]; }
-  const std::string& place() const { return place_; }
-  void nothing_else() const {
-    for (const auto& [key, value] : json_.items()) {
-      if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) {
-        std::string known;
-        for (const auto& one : asked_) known += (known.empty() ? "" : ", ") + one;
-        refuse(key, "an unknown key", "one of " + known);
-      }
-    }
-  }
-  [[noreturn]] void refuse(const std::string& key, const std::string& found, const std::string& expected) const {
-    throw hal::InputError(place_ + (key.empty() ? "" : ": " + key), found, expected, "correct the effect's file");
-  }
-
- private:
-  const Json& json_;
-  std::string place_;
-  std::vector<std::string> asked_;
-};
+                                         {"lag", By::lag},           {"jet", By::jet},     {"exchange", By::exchange},
+                                         {"divide", By::divide},     {"shift", By::shift}};
+const std::map<std::string, Select> select_names{{"model", Select::model},         {"zones", Select::zones},
+                                                 {"terminals", Select::terminals}, {"air_loop", Select::air_loop},
+                                                 {"windows", Select::windows},     {"walls", Select::walls}};
 
 using On = EffectOp::On;
 
-void read_target(Section& s, EffectOp& op, const std::string& list) {
+/// Objects by type and relation, in a model whose names nobody knows.
+void read_selected(EffectSection& s, EffectOp& op) {
+  op.on = On::selected;
+  if (!s.has("select")) s.refuse("select", "nothing", "one of " + keys_of(select_names));
+  op.select = s.choice("select", select_names, Select::model);
+  op.type = s.text("type");
+  op.name = s.text("name", "");
+  if (s.has("fields")) {
+    const Json& list = s.at("fields");
+    if (!list.is_array()) s.refuse("fields", list.dump(), "a list of field names");
+    for (const Json& one : list) {
+      if (!one.is_string()) s.refuse("fields", one.dump(), "a field's name");
+      op.fields.push_back(one.get<std::string>());
+    }
+  }
+  if (s.has("new")) {
+    op.object = s.at("new");
+    if (!op.object.is_object()) s.refuse("new", op.object.dump(), "an object of fields");
+    if (op.select != Select::model && op.select != Select::zones) s.refuse("new", "select", "model or zones with it");
+  }
+  if (op.fields.empty() && op.object.is_null()) s.refuse("", "no fields and no new", "what is changed or added");
+  op.per_area = s.flag("per_area", false);
+  if (op.per_area && (op.object.is_null() || op.select != Select::zones))
+    s.refuse("per_area", "nothing new in zones", "new, and select zones, with it");
+  op.lowest = s.number("lowest", op.lowest);
+  op.highest = s.number("highest", op.highest);
+}
+
+void read_target(EffectSection& s, EffectOp& op, const std::string& list) {
   const auto one_of = [&](const char* key, On on) {
     if (!s.has(key)) return false;
     op.on = on;
@@ -105,6 +69,12 @@ void read_target(Section& s, EffectOp& op, const std::string& list) {
   if (list == "rc") {
     op.on = On::room;
     op.field = s.text("field");
+    return;
+  }
+  if (list == "any_model") {
+    if (!one_of("loop", On::loop)) return read_selected(s, op);
+    op.lowest = s.number("lowest", op.lowest);
+    op.highest = s.number("highest", op.highest);
     return;
   }
   if (list == "energyplus") {
@@ -135,7 +105,7 @@ bool among(const T& x, std::initializer_list<T> list) {
   return std::find(list.begin(), list.end(), x) != list.end();
 }
 
-void expect_place(const Section& s, const char* key, const EffectOp& op, const Effect& effect,
+void expect_place(const EffectSection& s, const char* key, const EffectOp& op, const Effect& effect,
                   std::initializer_list<PlaceKind> places) {
   if (among(effect.place, places)) return;
   std::string expected;
@@ -145,7 +115,7 @@ void expect_place(const Section& s, const char* key, const EffectOp& op, const E
   s.refuse(key, op.field, expected + " with it");
 }
 
-void expect_by(const Section& s, const EffectOp& op, std::initializer_list<By> ways) {
+void expect_by(const EffectSection& s, const EffectOp& op, std::initializer_list<By> ways) {
   if (among(op.by, ways)) return;
   std::string found, expected;
   for (const auto& [name, by] : by_names) {
@@ -155,7 +125,7 @@ void expect_by(const Section& s, const EffectOp& op, std::initializer_list<By> w
   s.refuse("by", found, expected);
 }
 
-void check_room_field(const Section& s, const EffectOp& op, const Effect& effect) {
+void check_room_field(const EffectSection& s, const EffectOp& op, const Effect& effect) {
   std::string name = op.field;
   if (effect.place == PlaceKind::facade) effect_text::replace_all(name, "{facade}", "south");
   const RoomField* field = find_room_field(name);
@@ -176,7 +146,7 @@ void check_room_field(const Section& s, const EffectOp& op, const Effect& effect
 }
 
 /// Placeholders that nothing would fill in.
-void check_placeholders(const Section& s, const EffectOp& op, const Effect& effect) {
+void check_placeholders(const EffectSection& s, const EffectOp& op, const Effect& effect) {
   const PlaceKind at = op.each == PlaceKind::floor ? effect.place : op.each;
   const bool zones = among(at, {PlaceKind::zone, PlaceKind::vav, PlaceKind::fcu});
   const std::string texts = op.type + op.name + op.field + op.object.dump();
@@ -189,7 +159,21 @@ void check_placeholders(const Section& s, const EffectOp& op, const Effect& effe
     s.refuse("factor", "no {m} in new", "one to stand for");
 }
 
-void check_target(const Section& s, const EffectOp& op, const Effect& effect) {
+/// Of a model with controls of its own nothing else is beside the engine.
+bool is_own_loop(const std::string& field) { return field == "supply_bias_k" || field == "supply_lag_s"; }
+
+void check_selected(const EffectSection& s, const EffectOp& op, const Effect& effect) {
+  expect_by(s, op, {By::multiply, By::add, By::set, By::raise, By::lower, By::divide, By::shift});
+  const std::string object = op.object.dump();
+  using P = PlaceKind;
+  if (object.find("{zone}") != std::string::npos && op.select != Select::zones)
+    s.refuse("new", "{zone}", "select zones with it");
+  if (effect.place == P::facade && op.select != Select::windows)
+    s.refuse("select", "no windows", "windows at a facade");
+  if (effect.place == P::vav_pair) s.refuse("any_model", "place vav_pair", "another place");
+}
+
+void check_target(const EffectSection& s, const EffectOp& op, const Effect& effect) {
   const auto known = [&](const char* key, std::initializer_list<const char*> names) {
     if (std::find(names.begin(), names.end(), op.field) == names.end())
       s.refuse(key, op.field, fmt::format("one of {}", fmt::join(names, ", ")));
@@ -217,6 +201,7 @@ void check_target(const Section& s, const EffectOp& op, const Effect& effect) {
       check_placeholders(s, op, effect);
       expect_by(s, op, plain);
       break;
+    case On::selected: check_selected(s, op, effect); break;
     case On::command:
       known("command", {"setpoint", "vav_on", "fcu_on"});
       if (op.field == "setpoint") {
@@ -252,13 +237,13 @@ void check_target(const Section& s, const EffectOp& op, const Effect& effect) {
   }
 }
 
-std::vector<EffectOp> read_ops(Section& file, const char* list, const Effect& effect) {
+std::vector<EffectOp> read_ops(EffectSection& file, const char* list, const Effect& effect) {
   std::vector<EffectOp> ops;
   if (!file.has(list)) return ops;
   const Json& array = file.at(list);
   if (!array.is_array()) file.refuse(list, array.dump(), "a list of changes");
   for (std::size_t i = 0; i < array.size(); ++i) {
-    Section s(array[i], fmt::format("{}: {}[{}]", file.place(), list, i));
+    EffectSection s(array[i], fmt::format("{}: {}[{}]", file.place(), list, i));
     EffectOp op;
     read_target(s, op, list);
     op.by = s.choice("by", by_names, By::add);
@@ -273,7 +258,7 @@ std::vector<EffectOp> read_ops(Section& file, const char* list, const Effect& ef
 
 Effect read_effect(const std::filesystem::path& path) {
   const Json json = read_json(path);
-  Section s(json, path.string());
+  EffectSection s(json, path.string());
   Effect e;
   e.file = path.string();
   e.name = path.stem().string();
@@ -294,8 +279,18 @@ Effect read_effect(const std::filesystem::path& path) {
   e.rc = read_ops(s, "rc", e);
   e.energyplus = read_ops(s, "energyplus", e);
   e.common = read_ops(s, "common", e);
+  e.any_model = read_ops(s, "any_model", e);
+  for (const EffectOp& op : e.any_model) {
+    if (op.on == On::loop && !is_own_loop(op.field))
+      s.refuse("any_model", op.field, "supply_bias_k or supply_lag_s: there are no other loops beside such a model");
+  }
   e.on_rc = !s.is_null("rc") && !(e.rc.empty() && e.common.empty());
   e.on_energyplus = !s.is_null("energyplus") && !(e.energyplus.empty() && e.common.empty());
+  // Nobody commands the boxes and fan coils of such a model.
+  const bool commanded = std::any_of(e.common.begin(), e.common.end(),
+                                     [](const EffectOp& op) { return op.on == On::command && op.field != "setpoint"; });
+  const bool plain = e.energyplus.empty() && e.on_energyplus && !e.common.empty();
+  e.on_any_model = !s.is_null("any_model") && !commanded && (plain || !e.any_model.empty());
   if (!s.has("probe") || !s.at("probe").is_array() || s.at("probe").size() != 2 || !s.at("probe")[0].is_number() ||
       !s.at("probe")[1].is_number()) {
     s.refuse("probe", json.value("probe", Json()).dump(), "two magnitudes");

@@ -31,13 +31,13 @@ std::string Channels::name(int column) const {
   if (column == mau_temp()) return "mau_temp_degc";
   if (column == supply_temp()) return "supply_temp_degc";
   if (column < fcu_duty()) return placed("power_", column - power(), "_kw");
-  return placed("fcu_duty_", column - fcu_duty(), "");
+  if (column < damper()) return placed("fcu_duty_", column - fcu_duty(), "");
+  return placed("damper_", column - damper(), "");
 }
 
 const char* Channels::unit(int column) const { return column < power() ? "K" : column < fcu_duty() ? "kW" : "-"; }
 
-std::shared_ptr<const Weather> measured_weather(const Recording& recording) {
-  constexpr int interval_s = 180;
+std::shared_ptr<const Weather> measured_weather(const Recording& recording, int interval_s) {
   const CivilTime begin{recording.from.seconds - lead_days * seconds_per_day};
   std::vector<WeatherRecord> records;
   // A record's temperature holds at its end: an instant's value is the mean of the rows around it.

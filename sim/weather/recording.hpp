@@ -52,16 +52,19 @@ struct Recording {
 /// Days that a replay lives through before the recording begins, so that walls and masses do not remember the start.
 constexpr int lead_days = 4;
 
-/// The columns of a replay. Order: room temperatures, FCU temperatures, MAU outlet, supply, powers, FCU duties.
+/// The columns of a replay. Order: room temperatures, FCU temperatures, MAU outlet, supply, powers, FCU duties,
+/// dampers.
 struct Channels {
   int rooms = 0, fcus = 0, powers = 0;
+  int dampers = 0;  ///< of a model that moves them itself: one a room, or none
   int fcu_temp() const { return rooms; }
   int mau_temp() const { return rooms + fcus; }
   int supply_temp() const { return mau_temp() + 1; }
   int power() const { return supply_temp() + 1; }
   int fcu_duty() const { return power() + powers; }
-  int count() const { return fcu_duty() + fcus; }
-  /// "room_temp_1_degc", "power_2_kw", "fcu_duty_3".
+  int damper() const { return fcu_duty() + fcus; }
+  int count() const { return damper() + dampers; }
+  /// "room_temp_1_degc", "power_2_kw", "fcu_duty_3", "damper_1".
   std::string name(int column) const;
   /// "K", "kW" or "-": of a difference.
   const char* unit(int column) const;
@@ -71,8 +74,8 @@ struct Channels {
 using ChannelTable = Eigen::MatrixXd;
 
 /// The station's weather with the measured outdoor temperature and rain in its place, from lead_days before the stretch
-/// to its end; before it, the first day is repeated.  Interval: 3 min.
+/// to its end; before it, the first day is repeated, in intervals of 3 min or what is asked for.
 /// Errors: hal::InputError if the station does not cover the stretch.
-std::shared_ptr<const Weather> measured_weather(const Recording& recording);
+std::shared_ptr<const Weather> measured_weather(const Recording& recording, int interval_s = 180);
 
 }  // namespace airside::sim

@@ -69,6 +69,24 @@ std::vector<std::string> ModelIndex::nodes() const {
   return {names.begin(), names.end()};
 }
 
+std::set<std::string> ModelIndex::zones_behind(const std::string& name) const {
+  std::set<std::string> zones;
+  const auto add_members = [&](const char* type, const char* list, const char* field, const auto& each) {
+    const ModelObject members = find(type, name);
+    if (members.fields == nullptr || !members.fields->contains(list)) return;
+    for (const auto& entry : members.fields->at(list)) each(ModelObject{"", "", &entry}.text(field));
+  };
+  const auto zone_of_space = [&](const std::string& space) {
+    const std::string zone = find("Space", space).text("zone_name");
+    if (!zone.empty()) zones.insert(engine_case(zone));
+  };
+  if (object("Zone", name)) zones.insert(engine_case(name));
+  if (object("Space", name)) zone_of_space(name);
+  add_members("ZoneList", "zones", "zone_name", [&](const std::string& zone) { zones.insert(engine_case(zone)); });
+  add_members("SpaceList", "spaces", "space_name", zone_of_space);
+  return zones;
+}
+
 void ModelIndex::gather_texts(const nlohmann::json& value) {
   if (value.is_string()) texts_.insert(engine_case(value.get<std::string>()));
   if (!value.is_structured()) return;

@@ -35,6 +35,8 @@ class ModelIndex {
   /// The object of this name among them; `fields` is null where there is none.
   ModelObject find(std::string_view type, const std::string& name) const;
   std::vector<std::string> names_of(std::string_view type) const;
+  /// The zones that a name of a zone, zone list, space or space list stands for, as engine_case() has them.
+  std::set<std::string> zones_behind(const std::string& name) const;
   /// Every text of a field that names a node.
   std::vector<std::string> nodes() const;
 

@@ -75,32 +75,13 @@ std::string fan_of_zone_unit(const ModelIndex& index, const std::string& zone) {
   return {};
 }
 
-/// The zones that a name of a zone, zone list, space or space list stands for, as the engine compares them.
-std::set<std::string> zones_behind(const ModelIndex& index, const std::string& name) {
-  std::set<std::string> zones;
-  const auto add_members = [&](const char* type, const char* list, const char* field, const auto& each) {
-    const ModelObject object = index.find(type, name);
-    if (object.fields == nullptr || !object.fields->contains(list)) return;
-    for (const auto& entry : object.fields->at(list)) each(ModelObject{"", "", &entry}.text(field));
-  };
-  const auto zone_of_space = [&](const std::string& space) {
-    const std::string zone = index.find("Space", space).text("zone_name");
-    if (!zone.empty()) zones.insert(engine_case(zone));
-  };
-  if (index.object("Zone", name)) zones.insert(engine_case(name));
-  if (index.object("Space", name)) zone_of_space(name);
-  add_members("ZoneList", "zones", "zone_name", [&](const std::string& zone) { zones.insert(engine_case(zone)); });
-  add_members("SpaceList", "spaces", "space_name", zone_of_space);
-  return zones;
-}
-
 /// Schedules of the people in a zone.
 std::set<std::string> people_of_zone(const ModelIndex& index, const std::string& zone) {
   std::set<std::string> schedules;
   for (const ModelObject& people : index.of_type("People")) {
     const std::string where = people.text("zone_or_zonelist_or_space_or_spacelist_name");
     const std::string schedule = people.text("number_of_people_schedule_name");
-    if (!schedule.empty() && zones_behind(index, where).contains(engine_case(zone))) schedules.insert(schedule);
+    if (!schedule.empty() && index.zones_behind(where).contains(engine_case(zone))) schedules.insert(schedule);
   }
   return schedules;
 }

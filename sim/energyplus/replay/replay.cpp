@@ -5,9 +5,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -17,6 +19,7 @@
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/process.hpp"
 #include "sim/energyplus/replay/eso.hpp"
+#include "sim/energyplus/replay/own_outputs.hpp"
 #include "sim/energyplus/replay/replay_cache.hpp"
 #include "sim/energyplus/replay/replay_files.hpp"
 #include "sim/energyplus/words.hpp"
@@ -101,6 +104,7 @@ class TableMaker {
 
   ChannelTable table(bool thermostats) {
     const Channels channels = channels_of(twin_);
+    if (twin_.own) return own_table(channels);
     table_.setConstant(static_cast<Eigen::Index>(recording_.rows.size()), channels.count(), 0.0);
     for (int i = 0; i < channels.rooms; ++i) take(i, zone_temp(twin_.names.interior_zones, i), 1, 0);
     for (int i = 0; i < channels.fcus; ++i)
@@ -122,6 +126,20 @@ class TableMaker {
   }
 
  private:
+  /// NaN where the model shows nothing.
+  ChannelTable own_table(const Channels& channels) {
+    table_.setConstant(static_cast<Eigen::Index>(recording_.rows.size()), channels.count(),
+                       std::numeric_limits<double>::quiet_NaN());
+    constexpr double runs_w = 1;
+    for (const ChannelOutput& output : own_outputs(twin_)) {
+      take(output.column, output.series(), output.factor, output.offset);
+      if (output.kind != ChannelOutput::Kind::runs) continue;
+      auto column = table_.col(output.column).array();
+      column = (column > runs_w).select(Eigen::ArrayXd::Ones(column.size()), 0.0);
+    }
+    return std::move(table_);
+  }
+
   static std::string zone_temp(const std::vector<std::string>& zones, int place) {
     return zones[static_cast<std::size_t>(place)] + ",Zone Mean Air Temperature";
   }
@@ -170,11 +188,27 @@ class TableMaker {
 }  // namespace
 
 EnergyPlusTwin twin_of(const EnergyPlusOptions& options) {
-  return {compose_model(options, find_energyplus().schema), options.rooms, options.names};
+  EnergyPlusTwin twin{compose_model(options, find_energyplus().schema), options.rooms, options.names};
+  if (!options.own) return twin;
+  twin.own = options.own;
+  twin.step_s = 60 * options.step_min;
+  twin.names.interior_zones = options.own->zones;
+  twin.names.perimeter_zones = options.own->fcu_zones;
+  twin.names.supply_setpoint_schedule = options.own->supply_setpoint_schedule;
+  twin.names.powers = options.own->powers;
+  twin.loops.dampers.assign(options.own->zones.size(), 1);
+  return twin;
 }
 
 Channels channels_of(const EnergyPlusTwin& twin) {
-  return {static_cast<int>(twin.names.interior_zones.size()), static_cast<int>(twin.names.perimeter_zones.size()), 2};
+  Channels channels{static_cast<int>(twin.names.interior_zones.size()),
+                    static_cast<int>(twin.names.perimeter_zones.size()), 2};
+  if (!twin.own) return channels;
+  channels.powers = static_cast<int>(twin.own->powers.size());
+  const auto& terminals = twin.own->terminals;
+  if (std::any_of(terminals.begin(), terminals.end(), [](const std::string& name) { return !name.empty(); }))
+    channels.dampers = channels.rooms;
+  return channels;
 }
 
 ChannelTable replay_energyplus(const EnergyPlusTwin& twin, const Recording& recording, const ReplayOptions& options) {
@@ -194,7 +228,9 @@ ChannelTable replay_energyplus(const EnergyPlusTwin& twin, const Recording& reco
                                          << repeat_command << "\n";
     if (options.engine_runs != nullptr) ++*options.engine_runs;
     run_engine(install, folder);
-    return TableMaker(twin, recording, days, EsoFile(folder / "out" / "eplusout.eso")).table(options.thermostats);
+    const auto periods = twin.own ? EsoFile::Periods::last : EsoFile::Periods::one;
+    EsoFile outputs(folder / "out" / "eplusout.eso", periods);
+    return TableMaker(twin, recording, days, std::move(outputs)).table(options.thermostats);
   };
   const ReplayCache cache(options.cache);
   const bool keyed = options.memory != nullptr || !options.cache.empty();

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "sim/energyplus/options.hpp"
 #include "sim/weather/recording.hpp"
@@ -13,10 +14,15 @@ namespace airside::sim {
 
 /// A twin to replay on: the composed model, whose dates do not matter, and the room loops that live outside the
 /// engine.  Of the loops a replay uses dampers, lag, bias, people (without noise) and, if asked, thermostats.
+///
+/// With `own` the model's thermostats, terminals, people and plant run by themselves: the recorded supply setpoint is
+/// all that is played, and of the loops lag and bias alone count. `names` then has its zones and its meters, too.
 struct EnergyPlusTwin {
   nlohmann::json model;
   RoomLoopOptions loops;
   ModelNames names;
+  std::optional<OwnNames> own = std::nullopt;
+  int step_s = 180;  ///< of the simulation; a divisor of 6 min
 };
 
 /// The twin of a run's options: model with patches, checked against the engine's schema.
@@ -47,7 +53,8 @@ struct ReplayOptions {
 ChannelTable replay_energyplus(const EnergyPlusTwin& twin, const Recording& recording,
                                const ReplayOptions& options = {});
 
-/// The columns of the twin's table: interior zones, perimeter zones, fans and plant.
+/// The columns of the twin's table: interior zones, perimeter zones, fans and plant; of a model with controls of its
+/// own what [twin.names] has, with dampers where a terminal shows one.
 Channels channels_of(const EnergyPlusTwin& twin);
 
 }  // namespace airside::sim

@@ -9,8 +9,6 @@
 namespace airside::sim {
 namespace {
 
-constexpr int steps_per_year = 365 * replay_steps_per_day;
-
 void expect_of_recording(bool holds, const std::string& found, const char* expected) {
   if (!holds) throw hal::InputError("recording", found, expected, "choose another stretch, or the twin that fits it");
 }
@@ -21,8 +19,8 @@ void check_rows(const EnergyPlusTwin& twin, const Recording& recording) {
   };
   expect_of_recording(!recording.rows.empty() && recording.station != nullptr, "no rows or no weather station",
                       "rows, and the weather of their days");
-  expect_of_recording(recording.from.second_of_day() % replay_step_s == 0, "a start at " + text_of(recording.from),
-                      "a start at a multiple of 3 min");
+  expect_of_recording(recording.from.second_of_day() % twin.step_s == 0, "a start at " + text_of(recording.from),
+                      "a start at a multiple of the time step");
   expect_of_recording(twin.loops.dampers.size() == twin.names.interior_zones.size(),
                       std::to_string(twin.loops.dampers.size()) + " dampers of the twin", "one a VAV zone");
   for (std::size_t i = 0; i < recording.rows.size(); ++i) {
@@ -80,26 +78,27 @@ ReplayDays replay_days(const EnergyPlusTwin& twin, const Recording& recording) {
   ReplayDays days;
   days.begin = {(recording.from.day() - replay_lead_days) * 86400};
   days.days = static_cast<int>(CivilTime{recording.to().seconds - 1}.day() - days.begin.day()) + 1;
-  days.first_step = static_cast<int>(second_of_year(days.begin) / replay_step_s);
+  days.step_s = twin.step_s;
+  days.first_step = static_cast<int>(second_of_year(days.begin) / days.step_s);
   days.year = engine_year(days.begin);
-  expect_of_recording(days.first_step + days.steps() <= steps_per_year,
+  expect_of_recording(days.first_step + days.steps() <= 365 * days.steps_per_day(),
                       "days from " + text_of(days.begin) + " to " + text_of(recording.to()),
                       "a stretch and the days before it within one calendar year");
   return days;
 }
 
 Weather replay_weather(const Recording& recording, const ReplayDays& days) {
-  const std::shared_ptr<const Weather> measured = measured_weather(recording);
+  const std::shared_ptr<const Weather> measured = measured_weather(recording, days.step_s);
   const auto& known = measured->records();
   const auto whole = static_cast<std::size_t>(days.steps());
   const auto before = static_cast<std::size_t>(days.first_step - measured->first_interval());
   std::vector<WeatherRecord> records(whole);
   for (std::size_t i = 0; i < whole; ++i) {
     std::size_t there = before + i;
-    while (there >= known.size()) there -= replay_steps_per_day;
+    while (there >= known.size()) there -= static_cast<std::size_t>(days.steps_per_day());
     records[i] = known[there];
   }
-  return {measured->location(), measured->description(), replay_step_s, days.first_step, std::move(records)};
+  return {measured->location(), measured->description(), days.step_s, days.first_step, std::move(records)};
 }
 
 ReplayCommands replay_commands(const EnergyPlusTwin& twin, const Recording& recording, const ReplayDays& days,
@@ -119,9 +118,9 @@ ReplayCommands replay_commands(const EnergyPlusTwin& twin, const Recording& reco
   fcu_on.assign(static_cast<std::size_t>(fcus), supply);
   people.assign(static_cast<std::size_t>(vavs + fcus), supply);
   for (std::size_t step = 0; step < steps; ++step) {
-    const CivilTime t{days.begin.seconds + static_cast<std::int64_t>(step) * replay_step_s};
+    const CivilTime t{days.begin.seconds + static_cast<std::int64_t>(step) * days.step_s};
     const RecordedRow& row = recording.at(t);
-    const RoomCommands& commands = loops.step(t, replay_step_s, row.setpoint_degc, any_temps);
+    const RoomCommands& commands = loops.step(t, days.step_s, row.setpoint_degc, any_temps);
     supply[step] = commands.supply_setpoint_degc;
     for (std::size_t i = 0; i < vav_on.size(); ++i) vav_on[i][step] = row.vav_on[i];
     for (std::size_t i = 0; i < fcu_on.size(); ++i) fcu_on[i][step] = row.fcu_on[i];
@@ -133,7 +132,7 @@ ReplayCommands replay_commands(const EnergyPlusTwin& twin, const Recording& reco
                                   [](const RecordedRow& row) { return !row.zone_heat_kw.empty(); });
   std::vector<std::vector<double>> heat(heated ? people.size() : 0, std::vector<double>(steps)), cold = heat;
   for (std::size_t step = 0; heated && step < steps; ++step) {
-    const RecordedRow& row = recording.at({days.begin.seconds + static_cast<std::int64_t>(step) * replay_step_s});
+    const RecordedRow& row = recording.at({days.begin.seconds + static_cast<std::int64_t>(step) * days.step_s});
     for (std::size_t z = 0; z < row.zone_heat_kw.size(); ++z) {
       heat[z][step] = std::max(0.0, row.zone_heat_kw[z]);
       cold[z][step] = std::max(0.0, -row.zone_heat_kw[z]);
@@ -145,13 +144,15 @@ ReplayCommands replay_commands(const EnergyPlusTwin& twin, const Recording& reco
   const auto add_each = [&columns](const std::string& pattern, auto first, auto last) {
     for (int place = 1; first != last; ++first, ++place) columns.add(schedule_at(pattern, place), std::move(*first));
   };
-  std::vector<std::vector<double>> dampers;
-  for (const double damper : twin.loops.dampers) dampers.emplace_back(steps, damper);
-  add_each(twin.names.vav_on_schedule, vav_on.begin(), vav_on.end());
-  add_each(twin.names.vav_damper_schedule, dampers.begin(), dampers.end());
-  if (!thermostats) add_each(twin.names.fcu_on_schedule, fcu_on.begin(), fcu_on.end());
-  add_each(twin.names.interior_occupancy_schedule, people.begin(), people.begin() + vavs);
-  add_each(twin.names.perimeter_occupancy_schedule, people.begin() + vavs, people.end());
+  if (!twin.own) {
+    std::vector<std::vector<double>> dampers;
+    for (const double damper : twin.loops.dampers) dampers.emplace_back(steps, damper);
+    add_each(twin.names.vav_on_schedule, vav_on.begin(), vav_on.end());
+    add_each(twin.names.vav_damper_schedule, dampers.begin(), dampers.end());
+    if (!thermostats) add_each(twin.names.fcu_on_schedule, fcu_on.begin(), fcu_on.end());
+    add_each(twin.names.interior_occupancy_schedule, people.begin(), people.begin() + vavs);
+    add_each(twin.names.perimeter_occupancy_schedule, people.begin() + vavs, people.end());
+  }
   add_each(std::string(heat_schedule_prefix) + "#", heat.begin(), heat.end());
   add_each(std::string(cold_schedule_prefix) + "#", cold.begin(), cold.end());
   return columns.commands();

@@ -24,9 +24,11 @@ struct ReplayDays {
   int days = 0;
   int first_step = 0;  ///< steps from 1 January to `begin`
   int year = 2021;     ///< a label: no leap year, and `begin` falls on its own weekday
-  int steps() const { return days * replay_steps_per_day; }
+  int step_s = replay_step_s;
+  int steps_per_day() const { return 86400 / step_s; }
+  int steps() const { return days * steps_per_day(); }
   /// Steps from `begin` to t.
-  int step_at(CivilTime t) const { return static_cast<int>((t.seconds - begin.seconds) / replay_step_s); }
+  int step_at(CivilTime t) const { return static_cast<int>((t.seconds - begin.seconds) / step_s); }
 };
 
 /// Errors: hal::InputError for a recording that is empty, off the time step or shaped unlike the twin.

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "hal/text/input_error.hpp"
+#include "sim/energyplus/replay/own_outputs.hpp"
 #include "sim/energyplus/replay/replay_files.hpp"
 
 namespace airside::sim {
@@ -34,9 +35,9 @@ std::string fcu_schedule(const ModelNames& names, std::size_t place) {
 }
 
 /// "Run period", time steps and what is simulated; what else the model says of them stays.
-void set_replay_dates(json& model, const ReplayDays& days) {
+void set_replay_dates(json& model, const ReplayDays& days, bool own) {
   const std::int64_t year_s = civil_midnight(days.year, 1, 1).seconds;
-  const CivilTime first{year_s + static_cast<std::int64_t>(days.first_step) * replay_step_s};
+  const CivilTime first{year_s + static_cast<std::int64_t>(days.first_step) * days.step_s};
   const std::string begin = text_of(first), end = text_of({first.seconds + (days.days - 1) * 86400LL});
   json& period = only_object(model, "RunPeriod", "Run Period");
   period.erase("day_of_week_for_start_day");
@@ -48,8 +49,11 @@ void set_replay_dates(json& model, const ReplayDays& days) {
   period["use_weather_file_daylight_saving_period"] = "No";
   period["use_weather_file_rain_indicators"] = "Yes";
   model["RunPeriod"] = {{"Run Period", json(period)}};
-  model["Timestep"] = {{"Time Step", {{"number_of_timesteps_per_hour", 3600 / replay_step_s}}}};
-  model["ConvergenceLimits"] = {{"Convergence Limits", {{"minimum_system_timestep", replay_step_s / 60}}}};
+  model["Timestep"] = {{"Time Step", {{"number_of_timesteps_per_hour", 3600 / days.step_s}}}};
+  json& limits = only_object(model, "ConvergenceLimits", "Convergence Limits");
+  if (!own) limits = json::object();
+  limits["minimum_system_timestep"] = days.step_s / 60;
+  model["ConvergenceLimits"] = {{"Convergence Limits", json(limits)}};
   only_object(model, "Building", "Building")["minimum_number_of_warmup_days"] = 1;
   json& control = only_object(model, "SimulationControl", "Simulation Control");
   control["run_simulation_for_sizing_periods"] = "No";
@@ -57,27 +61,38 @@ void set_replay_dates(json& model, const ReplayDays& days) {
 }
 
 /// The table's outputs, the weather as the engine saw it, and no others: they would only cost time.
-void set_replay_outputs(json& model, const ModelNames& names, bool thermostats) {
+void set_replay_outputs(json& model, const EnergyPlusTwin& twin, bool thermostats) {
+  const ModelNames& names = twin.names;
   for (auto it = model.begin(); it != model.end();) it = it.key().starts_with("Output:") ? model.erase(it) : ++it;
   json& variables = model["Output:Variable"] = json::object();
   const auto add = [&variables](const std::string& key, const char* variable) {
     variables[fmt::format("Replay {:02}", variables.size() + 1)] = {
         {"key_value", key}, {"variable_name", variable}, {"reporting_frequency", "Timestep"}};
   };
-  for (const auto& zone : names.interior_zones) add(zone, "Zone Mean Air Temperature");
-  for (const auto& zone : names.perimeter_zones) add(zone, "Zone Mean Air Temperature");
-  add(names.supply_air_node, "System Node Temperature");
-  add(names.mau_outlet_node, "System Node Temperature");
+  json& meters = model["Output:Meter"] = json::object();
+  const auto meter = [&meters](const std::string& name) {
+    meters["Replay " + name] = {{"key_name", name}, {"reporting_frequency", "Timestep"}};
+  };
+  if (twin.own) {
+    for (const ChannelOutput& output : own_outputs(twin)) {
+      if (output.kind == ChannelOutput::Kind::meter)
+        meter(output.key);
+      else
+        add(output.key, output.variable.c_str());
+    }
+  } else {
+    for (const auto& zone : names.interior_zones) add(zone, "Zone Mean Air Temperature");
+    for (const auto& zone : names.perimeter_zones) add(zone, "Zone Mean Air Temperature");
+    add(names.supply_air_node, "System Node Temperature");
+    add(names.mau_outlet_node, "System Node Temperature");
+    for (const char* name : {"Electricity:HVAC", "Electricity:Plant"}) meter(name);
+  }
   add("Environment", "Site Outdoor Air Drybulb Temperature");
   add("Environment", "Site Rain Status");
   add("Environment", "Site Direct Solar Radiation Rate per Area");
   add("Environment", "Site Diffuse Solar Radiation Rate per Area");
   for (std::size_t i = 1; thermostats && i <= names.perimeter_zones.size(); ++i)
     add(fcu_schedule(names, i), "Schedule Value");
-  json& meters = model["Output:Meter"] = json::object();
-  for (const char* meter : {"Electricity:HVAC", "Electricity:Plant"})
-    meters[std::string("Replay ") + meter] = {{"key_name", meter}, {"reporting_frequency", "Timestep"}};
-
   const bool named = model.contains("OutputControl:Files") && !model["OutputControl:Files"].empty();
   json& files = only_object(model, "OutputControl:Files", "Output Files");
   if (!named) {
@@ -191,7 +206,7 @@ class DaySchedules {
   void set_date(json& part, const std::string& which, int day) const {
     const std::int64_t year_s = civil_midnight(days_.year, 1, 1).seconds;
     const std::string date =
-        text_of({year_s + std::int64_t{days_.first_step} * replay_step_s + std::int64_t{day} * 86400});
+        text_of({year_s + std::int64_t{days_.first_step} * days_.step_s + std::int64_t{day} * 86400});
     part[which + "_month"] = std::stoi(date.substr(5, 2));
     part[which + "_day"] = std::stoi(date.substr(8, 2));
   }
@@ -217,8 +232,8 @@ class DaySchedules {
 
   /// The name of the schedule of a replayed day, which equal days share.
   std::string day_of(const std::vector<double>& values, int day) {
-    const auto first = values.begin() + std::ptrdiff_t{day} * replay_steps_per_day;
-    const std::vector<double> today(first, first + replay_steps_per_day);
+    const auto first = values.begin() + std::ptrdiff_t{day} * days_.steps_per_day();
+    const std::vector<double> today(first, first + days_.steps_per_day());
     const auto [known, added] = known_.try_emplace(today, fmt::format("Replay Day {}", known_.size() + 1));
     if (!added) return known->second;
     model_["ScheduleTypeLimits"][day_limits] = json::object();
@@ -230,12 +245,12 @@ class DaySchedules {
     if (2 * ends.size() > today.size()) {
       json& list = schedule["extensions"] = json::array();
       for (const double value : today) list.push_back({{"value", value}});
-      schedule["minutes_per_item"] = replay_step_s / 60;
+      schedule["minutes_per_item"] = days_.step_s / 60;
       model_["Schedule:Day:List"][known->second] = std::move(schedule);
     } else {
       json& until = schedule["data"] = json::array();
       for (const std::size_t end : ends) {
-        const std::size_t minute = end * (replay_step_s / 60);
+        const std::size_t minute = end * static_cast<std::size_t>(days_.step_s / 60);
         until.push_back(
             {{"time", fmt::format("{:02}:{:02}", minute / 60, minute % 60)}, {"value_until_time", today[end - 1]}});
       }
@@ -255,8 +270,8 @@ class DaySchedules {
 json replay_model(const EnergyPlusTwin& twin, const ReplayDays& days, const ReplayCommands& commands,
                   bool thermostats) {
   json model = twin.model;
-  set_replay_dates(model, days);
-  set_replay_outputs(model, twin.names, thermostats);
+  set_replay_dates(model, days, twin.own.has_value());
+  set_replay_outputs(model, twin, thermostats);
   add_unknown_heat(model, twin.names, commands);
   expect_schedules(model, commands);
   if (thermostats) add_thermostats(model, twin.loops, twin.names);

@@ -72,6 +72,8 @@ bool burns_gas(const ModelObject& coil) {
   return fuel.empty() || same_name(fuel, "NaturalGas");
 }
 
+}  // namespace
+
 ModelObject outdoor_air_controller(const ModelView& model, const AirLoop& loop) {
   for (const LoopComponent& c : loop.components) {
     if (c.type != "AirLoopHVAC:OutdoorAirSystem") continue;
@@ -86,7 +88,14 @@ ModelObject outdoor_air_controller(const ModelView& model, const AirLoop& loop) 
   return {};
 }
 
-}  // namespace
+std::vector<ModelObject> loop_coils(const ModelView& model, const AirLoop& loop) {
+  std::vector<ModelObject> coils;
+  const Coils known(model, loop);
+  for (const auto& [type, name] : known.list()) {
+    if (const ModelObject coil = model.find(type, name)) coils.push_back(coil);
+  }
+  return coils;
+}
 
 LoopMeters loop_meters(const ModelView& model, const AirLoop& loop) {
   MeterParts fans, cooling, heating, gas;

@@ -27,6 +27,12 @@ struct LoopMeters {
 /// Fans and coils of the supply side, and the coils of the terminals.
 LoopMeters loop_meters(const ModelView& model, const AirLoop& loop);
 
+/// The coils of a loop: on its branches, in its coil systems and packaged unit, and those of its terminals.
+std::vector<ModelObject> loop_coils(const ModelView& model, const AirLoop& loop);
+
+/// Its Controller:OutdoorAir; empty where it has none.
+ModelObject outdoor_air_controller(const ModelView& model, const AirLoop& loop);
+
 /// Least outdoor air, share of the design flow: of the model's hard fields, else of the patch's sizes. 0: unknown.
 double least_outdoor_share(const ModelView& model, const AirLoop& loop, const nlohmann::json& sizes);
 

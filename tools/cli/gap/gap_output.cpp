@@ -7,6 +7,7 @@
 #include "hal/text/staged_folder.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/gap/report/gap_report.hpp"
+#include "tools/gap/run/detectable.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/report/report.hpp"
 
@@ -50,6 +51,12 @@ void say(const gap::GapRun& run, const nlohmann::json& j, const RunFacts& facts)
       days["days"].get<int>(), figure("before", "temp_rmse_k"), figure("after", "temp_rmse_k"),
       figure("before", "power_rmse_kw"), figure("after", "power_rmse_kw"), figure("given", "temp_rmse_k"),
       figure("given", "power_rmse_kw"));
+  if (!run.loaded.engine->plays_commands()) {
+    const std::string invisible = gap::invisible_text(gap::detectable_sizes(run));
+    fmt::print("{}\n", gap::own_control_text());
+    if (!invisible.empty()) fmt::print("{}\n", invisible);
+    for (const gap::NotApplicable& n : run.not_applicable) fmt::print("not applicable: {}: {}\n", n.id, n.why);
+  }
   if (run.retraining) fmt::print("{}{}\n", gap::text_of(*run.retraining), gap::sentence_of(*run.retraining));
   fmt::print("by {}\n", text_of(facts));
   for (const auto& file : j["files"]) fmt::print("{}\n", file.get<std::string>());

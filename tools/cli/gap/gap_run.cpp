@@ -142,11 +142,7 @@ struct SiteCommand : GapOptions {
       c.engine = plant.empty() ? "rc" : plant;
       c.model = !room.empty() ? room : c.engine == "rc" ? "rc" : "twin";
     } else if (section) {
-      if (section->control == hal::TwinControl::own) {
-        throw hal::InputError(site.file.path + ": twin.control", "\"own\", a model with controls of its own",
-                              "a model whose boxes and people airside commands, as its effects change them",
-                              "name such a model with --twin FILE.epJSON, or an rc room with --plant rc --room FILE");
-      }
+      if (section->control == hal::TwinControl::own) c.site = site_path;
       c.engine = section->model == "rc" ? "rc" : "energyplus";
       c.model = section->model;
       if (patches.empty()) c.patches = section->patches;

@@ -11,6 +11,7 @@
 #include "sim/json/json_file.hpp"
 #include "sim/json/merge_patch.hpp"
 #include "tools/run/site.hpp"
+#include "tools/run/twin_options.hpp"
 
 namespace airside::tools::gap {
 
@@ -40,8 +41,8 @@ CaseDescription read_case(const fs::path& folder) {
                           "see docs/formats.md, \"Cases of the gap workflow\"");
   };
   if (!j.is_object()) refuse("", j.dump().substr(0, 40), "an object");
-  static const std::vector<std::string> known{"format",    "engine",   "model",    "patches", "weather",
-                                              "reference", "measured", "topology", "window",  "duties"};
+  static const std::vector<std::string> known{"format",   "engine",   "model",  "patches", "weather", "reference",
+                                              "measured", "topology", "window", "duties",  "site"};
   for (const auto& [key, value] : j.items()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
       refuse(key, "an unknown key", fmt::format("one of {}", fmt::join(known, ", ")));
@@ -64,6 +65,7 @@ CaseDescription read_case(const fs::path& folder) {
   c.measured_log = resolved(folder, text("measured", nullptr));
   c.topology = text("topology", "5vav-5fcu-2power");
   c.window = text("window", "");
+  c.site = resolved(folder, text("site", ""));
   if (j.contains("duties")) {
     if (!j["duties"].is_boolean()) refuse("duties", j["duties"].dump(), "true or false");
     c.duties = j["duties"].get<bool>();
@@ -83,6 +85,7 @@ void write_case(const fs::path& folder, const CaseDescription& c) {
                       {"weather", c.weather},   {"reference", c.reference_log}, {"measured", c.measured_log},
                       {"topology", c.topology}, {"window", c.window},           {"duties", c.duties}};
   if (!c.patches.empty()) j["patches"] = c.patches;
+  if (!c.site.empty()) j["site"] = c.site;
   std::ofstream out(folder / "case.json");
   out << j.dump(1) << '\n';
   if (!out) {
@@ -114,6 +117,16 @@ nlohmann::json model_of(const CaseDescription& c) {
 }
 
 sim::EnergyPlusOptions energyplus_options_of(const CaseDescription& c) {
+  if (!c.site.empty()) {
+    hal::TwinSection twin = load_site(c.site).file.twin.value_or(hal::TwinSection{});
+    if (twin.control != hal::TwinControl::own || !twin.names) {
+      throw hal::InputError(c.site + ": twin.control", "no model with controls of its own", "control = \"own\"",
+                            "name the site that airside adopt wrote");
+    }
+    twin.model = c.model;
+    twin.patches = c.patches;
+    return twin_options(twin);
+  }
   const bool file = c.model.ends_with(".epJSON");
   sim::EnergyPlusOptions options = file ? sim::EnergyPlusOptions{} : sim::energyplus_room(c.model);
   if (file) options.model = c.model;

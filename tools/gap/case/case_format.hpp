@@ -20,6 +20,9 @@ struct CaseDescription {
   std::string reference_log, measured_log;
   int reference_days = 0;  ///< > 0, without a reference log: the first N days of the measured log are the reference
   std::string topology = "5vav-5fcu-2power";
+  /// Site file by whose [twin.names] the model, which controls its rooms itself, is read; empty: the project's own
+  /// names.
+  std::string site;
   std::string window;  ///< cases of one window and one model may share responses; empty: shares with none
   bool duties = true;
 };

@@ -36,6 +36,10 @@ CaseLogs divided_log(const CaseDescription& c, CleanLog all) {
 
 }  // namespace
 
+hal::TopologyCounts counts_of(const CaseDescription& c) {
+  return c.site.empty() ? built_in_site(c.topology).counts : load_site(c.site).counts;
+}
+
 CaseLogs read_case_logs(const CaseDescription& c, const CleanUpContext& context) {
   CaseLogs logs;
   const auto read = [&context](const std::string& path) {
@@ -75,7 +79,7 @@ void require_apart(const CaseLogs& logs) {
 LoadedCase load_case(const CaseDescription& c, const std::string& name, const fs::path& cache) {
   LoadedCase loaded;
   loaded.name = name;
-  const hal::TopologyCounts counts = built_in_site(c.topology).counts;
+  const hal::TopologyCounts counts = loaded.counts = counts_of(c);
   if (c.engine == "rc") {
     loaded.engine = std::make_unique<RcEngine>(room_of(c, counts));
   } else {
@@ -94,8 +98,9 @@ LoadedCase load_case(const CaseDescription& c, const std::string& name, const fs
   context.station = weather;
   loaded.logs = read_case_logs(c, context);
   try {
-    loaded.data.reference = window_of(loaded.logs.reference.rows, channels, weather, loaded.logs.reference.place);
-    loaded.data.test = window_of(loaded.logs.measured.rows, channels, weather, loaded.logs.measured.place);
+    loaded.data.reference =
+        window_of(loaded.logs.reference.rows, channels, weather, loaded.logs.reference.place, counts);
+    loaded.data.test = window_of(loaded.logs.measured.rows, channels, weather, loaded.logs.measured.place, counts);
   } catch (const hal::InputError& reason) {
     throw RefusedLog(reason, loaded.logs);
   }

@@ -17,7 +17,8 @@ struct CaseLogs {
 };
 
 struct LoadedCase {
-  std::string name;  ///< the folder's
+  std::string name;            ///< the folder's
+  hal::TopologyCounts counts;  ///< of its logs
   std::unique_ptr<Engine> engine;
   CaseLogs logs;
   CaseData data;
@@ -33,6 +34,10 @@ class RefusedLog : public hal::InputError {
  private:
   CaseLogs logs_;
 };
+
+/// The shape of a case's logs: its site's, with stand-ins and dampers, or that of its topology.
+/// Errors: hal::InputError.
+hal::TopologyCounts counts_of(const CaseDescription& description);
 
 /// Reads and cleans both logs, or divides the measured one at midnight after reference_days.
 /// Errors: RefusedLog, also for files that are no logs.

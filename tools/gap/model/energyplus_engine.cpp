@@ -2,19 +2,23 @@
 
 #include <limits>
 
+#include "sim/energyplus/adopted/model_index.hpp"
 #include "sim/json/merge_patch.hpp"
+#include "tools/gap/any_model/effect_patch.hpp"
+#include "tools/gap/any_model/model_graph.hpp"
+#include "tools/gap/model/patched_model.hpp"
 
 namespace airside::tools::gap {
 
 sim::ChannelTable EnergyPlusEngine::simulate(const Changes& changes, const sim::Recording& recording) const {
-  sim::EnergyPlusTwin twin = twin_;
-  twin.model =
-      sim::merge_patched(std::move(twin.model), sim::model_patch(twin_.model, twin_.names, changes), "effects");
-  twin.loops = sim::changed_loops(twin_.loops, changes);
-  const sim::Recording lived = sim::changed_recording(recording, changes);
+  const sim::EnergyPlusTwin twin = changed_twin(changes);
+  sim::Recording lived = sim::changed_recording(recording, changes);
+  if (twin.own) lived.from.seconds -= lived.from.seconds % twin.step_s;  // a clock may run ahead by half a step
   const sim::Channels at = channels();
   sim::ChannelTable table = sim::replay_energyplus(twin, lived, {.cache = cache_, .memory = &memory_});
-  if (duties_) {
+  if (twin.own) {
+    if (!duties_) table.middleCols(at.fcu_duty(), at.fcus).setConstant(std::numeric_limits<double>::quiet_NaN());
+  } else if (duties_) {
     const auto free = sim::replay_energyplus(twin, lived, {.thermostats = true, .cache = cache_, .memory = &memory_});
     table.rightCols(at.fcus) = free.rightCols(at.fcus);
   } else {
@@ -23,7 +27,29 @@ sim::ChannelTable EnergyPlusEngine::simulate(const Changes& changes, const sim::
   return sim::changed_sensors(std::move(table), at, changes);
 }
 
+sim::EnergyPlusTwin EnergyPlusEngine::changed_twin(const Changes& changes) const {
+  sim::EnergyPlusTwin twin = twin_;
+  twin.model =
+      sim::merge_patched(std::move(twin.model), model_changes(twin_.model, twin_.names, twin_.own, changes), "effects");
+  twin.loops = sim::changed_loops(twin_.loops, changes, twin_.own ? &sim::Effect::any_model : &sim::Effect::energyplus);
+  return twin;
+}
+
+std::string EnergyPlusEngine::why_not(const sim::EffectAt& at) const {
+  if (!twin_.own) return {};
+  const auto rooms = static_cast<int>(twin_.own->zones.size());
+  if (at.effect->place == sim::PlaceKind::zone && at.place >= rooms) {
+    const std::string& zone = twin_.own->fcu_zones.at(static_cast<std::size_t>(at.place - rooms));
+    for (std::size_t i = 0; i < twin_.own->zones.size(); ++i) {
+      if (sim::engine_case(twin_.own->zones[i]) == sim::engine_case(zone))
+        return "the same zone as room " + std::to_string(i + 1);
+    }
+  }
+  return why_not_applicable(twin_.model, *twin_.own, at);
+}
+
 std::array<bool, sim::facades> EnergyPlusEngine::has_facade() const {
+  if (twin_.own) return ModelGraph(twin_.model, *twin_.own).has_facade();
   constexpr const char* names[] = {" North ", " East ", " South ", " West "};
   std::array<bool, sim::facades> has{};
   const auto glazing = twin_.model.find("WindowMaterial:SimpleGlazingSystem");

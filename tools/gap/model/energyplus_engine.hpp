@@ -15,12 +15,18 @@ class EnergyPlusEngine final : public Engine {
   sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override;
   sim::Channels channels() const override { return sim::channels_of(twin_); }
   std::array<bool, sim::facades> has_facade() const override;
-  bool can(const sim::Effect& effect) const override { return effect.on_energyplus; }
+  bool can(const sim::Effect& e) const override { return twin_.own ? e.on_any_model : e.on_energyplus; }
+  std::string why_not(const sim::EffectAt& at) const override;
+  bool plays_commands() const override { return !twin_.own; }
   bool doubts(const sim::Effect& e) const override { return e.prior_sd > 0 && e.prior_on_energyplus; }
-  bool only_shows(const sim::Effect& e) const override { return e.energyplus.empty() && only_on_sensors(e.common); }
+  bool only_shows(const sim::Effect& e) const override {
+    return (twin_.own ? e.any_model : e.energyplus).empty() && only_on_sensors(e.common);
+  }
   bool spares_runs() const override { return true; }
   std::string description() const override { return "EnergyPlus twin " + name_; }
   const sim::EnergyPlusTwin& twin() const { return twin_; }
+  /// The twin with the changes that it can hold.
+  sim::EnergyPlusTwin changed_twin(const Changes& changes) const;
 
  private:
   sim::EnergyPlusTwin twin_;

@@ -26,6 +26,10 @@ class Engine {
   virtual sim::Channels channels() const = 0;
   virtual std::array<bool, sim::facades> has_facade() const = 0;
   virtual bool can(const sim::Effect& effect) const = 0;
+  /// Why an effect that it can is not to be had at one of its places, in words; empty where it is.
+  virtual std::string why_not(const sim::EffectAt& /*at*/) const { return {}; }
+  /// Whether recorded commands of boxes and fan coils are played; else the model's own control has them.
+  virtual bool plays_commands() const { return true; }
   /// Whether the effect is also a parameter that this model does not know exactly.
   virtual bool doubts(const sim::Effect& effect) const { return effect.prior_sd > 0; }
   /// Whether the effect changes what sensors show and nothing else: the run is that of the model as it is, and

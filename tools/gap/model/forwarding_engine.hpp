@@ -13,6 +13,8 @@ class ForwardingEngine : public Engine {
   sim::Channels channels() const override { return engine_.channels(); }
   std::array<bool, sim::facades> has_facade() const override { return engine_.has_facade(); }
   bool can(const sim::Effect& effect) const override { return engine_.can(effect); }
+  std::string why_not(const sim::EffectAt& at) const override { return engine_.why_not(at); }
+  bool plays_commands() const override { return engine_.plays_commands(); }
   bool doubts(const sim::Effect& effect) const override { return engine_.doubts(effect); }
   bool only_shows(const sim::Effect& effect) const override { return engine_.only_shows(effect); }
   bool spares_runs() const override { return engine_.spares_runs(); }

@@ -28,10 +28,23 @@ struct LogColumns {
 
 double held(double value, double last) { return std::isfinite(value) ? value : last; }
 
+/// Dampers of a row in their columns; air that stands is no supply.
+void take_sides(const hal::LogRow& row, const hal::TopologyCounts& site, const sim::Channels& channels,
+                Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> to) {
+  for (std::size_t i = 0; i < site.sides.size() && i < row.side.size(); ++i) {
+    const hal::SideColumn side = site.sides[i];
+    if (side.signal == hal::SideSignal::damper && side.place <= channels.dampers)
+      to(channels.damper() + side.place - 1) = row.side[i];
+    if (side.signal == hal::SideSignal::ahu_on && row.side[i] == 0)
+      to(channels.supply_temp()) = std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
 }  // namespace
 
 Window window_of(std::span<const hal::LogRow> rows, const sim::Channels& channels,
-                 std::shared_ptr<const sim::Weather> station, const std::string& place) {
+                 std::shared_ptr<const sim::Weather> station, const std::string& place,
+                 const hal::TopologyCounts& site) {
   constexpr std::int64_t day = 86400;
   const auto refuse = [&place](const std::string& found) {
     throw hal::InputError(place, found, "at least two whole days of 6-min rows, midnight to midnight",
@@ -60,7 +73,10 @@ Window window_of(std::span<const hal::LogRow> rows, const sim::Channels& channel
     while (next < rows.size() && rows[next].time.seconds < t) ++next;
     if (next < rows.size() && rows[next].time.seconds == t) {
       const hal::LogRow& row = rows[next];
-      const auto value = [&row](int column) { return row.value[static_cast<std::size_t>(column)]; };
+      const auto value = [&](int column) {
+        return site.stand_in(column) ? std::numeric_limits<double>::quiet_NaN()
+                                     : row.value[static_cast<std::size_t>(column)];
+      };
       last_seen = t;
       now.setpoint_degc = held(row.setpoint_degc, now.setpoint_degc);
       for (int v = 0; v < channels.rooms; ++v) {
@@ -80,6 +96,7 @@ Window window_of(std::span<const hal::LogRow> rows, const sim::Channels& channel
       }
       table(static_cast<Eigen::Index>(i), channels.mau_temp()) = value(at.mau);
       table(static_cast<Eigen::Index>(i), channels.supply_temp()) = row.supply_temp_degc;
+      take_sides(row, site, channels, table.row(static_cast<Eigen::Index>(i)));
       now.outdoor_temp_degc = held(value(at.outdoor), now.outdoor_temp_degc);
       now.rain = held(value(at.rain), now.rain);
     } else if (t - last_seen > day) {

@@ -10,6 +10,7 @@
 #include "sim/energyplus/epjson_lint.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/json/merge_patch.hpp"
+#include "tools/gap/any_model/effect_patch.hpp"
 
 namespace airside::tools::gap {
 
@@ -40,12 +41,15 @@ std::string how_text(const sim::EffectOp& op, double m) {
     case sim::By::lag: return fmt::format("lags by {:.4g} s", m);
     case sim::By::exchange: return fmt::format("a share of {:.3g} of the other sensor of the pair", m);
     case sim::By::jet: return fmt::format("a share of {:.3g} of the supply temperature", m);
+    case sim::By::divide: return fmt::format("divided by {:.4g}", m);
+    case sim::By::shift: return fmt::format("{:+.4g} h later", m);
   }
   return "";
 }
 
 /// What the change does that no model file holds.
-std::vector<std::string> beside_model(const sim::EffectChange& change, bool energyplus) {
+std::vector<std::string> beside_model(const sim::EffectChange& change,
+                                      const std::vector<sim::EffectOp> sim::Effect::*model) {
   using On = sim::EffectOp::On;
   std::vector<std::string> lines;
   const sim::Effect& effect = *change.at.effect;
@@ -65,8 +69,8 @@ std::vector<std::string> beside_model(const sim::EffectChange& change, bool ener
       lines.push_back(fmt::format("{} {}{}: {}", what, op.field, place, how_text(op, m)));
   };
   for (const sim::EffectOp& op : effect.common) say(op);
-  if (energyplus) {
-    for (const sim::EffectOp& op : effect.energyplus) say(op);
+  if (model != nullptr) {
+    for (const sim::EffectOp& op : effect.*model) say(op);
   }
   return lines;
 }
@@ -83,14 +87,20 @@ void finish_patch(PatchedModel& out) {
 
 }  // namespace
 
-PatchedModel patched_energyplus(json model, const sim::ModelNames& names, const Changes& changes) {
+json model_changes(const json& model, const sim::ModelNames& names, const std::optional<sim::OwnNames>& own,
+                   std::span<const sim::EffectChange> changes) {
+  return own ? any_model_patch(model, *own, changes) : sim::model_patch(model, names, changes);
+}
+
+PatchedModel patched_energyplus(json model, const sim::ModelNames& names, const Changes& changes,
+                                const std::optional<sim::OwnNames>& own) {
   PatchedModel out;
   out.before = std::move(model);
   out.patch = json::object();
   json now = out.before;
   for (const sim::EffectChange& change : changes) {
-    const json step = sim::model_patch(now, names, std::span(&change, 1));
-    PatchedChange entry{change, {}, beside_model(change, true)};
+    const json step = model_changes(now, names, own, std::span(&change, 1));
+    PatchedChange entry{change, {}, beside_model(change, own ? &sim::Effect::any_model : &sim::Effect::energyplus)};
     list_edits(&now, step, "", entry.edits);
     now.merge_patch(step);
     out.patch.merge_patch(step);
@@ -106,7 +116,7 @@ PatchedModel patched_room(json file, sim::RcRoom room, const Changes& changes) {
   out.patch = json::object();
   for (const sim::EffectChange& change : changes) {
     const sim::RcRoom next = sim::changed_room(room, std::span(&change, 1));
-    PatchedChange entry{change, {}, beside_model(change, false)};
+    PatchedChange entry{change, {}, beside_model(change, nullptr)};
     for (const sim::RoomField& field : sim::room_fields()) {
       const json was = field_value(room, field), is = field_value(next, field);
       if (was == is) continue;

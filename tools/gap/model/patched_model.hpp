@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,9 +32,14 @@ struct PatchedModel {
   std::vector<PatchedChange> changes;
 };
 
-/// The epJSON with the changes.
+/// What the changes make of a model, as a merge patch; `own`: the names of one that controls its rooms itself.
 /// Errors: hal::InputError as sim::model_patch.
-PatchedModel patched_energyplus(nlohmann::json model, const sim::ModelNames& names, const Changes& changes);
+nlohmann::json model_changes(const nlohmann::json& model, const sim::ModelNames& names,
+                             const std::optional<sim::OwnNames>& own, std::span<const sim::EffectChange> changes);
+
+/// The epJSON with the changes.  Errors: as model_changes().
+PatchedModel patched_energyplus(nlohmann::json model, const sim::ModelNames& names, const Changes& changes,
+                                const std::optional<sim::OwnNames>& own = std::nullopt);
 
 /// The room's file with the changes; `room` is what load_room makes of it.
 PatchedModel patched_room(nlohmann::json file, sim::RcRoom room, const Changes& changes);

@@ -60,9 +60,20 @@ Window evidence_of(Window window, const sim::Channels& channels) {
 
 Library library_of(const Engine& engine, const std::vector<sim::Effect>& effects) {
   Library library;
+  const std::array<bool, sim::facades> facades = engine.has_facade();
   for (const sim::Effect& effect : effects) {
-    if (!engine.can(effect)) continue;
-    for (const sim::EffectAt& at : sim::places_of(effect, engine.channels(), engine.has_facade())) {
+    if (!engine.can(effect)) {
+      if (!engine.plays_commands()) library.not_applicable.push_back({effect.name, engine.why_not({&effect, 0})});
+      continue;
+    }
+    const std::vector<sim::EffectAt> places = sim::places_of(effect, engine.channels(), facades);
+    if (places.empty() && !engine.plays_commands())
+      library.not_applicable.push_back({effect.name, "the model has no such place"});
+    for (const sim::EffectAt& at : places) {
+      if (std::string why = engine.why_not(at); !why.empty()) {
+        library.not_applicable.push_back({at.id(), std::move(why)});
+        continue;
+      }
       if (engine.doubts(effect)) library.parameters.push_back(at);
       if (effect.candidate) library.candidates.push_back(at);
     }

@@ -51,9 +51,16 @@ struct WindowResponses {
   Responses reference, test;
 };
 
+/// An effect that a model cannot have, and why not.
+struct NotApplicable {
+  std::string id;
+  std::string why;
+};
+
 /// Everything that an engine can be asked about.
 struct Library {
   std::vector<sim::EffectAt> parameters, candidates;
+  std::vector<NotApplicable> not_applicable = {};
 };
 Library library_of(const Engine& engine, const std::vector<sim::Effect>& effects);
 

@@ -48,6 +48,7 @@ void add_ranking(const GapPage& page, ReportInput& input);
 void add_locked_days(const GapPage& page, ReportInput& input);
 void add_guideline(const GapPage& page, ReportInput& input);
 void add_ledger(const GapPage& page, ReportInput& input);
+void add_model(const GapPage& page, ReportInput& input);
 void add_retraining(const GapPage& page, ReportInput& input);
 
 }  // namespace airside::tools

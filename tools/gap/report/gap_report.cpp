@@ -72,7 +72,8 @@ std::string channel_title(const sim::Channels& at, int c) {
   if (c == at.mau_temp()) return "MAU outlet";
   if (c == at.supply_temp()) return "supply";
   if (c < at.fcu_duty()) return fmt::format("power {}", c - at.power() + 1);
-  return fmt::format("FCU duty {}", c - at.fcu_duty() + 1);
+  if (c < at.damper()) return fmt::format("FCU duty {}", c - at.fcu_duty() + 1);
+  return fmt::format("damper {}", c - at.damper() + 1);
 }
 
 ReportInput make_gap_report(const gap::GapRun& run) {
@@ -86,7 +87,7 @@ ReportInput make_gap_report(const gap::GapRun& run) {
   input.headline = as_sentence(gap::sentence_of(run));
   for (const auto add :
        {add_figures, add_findings, add_continued, add_suspicions, add_experiments, add_heat, add_clean_up, add_maps,
-        add_curves, add_ranking, add_locked_days, add_guideline, add_ledger, add_retraining, add_facts}) {
+        add_curves, add_ranking, add_locked_days, add_guideline, add_ledger, add_model, add_retraining, add_facts}) {
     add(page, input);
   }
   return input;

@@ -83,6 +83,7 @@ GapRequest request_of(const std::string& report, const json& inputs) {
   r.site = inputs.at("site");
   c.topology = inputs.at("topology");
   c.duties = inputs.at("duties");
+  if (inputs.contains("site_file")) c.site = unchanged(report, "site file", inputs.at("site_file"));
   c.reference_days = inputs.at("reference_days");
   read_model(report, inputs.at("model"), c);
   c.weather = unchanged(report, "weather file", inputs.at("weather"));
@@ -108,6 +109,7 @@ json inputs_json(const GapRequest& r) {
   return {{"site", r.site},
           {"topology", c.topology},
           {"duties", c.duties},
+          {"site_file", input_json(c.site)},
           {"model",
            {{"engine", c.engine},
             {"name", file ? fs::absolute(c.model).lexically_normal().string() : c.model},

@@ -5,6 +5,7 @@
 
 #include "hal/text/civil_text.hpp"
 #include "tools/gap/model/stretches.hpp"
+#include "tools/gap/run/detectable.hpp"
 #include "tools/gap/run/gap_inputs.hpp"
 #include "tools/gap/run/gap_run.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
@@ -109,6 +110,19 @@ void append_readable(const json& j, const std::string& margin, std::string& text
   text += "\n" + margin + (j.is_object() ? "}" : "]");
 }
 
+/// Sizes from which effects stand out.
+json detectable_json(const GapRun& run) {
+  json list = json::array();
+  for (const Detectable& d : detectable_sizes(run)) {
+    list.push_back({{"id", d.at.id()},
+                    {"size", finite_json(d.size)},
+                    {"unit", d.at.effect->unit},
+                    {"bound", d.bound},
+                    {"visible", d.visible}});
+  }
+  return list;
+}
+
 json period_json(const Window& window) {
   const Span span = span_of(window.recording);
   return {{"from", hal::civil_text(span.from)},
@@ -200,6 +214,10 @@ json json_of(const GapRun& run) {
   for (std::size_t i = 0; i < run.energy.size(); ++i)
     j["energy"].push_back(json_of(run.energy[i], run.verdict.findings[i], at, run.request.price));
   j["after_curve"] = after_curve_json(run);
+  j["own_control"] = run.loaded.engine->plays_commands() ? json() : json(own_control_text());
+  j["not_applicable"] = json::array();
+  for (const NotApplicable& n : run.not_applicable) j["not_applicable"].push_back({{"id", n.id}, {"why", n.why}});
+  j["detectable"] = detectable_json(run);
   j["tried"] = suspicions_json(run);
   j["inputs"] = inputs_json(run.request);
   j["continued"] = continued_json(run);

@@ -34,7 +34,8 @@ std::vector<ReferenceParameter> reference_parameters(const ReferenceFit& fit, co
 PatchedModel patch_model(const GapRun& run) {
   const CaseDescription& source = run.request.source;
   if (source.engine == "energyplus") {
-    PatchedModel patched = patched_energyplus(model_of(source), energyplus_options_of(source).names, run.after);
+    const sim::EnergyPlusOptions options = energyplus_options_of(source);
+    PatchedModel patched = patched_energyplus(model_of(source), options.names, run.after, options.own);
     check_patched_energyplus(patched, run.request.source.model);
     return patched;
   }
@@ -119,6 +120,7 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   const StretchedEngine engine(counted);
   const CaseData& data = run.loaded.data;
   const Library library = library_of(engine, effects);
+  run.not_applicable = library.not_applicable;
   const GapStages stages(engine, library, static_cast<int>(data.test.measured.rows() / bins_per_day), request.jobs);
   progress.start("comparing the log with " + engine.description(), stages.stages());
   const auto responses = [&](const Window& window) {
@@ -171,10 +173,7 @@ void keep_patched_run(const GapRun& run, const std::filesystem::path& folder) {
   if (engine == nullptr) {
     throw hal::InputError("--keep-run", "an RC room", "an EnergyPlus twin", "leave --keep-run out");
   }
-  sim::EnergyPlusTwin twin = engine->twin();
-  twin.model = sim::merge_patched(std::move(twin.model), sim::model_patch(engine->twin().model, twin.names, run.after),
-                                  "effects");
-  twin.loops = sim::changed_loops(engine->twin().loops, run.after);
+  const sim::EnergyPlusTwin twin = engine->changed_twin(run.after);
   const sim::Recording& days = run.loaded.data.test.recording;
   const std::size_t first_stretch = days.later.empty() ? days.rows.size() : days.later.front().row;
   const sim::Recording lived = sim::changed_recording(part_of(days, 0, first_stretch), run.after);

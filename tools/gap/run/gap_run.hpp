@@ -80,6 +80,7 @@ struct GapRun {
   std::optional<UnknownHeat> heat;              ///< unknown: what is missing in each zone
   std::vector<MeterOffset> meter_offsets;       ///< unknown: power that this heat does not explain, one a meter
   std::vector<Suspicion> suspicions;            ///< one a try
+  std::vector<NotApplicable> not_applicable;    ///< effects that this model cannot have
   std::optional<PatchedModel> patched;          ///< named, or asked for
   std::optional<Retraining> retraining;         ///< asked for: what the patch is worth to the controller
 

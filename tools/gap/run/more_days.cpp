@@ -85,7 +85,7 @@ void apply_test(AddedDays& more, const TestPlan& plan, const sim::Channels& chan
 AddedDays read_days(const GapRun& run, const MoreDays& from, const std::vector<sim::Effect>& effects) {
   CleanUpContext context;
   context.place = from.log;
-  context.counts = built_in_site(run.request.source.topology).counts;
+  context.counts = run.loaded.counts;
   context.station = run.loaded.data.test.recording.station;
   AddedDays more;
   more.test = from.test;
@@ -95,7 +95,7 @@ AddedDays read_days(const GapRun& run, const MoreDays& from, const std::vector<s
     more.log.place = from.log;
     same_room(run.loaded.logs.measured, more.log, context);
     more.log.require_usable();
-    more.window = window_of(more.log.rows, channels, context.station, from.log);
+    more.window = window_of(more.log.rows, channels, context.station, from.log, context.counts);
   } catch (const hal::InputError& reason) {
     throw RefusedLog(reason, {{}, more.log});
   }
@@ -134,7 +134,8 @@ void add_more_days(GapRun& run, const std::vector<sim::Effect>& effects) {
     }
   }
   for (const std::vector<hal::LogRow>& rows : passive)
-    windows.push_back(window_of(rows, channels, first.recording.station, run.loaded.logs.measured.place));
+    windows.push_back(
+        window_of(rows, channels, first.recording.station, run.loaded.logs.measured.place, run.loaded.counts));
   for (const Window& w : windows) bins += w.measured.rows();
   run.loaded.data.test = stacked_windows(windows);
   run.rules.locked_share *= static_cast<double>(bins - bins_of_tests) / static_cast<double>(bins);

@@ -34,7 +34,8 @@ class NightJudge {
     }
     try {
       CaseData data = loaded_.data;
-      data.test = window_of(rows, loaded_.engine->channels(), data.reference.recording.station, log.place);
+      data.test =
+          window_of(rows, loaded_.engine->channels(), data.reference.recording.station, log.place, loaded_.counts);
       const Verdict verdict = analyse(*loaded_.engine, data, {reference_, responses_in(data.test)}, {}, jobs_);
       night.verdict = text_of(verdict.kind);
       if (!verdict.findings.empty()) night.effect = verdict.findings.front().at.id();
@@ -77,7 +78,7 @@ std::vector<Night> judge_nights(const GapRequest& request, const std::string& lo
   const NightJudge judge(request, effects);
   CleanUpContext context;
   context.place = logs;
-  context.counts = built_in_site(request.source.topology).counts;
+  context.counts = judge.loaded().counts;
   context.station = judge.loaded().data.reference.recording.station;
   CleanLog log = read_dirty_log(logs, context);
   log.place = logs;

@@ -1,0 +1,40 @@
+// What the model and the sensors can show at all.
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "tools/gap/report/gap_page.hpp"
+#include "tools/gap/run/detectable.hpp"
+
+namespace airside::tools {
+
+void add_model(const GapPage& page, ReportInput& input) {
+  const gap::Engine& engine = *page.run.loaded.engine;
+  if (!engine.plays_commands()) {
+    input.blocks.push_back(ReportNote{"The model's own control", {gap::own_control_text()}});
+  }
+  ReportTable table;
+  table.title = "What these sensors could show";
+  table.note =
+      "From which size each effect would stand out in these days: its expected gain then reaches its limit, by linear "
+      "responses and the noise of the reference period. What was measured does not count here.";
+  table.row_header = "effect";
+  table.prose = true;
+  table.columns = {{"stands out from", "", 2, false}, {"largest that is possible", "", 2, false}, {"", "", 0, false}};
+  for (const gap::Detectable& d : gap::detectable_sizes(page.run)) {
+    const auto number = [&](double x) {
+      return text_cell(std::isfinite(x) ? fmt::format("{:.3g} {}", x, d.at.effect->unit) : "no size");
+    };
+    table.rows.push_back({d.at.id(),
+                          {number(d.size), number(d.bound), text_cell(d.visible ? "" : "not visible")},
+                          SeriesRole::plain,
+                          false});
+  }
+  for (const gap::NotApplicable& n : page.run.not_applicable)
+    table.rows.push_back(
+        {n.id, {text_cell("not applicable"), text_cell(""), text_cell(n.why)}, SeriesRole::plain, false});
+  input.blocks.push_back(table);
+}
+
+}  // namespace airside::tools
