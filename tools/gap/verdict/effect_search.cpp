@@ -28,10 +28,6 @@ const Refit& EffectSearch::without(const Refit& now, std::size_t left_out) const
   return refit(c_.refitter.at(fewer, now.moved, now.tangent));
 }
 
-const Refit& EffectSearch::alone(const Chosen& effect) const {
-  return refit(c_.refitter.at({effect}, unpatched().moved, unpatched().tangent));
-}
-
 Refit EffectSearch::forward(std::optional<TooSmall>& too_small, const std::function<void(const Refit&)>& look) const {
   Refit now = unpatched();
   // Backward deletion may give back what forward selection took: the rounds are counted.

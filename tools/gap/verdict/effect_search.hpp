@@ -27,8 +27,6 @@ class EffectSearch {
   const Refit& unpatched() const;
   /// Without one of its effects.
   const Refit& without(const Refit& now, std::size_t left_out) const;
-  /// With this effect alone, fitted from its magnitude on.
-  const Refit& alone(const Chosen& effect) const;
   /// With as many effects as the rules allow and the data ask for. `too_small`: what was left out where none got in.
   /// `look`: called with the model after each effect.
   Refit forward(std::optional<TooSmall>& too_small, const std::function<void(const Refit&)>& look = {}) const;

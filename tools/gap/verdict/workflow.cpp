@@ -13,9 +13,6 @@ namespace airside::tools::gap {
 
 namespace {
 
-/// On RC. Without it the posterior is reported beside what the rules decide.
-constexpr bool posterior_decides = false;
-
 bool is_sure(const Finding& f) { return f.why_not.empty(); }
 
 class Analysis {
@@ -50,9 +47,7 @@ class Analysis {
     weigh();
     set_residual_ratio();
     const bool more_needed = std::ssize(now_.chosen) == c_.rules.most_effects && search_.better(now_).has_value();
-    if (posterior_decides && !v_.posteriors.empty())
-      judge_by_posterior();
-    else if (!v_.findings.empty())
+    if (!v_.findings.empty())
       judge_findings(more_needed);
     else if (too_small && !something_left())
       judge_too_small(*too_small);
@@ -101,82 +96,6 @@ class Analysis {
     if (c_.rules.most_effects == 0 || c_.engine.spares_runs()) return;
     v_.alternatives = alternatives_of(c_, search_, now_);
     for (const Alternatives& tried : v_.alternatives) v_.posteriors.push_back(posterior_of(tried));
-  }
-
-  bool in_all(const std::function<bool(const Posterior&)>& holds) const {
-    return std::all_of(v_.posteriors.begin(), v_.posteriors.end(), holds);
-  }
-
-  void judge_by_posterior() {
-    if (in_all([](const Posterior& p) { return p.nothing > std::max(p.other, p.likeliest()); })) {
-      set_model(search_.unpatched());
-      set_residual_ratio();
-      v_.reason = "no gap above the floor";
-      return;
-    }
-    const bool other = in_all([](const Posterior& p) { return p.other > std::max(p.nothing, p.likeliest()); });
-    if (v_.findings.empty() && !other) put_in_the_likeliest();
-    for (std::size_t i = 0; i < v_.findings.size(); ++i) weigh(v_.findings[i], v_.posteriors[i]);
-    if (!v_.findings.empty()) check_locked_days(now_);
-    if (std::any_of(v_.findings.begin(), v_.findings.end(), is_sure)) {
-      keep_the_sure_ones();
-      v_.kind = VerdictKind::named;
-      v_.reason = "no other explanation is as probable, and the locked days do not contradict it";
-    } else if (other) {
-      v_.kind = VerdictKind::unknown;
-      v_.reason =
-          fmt::format("the best effects leave {:.2f} times the noise: something else is missing", v_.residual_ratio);
-    } else {
-      v_.kind = VerdictKind::ambiguous;
-      v_.reason = v_.findings.front().why_not;
-    }
-  }
-
-  /// Where the search let nothing in, although an effect is likelier than nothing.
-  void put_in_the_likeliest() {
-    const Alternative& a = v_.alternatives.front().list[v_.posteriors.front().effects.front().from];
-    const auto& all = c_.responses.test.candidates;
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      const double null_value = a.at.effect->null_value, step = all[k].probe - null_value;
-      if (all[k].at.id() != a.at.id() || (a.magnitude - null_value) * step <= 0) continue;
-      set_model(search_.alone({k, (a.magnitude - null_value) / step}));
-      set_residual_ratio();
-      return;
-    }
-  }
-
-  /// A finding's class is what its posterior's smallest set holds.
-  void weigh(Finding& f, const Posterior& p) const {
-    f.cannot_tell_from.clear();
-    double own = 0;
-    bool contradicted = false;
-    for (const EffectProbability& e : p.effects) {
-      if (e.at.id() == f.at.id()) {
-        own = e.probability;
-        contradicted = e.vetoed;
-      } else if (std::find(p.set.begin(), p.set.end(), e.at.id()) != p.set.end()) {
-        f.cannot_tell_from.push_back(e.at);
-      }
-    }
-    f.why_not.clear();
-    if (own <= PosteriorModel::learned().name_probability)
-      f.why_not = fmt::format("its probability is {:.0f} %; 90 % hold: {}", 100 * own, fmt::join(p.set, ", "));
-    else if (contradicted)
-      f.why_not = "the locked days contradict it";
-  }
-
-  /// What is not sure is listed apart; the model holds what is named alone, as large as it is beside the other.
-  void keep_the_sure_ones() {
-    std::vector<Chosen> named;
-    for (std::size_t i = 0; i < v_.findings.size(); ++i) {
-      if (is_sure(v_.findings[i])) named.push_back(now_.chosen[i]);
-    }
-    if (named.size() == v_.findings.size()) return;
-    const auto first_unsure = std::stable_partition(v_.findings.begin(), v_.findings.end(), is_sure);
-    v_.unsure.assign(first_unsure, v_.findings.end());
-    v_.findings.erase(first_unsure, v_.findings.end());
-    now_ = c_.refitter.at(named, now_.moved, now_.tangent);
-    check_locked_days(now_);
   }
 
   void set_residual_ratio() {
