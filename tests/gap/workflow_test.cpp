@@ -138,6 +138,9 @@ TEST(Workflow, NamesWhatIsHiddenAndNothingElse) {
   const Stage s(true);
   const Verdict nothing = s.verdict({});
   EXPECT_EQ(nothing.kind, VerdictKind::none) << nothing.reason;
+  ASSERT_EQ(nothing.posteriors.size(), 1U) << "one, although nothing was found";
+  EXPECT_GT(nothing.posteriors[0].nothing, 0.5);
+  EXPECT_EQ(nothing.posteriors[0].set.front(), "nothing");
 
   const Verdict box = s.verdict({{"vav_flow", 2, 0.7}});
   EXPECT_EQ(box.kind, VerdictKind::named) << box.reason;
@@ -145,12 +148,22 @@ TEST(Workflow, NamesWhatIsHiddenAndNothingElse) {
   EXPECT_EQ(box.findings[0].at.id(), "vav_flow@3");
   EXPECT_NEAR(box.findings[0].magnitude, 0.7, 0.1);
   EXPECT_LT(box.locked.score_after, 0.8 * box.locked.score_before);
+  ASSERT_EQ(box.posteriors.size(), 1U);
+  EXPECT_TRUE(box.posteriors[0].sure);
+  EXPECT_EQ(box.posteriors[0].effects.front().at.id(), "vav_flow@3");
+  EXPECT_LT(box.posteriors[0].nothing, 0.01);
+  EXPECT_GT(box.alternatives[0].list.size(), 20U) << "every place of every effect has a probability";
 
   const Verdict two = s.verdict({{"room_sensor_bias", 0, 0.8}, {"fan_power", 0, 1.5}});
   ASSERT_EQ(two.findings.size(), 2U) << two.reason;
   std::vector<std::string> ids{two.findings[0].at.id(), two.findings[1].at.id()};
   std::sort(ids.begin(), ids.end());
   EXPECT_EQ(ids, (std::vector<std::string>{"fan_power", "room_sensor_bias@1"}));
+  ASSERT_EQ(two.posteriors.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(two.posteriors[i].effects.front().at.id(), two.findings[i].at.id());
+    EXPECT_EQ(two.alternatives[i].beside, std::vector<std::string>{two.findings[1 - i].at.id()});
+  }
 }
 
 TEST(Workflow, NamesPeopleWhoComeHoursLate) {

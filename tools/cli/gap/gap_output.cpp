@@ -32,6 +32,8 @@ void say(const gap::GapRun& run, const nlohmann::json& j, const RunFacts& facts)
     fmt::print("  {}: not sure, {}: gain {:.0f} (limit {:.0f}); on site: {}\n", f.at.id(), f.why_not,
                f.log_likelihood_ratio, f.log_likelihood_limit, f.at.effect->confirm);
   }
+  for (std::size_t i = 0; i < run.verdict.posteriors.size(); ++i)
+    fmt::print("{}", gap::text_of(run.verdict.posteriors[i], run.verdict.alternatives[i]));
   if (run.heat) {
     for (const gap::ZoneHeat& z : run.heat->zones) {
       if (!z.text.empty()) fmt::print("  {}\n", z.text);

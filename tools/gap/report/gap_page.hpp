@@ -37,6 +37,7 @@ std::string channel_title(const sim::Channels& at, int c);
 // Each adds its blocks, where there is something to show.
 void add_figures(const GapPage& page, ReportInput& input);
 void add_findings(const GapPage& page, ReportInput& input);
+void add_posteriors(const GapPage& page, ReportInput& input);
 void add_continued(const GapPage& page, ReportInput& input);
 void add_suspicions(const GapPage& page, ReportInput& input);
 void add_experiments(const GapPage& page, ReportInput& input);

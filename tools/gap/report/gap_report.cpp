@@ -85,9 +85,9 @@ ReportInput make_gap_report(const gap::GapRun& run) {
                                run.loaded.engine->description(), date_text(span.from), date_text({span.to.seconds - 1}),
                                std::filesystem::path(run.request.source.weather).filename().string(), versions_of(run));
   input.headline = as_sentence(gap::sentence_of(run));
-  for (const auto add :
-       {add_figures, add_findings, add_continued, add_suspicions, add_experiments, add_heat, add_clean_up, add_maps,
-        add_curves, add_ranking, add_locked_days, add_guideline, add_ledger, add_model, add_retraining, add_facts}) {
+  for (const auto add : {add_figures, add_posteriors, add_findings, add_continued, add_suspicions, add_experiments,
+                         add_heat, add_clean_up, add_maps, add_curves, add_ranking, add_locked_days, add_guideline,
+                         add_ledger, add_model, add_retraining, add_facts}) {
     add(page, input);
   }
   return input;

@@ -109,6 +109,41 @@ void add_findings(const GapPage& page, ReportInput& input) {
   input.blocks.push_back(table);
 }
 
+void add_posteriors(const GapPage& page, ReportInput& input) {
+  const gap::Verdict& v = page.run.verdict;
+  for (std::size_t i = 0; i < v.posteriors.size(); ++i) {
+    const gap::Posterior& p = v.posteriors[i];
+    const gap::Alternatives& tried = v.alternatives[i];
+    ReportTable table;
+    table.title = tried.beside.empty() ? "How probable each explanation is"
+                                       : fmt::format("How probable each is beside {}", fmt::join(tried.beside, ", "));
+    table.note = fmt::format("The smallest set that holds 90 %: {}.", fmt::join(p.set, ", "));
+    table.row_header = "explanation";
+    table.prose = true;
+    for (const char* name : {"probability", "size, 95 % interval", "locked days: predicted, came"})
+      table.columns.push_back({name, "", 0, false});
+    const auto add = [&table](const std::string& what, double probability, const std::string& size,
+                              const std::string& locked) {
+      table.rows.push_back({what,
+                            {text_cell(number_text(100 * probability, 1) + " %"), text_cell(size), text_cell(locked)},
+                            SeriesRole::plain,
+                            false});
+    };
+    for (const gap::EffectProbability& e : p.effects) {
+      if (e.probability < 0.01) break;
+      const gap::Alternative& a = tried.list[e.from];
+      add(a.at.text(), e.probability,
+          fmt::format("{:.3g} ± {:.2g}{}", a.magnitude, 1.96 * a.sd, gap::unit_suffix(*a.at.effect)),
+          a.locked ? fmt::format("{:.0f}, {:.0f}{}", a.locked_expected, a.locked_log_likelihood_ratio,
+                                 e.vetoed ? ": contradicted" : "")
+                   : "–");
+    }
+    add("nothing", p.nothing, "–", "–");
+    add("something that no effect is", p.other, "–", "–");
+    input.blocks.push_back(table);
+  }
+}
+
 void add_experiments(const GapPage& page, ReportInput& input) {
   if (page.run.experiments.empty()) return;
   ReportTable table;

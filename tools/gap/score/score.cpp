@@ -46,6 +46,7 @@ ScoreTable score(const nlohmann::json& verdicts, const nlohmann::json& key,
   count_after_tests(table, cases);
   measure_shrink(table, cases);
   measure_magnitudes(table, cases, null_of);
+  measure_posteriors(table, cases);
   const auto below_1 = [](const ScoredCase& c) {
     return (c.set == "single" || c.set == "outside") && c.ratio && *c.ratio < 1;
   };

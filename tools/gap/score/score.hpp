@@ -66,11 +66,26 @@ struct TestFacts {
   int in_class = 0, wrong = 0;  ///< with it: named or ambiguous with the truth; named without
 };
 
+/// Likeliest explanations whose probability is above `low` and not above `high`.
+struct ReliabilityBin {
+  double low = 0, high = 1;
+  int n = 0, came = 0;  ///< came: it was the truth
+  double said = 0;      ///< mean probability
+};
+
+/// How honest posteriors are: of cases that have one, one a finding.
+struct PosteriorFacts {
+  int single = 0;  ///< posteriors of single cases of ratio >= 1
+  double set_size_quartile_1 = 0, set_size_median = 0, set_size_quartile_3 = 0;  ///< of these
+  std::vector<ReliabilityBin> reliability;  ///< all sets, without single cases of ratio < 1
+};
+
 struct ScoreTable {
   std::vector<SetFacts> sets;
   std::vector<TestFacts> tests;
   std::vector<CountRow> counts;
   std::vector<SpreadRow> spreads;
+  PosteriorFacts posteriors;
   Confusion confusion;          ///< single, outside, null and real cases, without those below
   Confusion confusion_below_1;  ///< single and outside cases of ratio < 1
   std::vector<std::string> warnings;
@@ -91,6 +106,8 @@ struct ScoreTable {
 /// Where tests on site were done: each measure of single, null, outside and pair again as "<measure>, N tests", of the
 /// verdicts after at most N executed tests, a case without any counting by its first.
 /// right names: "magnitude error" = |m - m_true| / |m_true - null|; "interval covers".
+/// Every set, where verdicts have posteriors: "90 % set": it holds what is hidden and not among the other findings;
+///   "other" outside, "nothing" where nothing is left; of a case with several posteriors, each of its sets does.
 /// A case without verdict, or whose logs were refused, is abstained, with a warning.
 /// `null_of`: the magnitude at which nothing is changed, one an effect of the library.
 /// Errors: hal::InputError that names the field ("verdicts[3].effects[0].id", "cases.case-0001.set"): missing, of the

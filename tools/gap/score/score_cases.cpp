@@ -128,6 +128,19 @@ ScoredCase read_case(const std::string& id, const Field& field, const std::map<s
   return c;
 }
 
+SaidPosterior read_posterior(const Field& field) {
+  const auto texts = [](const Field& list) {
+    std::vector<std::string> all;
+    for (const Field& one : list.items()) all.push_back(one.text());
+    return all;
+  };
+  SaidPosterior p{texts(field.at("beside")), texts(field.at("set")), {}};
+  for (const char* rest : {"nothing", "other"}) p.probabilities.emplace_back(rest, field.at(rest).number());
+  for (const Field& one : field.at("candidates").items())
+    p.probabilities.emplace_back(one.at("id").text(), one.at("probability").number());
+  return p;
+}
+
 void read_verdict(ScoredCase& c, const Field& field, const std::map<std::string, double>& null_of) {
   c.answered = true;
   c.kind = static_cast<SaidKind>(field.at("verdict").choice(kind_names));
@@ -156,6 +169,9 @@ void read_verdict(ScoredCase& c, const Field& field, const std::map<std::string,
   }
   if (field.has("ranking")) {
     for (const Field& one : field.at("ranking").items()) c.ranking.push_back(library_id(one, null_of));
+  }
+  if (field.has("posterior")) {
+    for (const Field& one : field.at("posterior").items()) c.posteriors.push_back(read_posterior(one));
   }
   if (field.has("locked")) {
     const Field locked = field.at("locked");

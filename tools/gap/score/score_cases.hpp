@@ -34,6 +34,12 @@ struct SaidLocked {
   double before = not_known, after = not_known, floor = not_known, temp_after_k = not_known;
 };
 
+/// How probable each explanation is beside the other findings.
+struct SaidPosterior {
+  std::vector<std::string> beside, set;                       ///< ids; set: also "nothing", "other"
+  std::vector<std::pair<std::string, double>> probabilities;  ///< the same
+};
+
 /// A case of the key, with what was said about it.
 struct ScoredCase {
   std::string id, set, engine, workflow;
@@ -47,6 +53,7 @@ struct ScoredCase {
   std::optional<SaidLocked> locked;
   std::vector<std::string> tests;  ///< done on site before this was said
   std::vector<ScoredCase> after;   ///< what was said after the first test, after the second, ..
+  std::vector<SaidPosterior> posteriors;
 };
 
 /// "vav_flow" of "vav_flow@3".

@@ -59,6 +59,19 @@ nlohmann::json json_of(const ScoreTable& table) {
     add_target(one, row, row.median);
     object["spreads"].push_back(one);
   }
+  const PosteriorFacts& p = table.posteriors;
+  object["posteriors"] = {{"single", p.single},
+                          {"set_size", {p.set_size_quartile_1, p.set_size_median, p.set_size_quartile_3}},
+                          {"reliability", Json::array()}};
+  for (const ReliabilityBin& bin : p.reliability) {
+    const auto [low, high] = wilson_95(bin.came, bin.n);
+    object["posteriors"]["reliability"].push_back({{"above", bin.low},
+                                                   {"to", bin.high},
+                                                   {"n", bin.n},
+                                                   {"said", bin.said},
+                                                   {"came", bin.came},
+                                                   {"interval", {low, high}}});
+  }
   return object;
 }
 

@@ -21,6 +21,8 @@ void measure_shrink(ScoreTable& table, const std::vector<ScoredCase>& cases);
 /// How far magnitudes of right names are off.
 void measure_magnitudes(ScoreTable& table, const std::vector<ScoredCase>& cases,
                         const std::map<std::string, double>& null_of);
+/// How often the smallest sets of 90 % hold the truth, how large they are, and how often what is said comes true.
+void measure_posteriors(ScoreTable& table, const std::vector<ScoredCase>& cases);
 /// Cases for which `takes` holds, but no pairs.
 Confusion confusion_of(const std::vector<ScoredCase>& cases, const std::function<bool(const ScoredCase&)>& takes);
 

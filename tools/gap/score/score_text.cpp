@@ -110,6 +110,21 @@ void write_confusions(std::string& text, const Confusion& c, const char* which) 
   }
 }
 
+void write_posteriors(std::string& text, const PosteriorFacts& p) {
+  if (p.reliability.empty()) return;
+  text += fmt::format(
+      "\nPosteriors: the smallest sets of 90 % hold {:g} effects (quartiles {:g} and {:g}; {} of ratio >= 1)\n",
+      p.set_size_median, p.set_size_quartile_1, p.set_size_quartile_3, p.single);
+  text += "  how probable the likeliest was, and how often it was the truth (without single cases of ratio < 1)\n";
+  for (const ReliabilityBin& bin : p.reliability) {
+    if (bin.n == 0) continue;
+    const auto [low, high] = wilson_95(bin.came, bin.n);
+    text += fmt::format("  {:>3.0f} to {:>3.0f} %: said {:>5} %, came {:>5} % [{}, {}] {}/{}\n", 100 * bin.low,
+                        100 * bin.high, percent(bin.said), percent(static_cast<double>(bin.came) / bin.n), percent(low),
+                        percent(high), bin.came, bin.n);
+  }
+}
+
 }  // namespace
 
 std::string text_of(const ScoreTable& table) {
@@ -131,6 +146,7 @@ std::string text_of(const ScoreTable& table) {
     text += fmt::format("  {:<34}{:>16}{:>8}{:>12}{:>12}{:>12}\n", row.slice, row.measure, row.n,
                         percent(row.quartile_1), percent(row.median), percent(row.quartile_3));
   }
+  write_posteriors(text, table.posteriors);
   write_confusions(text, table.confusion, "all but ratio < 1");
   write_confusions(text, table.confusion_below_1, "ratio < 1");
   if (!table.warnings.empty()) text += "\nWarnings\n";

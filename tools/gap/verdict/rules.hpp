@@ -35,6 +35,8 @@ struct Rules {
                                  ///< it is not that effect, but it is a gap, and so unknown
   double affected_share = 0.5;   ///< of how far the findings move the channel that they move most, in its noise:
                                  ///< channels that move as far count on the locked days
+  int alternatives = 12;         ///< of each finding, for its posterior, by real simulation,
+  int locked_looks = 5;          ///< and of those, best first, that are held against the locked days
   double contradiction_sd = 2;   ///< standard deviations by which locked days fall short of what was predicted
 };
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/gap/inference/posterior.hpp"
 #include "tools/gap/verdict/rules.hpp"
 
 namespace airside::tools::gap {
@@ -46,6 +47,8 @@ struct Verdict {
   double residual_ratio = 0;             ///< after the findings, over the reference's
   double residual_ratio_limit = 0;       ///< above which something else must be missing
   LockedDays locked;
+  std::vector<Alternatives> alternatives;           ///< one a finding of the search; one where it found none
+  std::vector<Posterior> posteriors;                ///< of these; none on an engine that spares runs
   std::vector<Score> ranking;                       ///< of single effects on the unpatched model
   Eigen::MatrixXd residual_before, residual_after;  ///< bins x channels, all days
   std::string reason;                               ///< one sentence

@@ -87,6 +87,38 @@ json locked_json(const LockedDays& locked, const sim::Channels& channels) {
           {"channels", by_channel}};
 }
 
+/// Simulated candidates, and the others that are not quite improbable.
+json posterior_json(const Posterior& p, const Alternatives& tried) {
+  constexpr double improbable = 0.001;
+  json candidates = json::array();
+  for (const EffectProbability& e : p.effects) {
+    const Alternative& a = tried.list[e.from];
+    if (!a.simulated && e.probability < improbable) continue;
+    json one = {{"id", a.at.id()},
+                {"effect", a.at.effect->name},
+                {"place", place_json(a.at)},
+                {"text", a.at.text()},
+                {"probability", e.probability},
+                {"size", a.magnitude},
+                {"sd", finite_json(a.sd)},
+                {"gain", a.log_likelihood_ratio},
+                {"gain_of_reference", a.of_reference},
+                {"simulated", a.simulated},
+                {"residual_ratio", a.simulated ? finite_json(a.residual_ratio) : json()},
+                {"locked_gain", a.locked ? finite_json(a.locked_log_likelihood_ratio) : json()},
+                {"locked_predicted_gain", a.locked ? finite_json(a.locked_expected) : json()},
+                {"contradicted", e.vetoed}};
+    candidates.push_back(std::move(one));
+  }
+  return {{"beside", tried.beside},
+          {"candidates", candidates},
+          {"nothing", p.nothing},
+          {"other", p.other},
+          {"set", p.set},
+          {"sure", p.sure},
+          {"residual_ratio", finite_json(tried.residual_ratio)}};
+}
+
 }  // namespace
 
 json finite_json(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
@@ -108,7 +140,11 @@ json json_of(const Verdict& v, const std::string& name, const Responses& respons
     null_ratios.push_back(v.nulls.log_likelihood_ratio.at(v.ranking[i].candidate));
     limits.push_back(log_likelihood_limit(rules, v.nulls, v.ranking[i].candidate));
   }
+  json posterior = json::array();
+  for (std::size_t i = 0; i < v.posteriors.size(); ++i)
+    posterior.push_back(posterior_json(v.posteriors[i], v.alternatives[i]));
   return {{"case", name},
+          {"posterior", posterior},
           {"verdict", text_of(v.kind)},
           {"reason", v.reason},
           {"effects", effects},
@@ -173,6 +209,24 @@ std::string sentence_of(const Finding& f) {
     for (const sim::EffectAt& at : f.cannot_tell_from) alike += (alike.empty() ? "" : "; or ") + at.text();
     text += "; the data cannot tell it from: " + alike;
   }
+  return text;
+}
+
+std::string text_of(const Posterior& p, const Alternatives& tried) {
+  const std::string beside = tried.beside.empty() ? "" : fmt::format(" beside {}", fmt::join(tried.beside, ", "));
+  std::string text = fmt::format("how probable{} (together {} hold 90 %):\n", beside, fmt::join(p.set, ", "));
+  const auto row = [&text](double probability, const std::string& what) {
+    text += fmt::format("  {:>5.1f} %  {}\n", 100 * probability, what);
+  };
+  int rows = 0;
+  for (const EffectProbability& e : p.effects) {
+    if (e.probability < 0.01 || ++rows > 6) break;
+    const Alternative& a = tried.list[e.from];
+    row(e.probability, fmt::format("{}: {:.3g} ± {:.2g}{}{}", a.at.id(), a.magnitude, z95 * a.sd,
+                                   unit_suffix(*a.at.effect), e.vetoed ? ", which the locked days contradict" : ""));
+  }
+  row(p.nothing, "nothing");
+  row(p.other, "something that no effect is");
   return text;
 }
 

@@ -26,6 +26,9 @@ nlohmann::json finite_json(double value);
 /// One sentence a finding, for people: "flow of box 3 is not what its controller believes: 0.71 ± 0.02; ..".
 std::string sentence_of(const Finding& finding);
 
+/// A row for each effect of at least 1 %, six at most, then nothing and something else.
+std::string text_of(const Posterior& p, const Alternatives& tried);
+
 /// The verdict in one sentence: "named: ..", "ambiguous: A or B: ..", "unknown: ..", "no gap above the floor". What is
 /// not sure beside something named comes last.
 std::string sentence_of(const Verdict& verdict);

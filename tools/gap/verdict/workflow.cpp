@@ -44,6 +44,7 @@ class Analysis {
     now_ = search_.forward(too_small, look_ahead);
     v_.findings = findings_of(c_, search_, now_);
     drop_weak_findings();
+    weigh();
     set_residual_ratio();
     const bool more_needed = std::ssize(now_.chosen) == c_.rules.most_effects && search_.better(now_).has_value();
     if (!v_.findings.empty())
@@ -88,6 +89,13 @@ class Analysis {
       if (c_.refitter.predicted(now_, fewer).log_likelihood_ratio > 0) break;
       set_model(fewer);
     }
+  }
+
+  /// A ranking alone, and an engine that spares runs, do without.
+  void weigh() {
+    if (c_.rules.most_effects == 0 || c_.engine.spares_runs()) return;
+    v_.alternatives = alternatives_of(c_, search_, now_);
+    for (const Alternatives& tried : v_.alternatives) v_.posteriors.push_back(posterior_of(tried));
   }
 
   void set_residual_ratio() {

@@ -1,0 +1,84 @@
+#pragma once
+// How probable each explanation of one gap is: every effect that was tried in its stead, nothing at all, or something
+// that no effect is.
+
+#include <string>
+#include <vector>
+
+#include "sim/effects/effect.hpp"
+
+namespace airside::tools::gap {
+
+/// One effect tried in a finding's stead, beside the other findings.
+struct Alternative {
+  sim::EffectAt at;
+  double magnitude = 0, sd = 0;
+  double log_likelihood_ratio = 0;  ///< 2 ln likelihood that it gains over the model without it
+  double of_reference = 0;          ///< the most that it gains in the reference's own blocks
+  double residual_ratio = 0;        ///< what it leaves, over the reference's
+  int places = 1;                   ///< at which its effect was tried
+  bool simulated = false;           ///< false: linear responses alone
+  bool found = false;               ///< it is the model's own finding
+  bool locked = false;              ///< the two below are known
+  double locked_log_likelihood_ratio = 0, locked_expected = 0;  ///< 2 ln likelihood on locked days: came, predicted
+};
+
+/// Everything that was tried in the stead of one finding, best first; or of none where nothing was found.
+struct Alternatives {
+  std::vector<Alternative> list;
+  std::vector<std::string> beside;   ///< ids of the other findings, which stay
+  double residual_ratio = 0;         ///< without any of them
+  double residual_ratio_chance = 0;  ///< above which it is no chance
+};
+
+/// The constants of posterior_of(); learned ones from learned().
+struct PosteriorModel {
+  double temperature = 1;          ///< T_0: a gain counts as this times less than it would be worth in a true model,
+  double temperature_gain = 1;     ///< G: and twice that where the best effect gains this: errors of shape grow with it
+  double null_share = 0;           ///< a, of an effect's own gain in the reference's blocks that is taken off
+  double place_share = 1;          ///< c, of ln places that an effect at one of many places loses
+  double small_share = 0;          ///< of the way to the bound: a smaller size is improbable,
+  double small_power = 0;          ///< q, by this power of it
+  double too_small = 0;            ///< ln odds that an effect loses that is nearer to null than such an effect is
+  double nothing = 0;              ///< b, score of nothing
+  double other = 0;                ///< d, score of something else beside the best effect's,
+  double other_ratio = 0;          ///< e, and per excess of what is left over 1, in units of chance's excess
+  double locked_share = 0;         ///< w, of the locked days' ratio that counts
+  double veto_p = 0.001;           ///< a name is contradicted where locked days are less probable
+  double veto_inflation = 7;       ///< of the variance 4 e of what they should give, e that was predicted,
+  double veto_share = 0.25;        ///< besides this share of e as a standard deviation
+  double name_probability = 0.95;  ///< above, it is a name
+  double set_probability = 0.9;    ///< that the smallest set holds
+
+  static const PosteriorModel& learned();
+};
+
+struct EffectProbability {
+  sim::EffectAt at;
+  double probability = 0;
+  bool vetoed = false;   ///< by the locked days
+  std::size_t from = 0;  ///< index in Alternatives::list
+};
+
+/// Sums to one.
+struct Posterior {
+  std::vector<EffectProbability> effects;  ///< best first
+  double nothing = 0, other = 0;
+  std::vector<std::string> set;  ///< ids, "nothing", "other": the fewest that hold PosteriorModel::set_probability
+  /// Its first effect is more probable than PosteriorModel::name_probability, and no locked day contradicts it.
+  bool sure = false;
+  double likeliest() const { return effects.empty() ? 0 : effects.front().probability; }
+};
+
+/// Softmax of
+///   x_k = max(0, g_k - a n_k),  T = T_0 (1 + max x / G),  s_k = (x_k + w l_k) / 2 T - c ln places + ln prior(size)
+///   s_nothing = b,  s_other = max_k s_k + d + e (rho - 1) / (rho_chance - 1)
+/// g gains, n the reference's own, l came on locked days, rho what the best effect leaves.
+/// Source: docs/gap-workflow.md, "How probable each effect is".
+Posterior posterior_of(const Alternatives& tried, const PosteriorModel& model = PosteriorModel::learned());
+
+/// Whether locked days contradict what an effect predicted: p(came | N(e, 4 e i + (s e)^2)) < veto_p, for what came <
+/// e.
+bool locked_days_veto(const Alternative& a, const PosteriorModel& model = PosteriorModel::learned());
+
+}  // namespace airside::tools::gap
