@@ -1,6 +1,6 @@
 // What a finding costs: kWh of each meter with it less without it, with the interval of its size.
 
-#include "tools/gap/run/finding_energy.hpp"
+#include "tools/gap/explain/finding_energy.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,12 +9,12 @@
 
 #include "tools/gap/case/case_loader.hpp"
 #include "tools/gap/explain/experiment.hpp"
+#include "tools/gap/explain/finding_energy.hpp"
 #include "tools/gap/explain/flux.hpp"
 #include "tools/gap/explain/meter_offset.hpp"
 #include "tools/gap/model/model_error.hpp"
 #include "tools/gap/model/patched_model.hpp"
 #include "tools/gap/retrain/retrain.hpp"
-#include "tools/gap/run/finding_energy.hpp"
 #include "tools/gap/tried/tried_effect.hpp"
 #include "tools/gap/verdict/verdict.hpp"
 #include "tools/run/progress/staged_progress.hpp"

@@ -1,4 +1,4 @@
-#include "tools/gap/run/finding_energy.hpp"
+#include "tools/gap/explain/finding_energy.hpp"
 
 #include <fmt/format.h>
 
