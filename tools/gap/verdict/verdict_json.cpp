@@ -103,6 +103,7 @@ json posterior_json(const Posterior& p, const Alternatives& tried) {
                 {"sd", finite_json(a.sd)},
                 {"gain", a.log_likelihood_ratio},
                 {"gain_of_reference", a.of_reference},
+                {"places", a.places},
                 {"simulated", a.simulated},
                 {"residual_ratio", a.simulated ? finite_json(a.residual_ratio) : json()},
                 {"locked_gain", a.locked ? finite_json(a.locked_log_likelihood_ratio) : json()},
@@ -116,7 +117,8 @@ json posterior_json(const Posterior& p, const Alternatives& tried) {
           {"other", p.other},
           {"set", p.set},
           {"sure", p.sure},
-          {"residual_ratio", finite_json(tried.residual_ratio)}};
+          {"residual_ratio", finite_json(tried.residual_ratio)},
+          {"residual_ratio_chance", finite_json(tried.residual_ratio_chance)}};
 }
 
 }  // namespace
