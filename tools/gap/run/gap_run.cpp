@@ -158,7 +158,7 @@ std::string sentence_of(const GapRun& run) {
       const std::string energy = sentence_of(run.energy[i], run.request.price);
       const Finding& f = run.verdict.findings[i];
       const std::string name = run.energy.size() > 1 ? f.at.id() + ": " : "";
-      text += ". " + name + (energy.empty() ? "" : energy + "; ") + "to confirm it on site: " + f.at.effect->confirm;
+      text += "; " + name + (energy.empty() ? "" : energy + "; ") + "to confirm it on site: " + f.at.effect->confirm;
     }
   }
   if (!run.experiments.empty()) text += ". " + sentence_of(run.experiments);
