@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "hal/text/civil_text.hpp"
+
 namespace airside::tools::gap {
 
 namespace {
@@ -27,9 +29,12 @@ std::string lower(std::string text) {
 std::optional<int> until_of(const std::string& text) {
   const auto colon = text.find(':');
   if (!text.starts_with("until") || colon == std::string::npos) return std::nullopt;
-  int hours = 0, minutes = 0;
-  if (std::sscanf(text.c_str() + colon + 1, "%d:%d", &hours, &minutes) != 2) return std::nullopt;
-  return 60 * hours + minutes;
+  const auto first = text.find_first_not_of(' ', colon + 1);
+  if (first == std::string::npos) return std::nullopt;
+  std::string clock = text.substr(first, text.find_last_not_of(' ') + 1 - first);
+  if (clock.find(':') == 1) clock.insert(0, 1, '0');  // "8:00"
+  const auto seconds = hal::parse_time_of_day(clock);
+  return seconds ? std::optional(*seconds / 60) : std::nullopt;
 }
 
 std::optional<double> number_of(const json& value) {
@@ -96,7 +101,8 @@ std::optional<json> shifted_compact(const json& schedule, int minutes) {
     }
     if (!value.is_string()) return std::nullopt;
     const std::string text = lower(value.get<std::string>());
-    if ((until = until_of(text))) continue;
+    until = until_of(text);
+    if (until) continue;
     end_day();
     if (!text.starts_with("interpolate")) say(value);
   }
