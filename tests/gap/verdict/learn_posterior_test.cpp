@@ -14,7 +14,7 @@
 namespace airside::tools::gap {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
 std::string python_of_venv() {
   const char* venv = std::getenv("AIRSIDE_VENV");
@@ -33,7 +33,7 @@ class LearnPosterior : public ::testing::Test {
       e.least = e.name == "mass" ? 0.3 : 0;
       effects_.push_back(e);
     }
-    json list = json::array();
+    Json list = Json::array();
     for (const sim::Effect& e : effects_)
       list.push_back({{"name", e.name}, {"low", e.low}, {"high", e.high}, {"null", e.null_value}, {"least", e.least}});
     write("effects.json", {{"effects", list}});
@@ -54,7 +54,7 @@ class LearnPosterior : public ::testing::Test {
       GTEST_SKIP() << "NOT TESTED: numpy or scipy is missing; run tools/setup --for test, or set AIRSIDE_VENV";
   }
 
-  void write(const std::string& name, const json& content) const { std::ofstream(folder_.path() / name) << content; }
+  void write(const std::string& name, const Json& content) const { std::ofstream(folder_.path() / name) << content; }
   Outcome python(std::vector<std::string> words) const {
     return run_program(python_of_venv(), std::move(words), folder_.path(), scratch_.path());
   }
@@ -84,7 +84,7 @@ class LearnPosterior : public ::testing::Test {
     }
     return all;
   }
-  json verdict_of(const Alternatives& all, const std::string& name) const {
+  Json verdict_of(const Alternatives& all, const std::string& name) const {
     Verdict v;
     v.alternatives = {all};
     v.posteriors = {posterior_of(all)};
@@ -96,24 +96,24 @@ class LearnPosterior : public ::testing::Test {
 };
 
 TEST_F(LearnPosterior, SaysWhatTheProgramSaysOfTheSameVerdict) {
-  json verdicts = json::array(), cases = json::object();
-  std::vector<json> said;
+  Json verdicts = Json::array(), cases = Json::object();
+  std::vector<Json> said;
   for (const auto& [leak, sun] : std::vector<std::pair<double, double>>{{0, 0}, {40, 31}, {300, 280}, {20, 4000}}) {
     const std::string name = "case-" + std::to_string(said.size());
     verdicts.push_back(verdict_of(tried(leak, sun, 25), name));
     said.push_back(verdicts.back()["posterior"][0]);
-    cases[name] = {{"set", "single"}, {"ratio", 1}, {"hidden", json::array({{{"id", "leak"}}})}};
+    cases[name] = {{"set", "single"}, {"ratio", 1}, {"hidden", Json::array({{{"id", "leak"}}})}};
   }
   write("verdicts.json", {{"verdicts", verdicts}});
   write("key.json", {{"cases", cases}});
   const Outcome o = learn({"effects.json", "verdicts.json", "key.json", "--given", "constants.json"});
   ASSERT_EQ(o.code, 0) << o.err;
-  const json answers = json::parse(o.out)["probabilities"];
+  const Json answers = Json::parse(o.out)["probabilities"];
   ASSERT_EQ(answers.size(), said.size());
   for (std::size_t i = 0; i < said.size(); ++i) {
     for (const char* name : {"nothing", "other"})
       EXPECT_NEAR(answers[i][name].get<double>(), said[i][name].get<double>(), 1e-12) << i << name;
-    for (const json& c : said[i]["candidates"])
+    for (const Json& c : said[i]["candidates"])
       EXPECT_NEAR(answers[i][c["id"].get<std::string>()].get<double>(), c["probability"].get<double>(), 1e-12)
           << i << c;
   }
@@ -123,36 +123,36 @@ TEST_F(LearnPosterior, SaysWhatTheProgramSaysOfTheSameVerdict) {
 TEST_F(LearnPosterior, LearnsWhatAGainIsWorth) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(0, 1);
-  json verdicts = json::array(), cases = json::object();
+  Json verdicts = Json::array(), cases = Json::object();
   for (int i = 0; i < 60; ++i) {
     const double ahead = 60 * uniform(random);
     const bool leads = uniform(random) < 1 / (1 + std::exp(-ahead / 8));
     const std::string name = "case-" + std::to_string(i);
     verdicts.push_back(verdict_of(tried(100 + ahead, 100, 0), name));
-    cases[name] = {{"set", "single"}, {"ratio", 1}, {"hidden", json::array({{{"id", leads ? "leak" : "sun"}}})}};
+    cases[name] = {{"set", "single"}, {"ratio", 1}, {"hidden", Json::array({{{"id", leads ? "leak" : "sun"}}})}};
   }
   write("verdicts.json", {{"verdicts", verdicts}});
   write("key.json", {{"cases", cases}});
   const Outcome o = learn({"effects.json", "verdicts.json", "key.json", "--held-out", "verdicts.json", "key.json"});
   ASSERT_EQ(o.code, 0) << o.err;
-  const json j = json::parse(o.out);
+  const Json j = Json::parse(o.out);
   EXPECT_EQ(j["learned from"], j["held out"]);
-  const json& row = j["learned from"]["sets"]["single 1x"];
+  const Json& row = j["learned from"]["sets"]["single 1x"];
   EXPECT_EQ(row["questions"], 60);
   EXPECT_GE(row["set holds"].get<int>(), 51) << row;
   EXPECT_LE(row["wrong"].get<int>(), 3) << row;
 }
 
 TEST_F(LearnPosterior, SaysWhatIsWrongWithItsFiles) {
-  write("verdicts.json", {{"verdicts", json::array({verdict_of(tried(1, 2, 3), "case-1")})}});
-  write("key.json", {{"cases", json::object()}});
+  write("verdicts.json", {{"verdicts", Json::array({verdict_of(tried(1, 2, 3), "case-1")})}});
+  write("key.json", {{"cases", Json::object()}});
   const Outcome other = learn({"effects.json", "verdicts.json", "key.json"});
   EXPECT_EQ(other.code, 1);
   EXPECT_NE(other.err.find("case-1, which key.json does not have; give the key"), std::string::npos) << other.err;
-  const Outcome missing = learn({"effects.json", "nowhere.json", "key.json"});
-  EXPECT_EQ(missing.code, 1);
-  EXPECT_NE(missing.err.find("nowhere.json"), std::string::npos) << missing.err;
-  write("none.json", {{"verdicts", json::array()}});
+  const Outcome nowhere = learn({"effects.json", "nowhere.json", "key.json"});
+  EXPECT_EQ(nowhere.code, 1);
+  EXPECT_NE(nowhere.err.find("nowhere.json"), std::string::npos) << nowhere.err;
+  write("none.json", {{"verdicts", Json::array()}});
   EXPECT_NE(learn({"effects.json", "none.json", "key.json"}).err.find("no posterior"), std::string::npos);
 }
 
