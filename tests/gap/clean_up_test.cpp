@@ -219,6 +219,17 @@ TEST(CleanUp, ConvertsWatts) {
   }
 }
 
+TEST(CleanUp, LeavesABuildingsMeterWhereItIsBesideASmallLoop) {
+  Rows rows = july().rows;
+  map(rows, power(1), [](double v) { return 100 * v; });
+  CleanUpContext context = july().context;
+  EXPECT_TRUE(has(clean_up(rows, context), Defect::wrong_unit, "power_1_kw"));
+  context.largest_zone_kw = std::numeric_limits<double>::infinity();
+  const CleanLog log = clean_up(rows, context);
+  EXPECT_FALSE(has(log, Defect::wrong_unit, "power_1_kw")) << told(log.remarks);
+  expect_near(log.rows, rows, power(1), 1e-9);
+}
+
 TEST(CleanUp, ConvertsAStatusInPercent) {
   Rows rows = july().rows;
   map(rows, fcu_on(2), [](double v) { return 100 * v; });

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "hal/text/civil_text.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/rc/rc_room_file.hpp"
@@ -96,6 +98,7 @@ LoadedCase load_case(const CaseDescription& c, const std::string& name, const fs
   CleanUpContext context;
   context.counts = counts;
   context.station = weather;
+  if (!c.site.empty()) context.largest_zone_kw = std::numeric_limits<double>::infinity();
   loaded.logs = read_case_logs(c, context);
   try {
     loaded.data.reference =

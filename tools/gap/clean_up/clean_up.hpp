@@ -67,7 +67,9 @@ struct CleanUpContext {
   hal::TopologyCounts counts;                                      ///< of the room
   std::shared_ptr<const sim::Weather> station;                     ///< may be null: then checks against it are left out
   std::array<hal::LogLimits, 9> limits = hal::default_log_limits;  ///< by SignalKind; units as in the log
-  std::optional<CivilTime> from, to;                               ///< period that was asked for
+  /// Electric power a zone, far above any room's; infinite where meters may be of a whole building.
+  double largest_zone_kw = 20;
+  std::optional<CivilTime> from, to;  ///< period that was asked for
 };
 
 /// The rows that may be used, and what was said about the others.

@@ -26,7 +26,6 @@ constexpr std::array<UnitSlip, 4> temperature_slips{{
     {"hundredths of a degree", 100, 0, true},
 }};
 constexpr UnitSlip watt{"W", 1000, 0, false};
-constexpr double largest_zone_kw = 20;  ///< electric power a zone, far above any building's
 
 /// What a column shows, in short.
 struct Shown {
@@ -136,7 +135,7 @@ void check_power_unit(LogTable& table, LogColumn& column, const CleanUpContext& 
   std::vector<double> running;
   std::copy_if(column.value.begin(), column.value.end(), std::back_inserter(running), [](double v) { return v > 0; });
   const double m = median_of(running);
-  const double ceiling_kw = largest_zone_kw * (context.counts.vavs + context.counts.fcus);
+  const double ceiling_kw = context.largest_zone_kw * (context.counts.vavs + context.counts.fcus);
   if (!(m > std::min(ceiling_kw, column.limits.max)) || running.size() < least_values) return;
   if (watt.value(m) >= 0.02 && watt.value(m) <= ceiling_kw) {
     convert(table, column, watt, "kW", remarks);

@@ -21,7 +21,7 @@ std::string finding_magnitude(const gap::Finding& f) {
 
 std::string energy_text(const gap::GapRun& run, std::size_t finding) {
   const gap::FindingEnergy& e = run.energy[finding];
-  if (e.by_meter.empty()) return "no meter";
+  if (e.by_meter.empty()) return "–";
   std::string text = fmt::format("{:+.1f} kWh a day ({:+.1f} to {:+.1f}) on {:.1f}", e.total, e.low, e.high, e.without);
   const gap::Price& price = run.request.price;
   if (price.per_kwh > 0) text += fmt::format("; {:+.2f} {} a day", price.per_kwh * e.total, price.currency);

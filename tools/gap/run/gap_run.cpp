@@ -43,11 +43,18 @@ PatchedModel patch_model(const GapRun& run) {
   return patched_room(model_of(source), engine.room(), run.after);
 }
 
+/// What differs in weather, clock or sensors alone takes no energy.
+bool changes_building(const sim::Effect& e) { return !e.rc.empty() || !e.energyplus.empty() || !e.any_model.empty(); }
+
 /// What each finding costs, beside the others.
 void weigh_energy(GapRun& run, const Engine& engine, const Eigen::MatrixXd& simulated_before) {
   const Window& test = run.loaded.data.test;
   const std::vector<Finding>& findings = run.verdict.findings;
   for (std::size_t i = 0; i < findings.size(); ++i) {
+    if (!changes_building(*findings[i].at.effect)) {
+      run.energy.emplace_back();
+      continue;
+    }
     Changes fewer = run.after;
     fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(run.before.size() + i));
     const Eigen::MatrixXd without =

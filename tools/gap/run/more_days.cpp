@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
@@ -87,6 +88,7 @@ AddedDays read_days(const GapRun& run, const MoreDays& from, const std::vector<s
   context.place = from.log;
   context.counts = run.loaded.counts;
   context.station = run.loaded.data.test.recording.station;
+  if (!run.request.source.site.empty()) context.largest_zone_kw = std::numeric_limits<double>::infinity();
   AddedDays more;
   more.test = from.test;
   const sim::Channels channels = run.channels();

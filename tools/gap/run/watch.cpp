@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
@@ -80,6 +81,7 @@ std::vector<Night> judge_nights(const GapRequest& request, const std::string& lo
   context.place = logs;
   context.counts = judge.loaded().counts;
   context.station = judge.loaded().data.reference.recording.station;
+  if (!request.source.site.empty()) context.largest_zone_kw = std::numeric_limits<double>::infinity();
   CleanLog log = read_dirty_log(logs, context);
   log.place = logs;
   same_room(judge.loaded().logs.reference, log, context);
