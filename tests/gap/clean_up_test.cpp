@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include "gap/clean_up_case.hpp"
@@ -218,17 +217,6 @@ TEST(CleanUp, ConvertsWatts) {
     only_remark(log, Defect::wrong_unit, Action::fixed, n == 1 ? "power_1_kw" : "power_2_kw");
     expect_near(log.rows, july().rows, power(n), 1e-9);
   }
-}
-
-TEST(CleanUp, LeavesABuildingsMeterWhereItIsBesideASmallLoop) {
-  Rows rows = july().rows;
-  map(rows, power(1), [](double v) { return 100 * v; });
-  CleanUpContext context = july().context;
-  EXPECT_TRUE(has(clean_up(rows, context), Defect::wrong_unit, "power_1_kw"));
-  context.largest_zone_kw = std::numeric_limits<double>::infinity();
-  const CleanLog log = clean_up(rows, context);
-  EXPECT_FALSE(has(log, Defect::wrong_unit, "power_1_kw")) << told(log.remarks);
-  expect_near(log.rows, rows, power(1), 1e-9);
 }
 
 TEST(CleanUp, ConvertsAStatusInPercent) {
