@@ -180,6 +180,16 @@ struct Perturbation {
 /// A room of the same kind that differs as two rooms of one building do; named "<base>-p<seed>".
 RcRoom perturbed_room(const RcRoom& base, std::uint64_t seed, const Perturbation& by = {});
 
+/// The room that stands for the real one beside its twin: perturbed, heat split otherwise between air and mass, leaks
+/// that follow the wind, sensors in the stream; `feedback`: boxes that modulate.
+RcRoom measured_room(const RcRoom& twin, std::uint64_t seed, bool feedback);
+RcRoom measured_room(const RcRoom& twin, std::uint64_t seed, bool feedback, const Perturbation& by);
+
+/// The room with physics that a twin cannot have by any parameters: a slab behind the mass of each zone, cladding,
+/// sheet metal and fan coils with inertia, heat that rises into the return air, people who stay away for days, a
+/// chiller that is worse at part load.
+RcRoom with_other_structure(RcRoom room, std::uint64_t seed);
+
 /// Rooms number 0.. of two sets that never share a room: one for tuning, one for studies.
 std::vector<RcRoom> tuning_rooms(const RcRoom& base, int count = 8);
 std::vector<RcRoom> study_rooms(const RcRoom& base, int count = 12);

@@ -32,6 +32,7 @@ namespace fs = std::filesystem;
 struct RunCasesCommand : GapOptions {
   std::string folder, out = "verdicts.json", cache;
   bool all_own = false, go_on = false, propose = false, after_tests = false;
+  int buildings = gap::Rules::usual_buildings;
 
   using Done = std::function<void(const fs::path&, nlohmann::json)>;
   using Found = std::map<fs::path, nlohmann::json>;
@@ -81,7 +82,9 @@ struct RunCasesCommand : GapOptions {
 
   void judge(const fs::path& path, const gap::LoadedCase& c, const gap::WindowResponses& responses,
              const Done& done) const {
-    const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses);
+    gap::Rules rules;
+    rules.buildings = buildings;
+    const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses, rules);
     nlohmann::json j = gap::json_of(verdict, c.name, responses.test, c.engine->channels());
     if (propose && gap::proposes_tests(verdict)) {
       j["experiments"] = gap::proposals_json(gap::proposed_tests(*c.engine, c.data.test, verdict, responses.test, 1));
@@ -164,7 +167,7 @@ struct RunCasesCommand : GapOptions {
     std::mutex mutex;
     Progress bar(fmt::format("{} cases after tests", waiting.size()), waiting.size());
     gap::in_parallel(waiting.size(), jobs, [&](std::size_t i) {
-      nlohmann::json verdict = gap::judge_with_tests(waiting[i], list, cache, 1, propose);
+      nlohmann::json verdict = gap::judge_with_tests(waiting[i], list, cache, 1, propose, buildings);
       const std::lock_guard lock(mutex);
       found[waiting[i]]["after_tests"].push_back(std::move(verdict));
       keep(found);
@@ -254,6 +257,10 @@ void add_gap_run_cases(CLI::App& gap) {
   c->add_flag("--propose", cases->propose, "list with each open verdict the tests on site that would decide it");
   c->add_flag("--after-tests", cases->after_tests,
               "judge the cases anew on which test-cases has done a test, and keep both verdicts in --out");
+  c->add_option("--buildings", cases->buildings,
+                "RC rooms drawn for how much a right model may be off in the measured days; 0: none")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
   cases->add_effects(*c);
   cases->add_jobs(*c);
   cases->add_json(*c);

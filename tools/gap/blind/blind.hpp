@@ -86,14 +86,6 @@ const sim::Effect* find_effect(const std::vector<sim::Effect>& effects, const st
 /// "vav_flow@3", "odd_heater@3", "ahu_time_switch".
 std::string id_of(const Hidden& hidden, const std::vector<sim::Effect>& effects);
 
-/// The room that stands for the real one: perturbed, sensors in the stream, boxes that modulate.
-sim::RcRoom measured_room(const sim::RcRoom& twin, std::uint64_t seed, bool feedback);
-
-/// The room with physics that the workflow's class of rooms cannot have by any parameters: a slab behind the mass of
-/// each zone, cladding, sheet metal and fan coils with inertia, heat that rises into the return air, people who stay
-/// away for days, a chiller that is worse at part load.
-sim::RcRoom with_other_structure(sim::RcRoom room, std::uint64_t seed);
-
 /// The room with something hidden in it; what is at the logger and not in the room (a lag of a sensor) measure() adds.
 /// Errors: std::invalid_argument for an effect that nobody can hide in an RC room.
 sim::RcRoom hide(sim::RcRoom room, const std::vector<Hidden>& hidden, const std::vector<sim::Effect>& effects);

@@ -48,8 +48,9 @@ Tangent::Tangent(const std::vector<Candidate>& candidates, NuisanceResponses nui
 Eigen::VectorXd Tangent::mean(const Eigen::VectorXd& r) const {
   const Eigen::VectorXd m_r = metric().times(r);
   Eigen::VectorXd along(mixing_.rows());
-  along << nuisance_.directions.transpose() * m_r, nuisance_.day_gain.transpose() * m_r,
-      nuisance_.day_shift.transpose() * m_r;
+  along.head(along.size() - nuisance_.structure.cols()) << nuisance_.directions.transpose() * m_r,
+      nuisance_.day_gain.transpose() * m_r, nuisance_.day_shift.transpose() * m_r;
+  along.tail(nuisance_.structure.cols()) = nuisance_.structure.transpose() * m_r;
   const auto root = mixing_.triangularView<Eigen::Lower>();
   const Eigen::VectorXd all = root * (root.transpose() * along);
   return all.head(count());
@@ -86,6 +87,11 @@ void Refitter::simulate_tangent() {
   if (!engine_.spares_runs()) tangent_ = tangent_with(parameters_at_fit());
 }
 
+void Refitter::set_structure(std::vector<Eigen::MatrixXd> directions) {
+  ensemble_ = std::move(directions);
+  tangent_ = tangent_with(tangent_->responses());
+}
+
 std::vector<Parameter> Refitter::parameters_at_fit() const {
   return parameters_at({}, Eigen::VectorXd::Zero(std::ssize(responses_.parameters)));
 }
@@ -98,7 +104,7 @@ std::shared_ptr<const Eigen::MatrixXd> Refitter::whitened_candidates() const {
 }
 
 NuisanceResponses Refitter::nuisance_of(const std::vector<Parameter>& parameters, const std::vector<bool>& bins) const {
-  return nuisance_responses(fit_, parameters, responses_.candidates, bins, window_.measured);
+  return nuisance_responses(fit_, parameters, responses_.candidates, bins, window_.measured, ensemble_);
 }
 
 std::shared_ptr<const Tangent> Refitter::tangent_with(std::vector<Parameter> parameters) const {

@@ -78,6 +78,8 @@ class Refitter {
            const Nuisance& sizes, std::vector<bool> kept, int jobs, Start start = Start::reference);
   /// What Start::twin has put off.
   void simulate_tangent();
+  /// How buildings differ counts from now on.  Shape: bins x channels each, as of StructureEnsemble.
+  void set_structure(std::vector<Eigen::MatrixXd> directions);
 
   /// About the reference's fit, or where it started.
   const std::shared_ptr<const Tangent>& tangent() const { return tangent_; }
@@ -137,6 +139,7 @@ class Refitter {
   std::vector<bool> kept_;
   int jobs_;
   const Nuisance sizes_;
+  std::vector<Eigen::MatrixXd> ensemble_;
   std::vector<bool> all_;  // bins, the kept ones among them
   Eigen::MatrixXd structural_;
   std::shared_ptr<const Eigen::MatrixXd> z_;  // whitened candidates

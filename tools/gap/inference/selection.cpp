@@ -25,19 +25,23 @@ Eigen::VectorXd Metric::squares(const Eigen::MatrixXd& z) const {
 }
 
 Eigen::MatrixXd NuisanceResponses::joined() const {
-  Eigen::MatrixXd all(directions.rows(), directions.cols() + day_gain.cols() + day_shift.cols());
-  all << directions, day_gain, day_shift;
+  Eigen::MatrixXd all(directions.rows(), directions.cols() + day_gain.cols() + day_shift.cols() + structure.cols());
+  all.leftCols(all.cols() - structure.cols()) << directions, day_gain, day_shift;
+  all.rightCols(structure.cols()) = structure;
   return all;
 }
 
 Eigen::MatrixXd NuisanceResponses::mixing(const Eigen::MatrixXd& covariance, const Nuisance& settings) const {
-  const Eigen::Index count = directions.cols(), ratios = day_gain.cols(), shifts = day_shift.cols();
+  const Eigen::Index count = directions.cols(), ratios = day_gain.cols(), shifts = day_shift.cols(),
+                     rooms = structure.cols();
   Eigen::MatrixXd wide = settings.inflation * covariance;
   wide += settings.structural_sd * settings.structural_sd * Eigen::MatrixXd::Identity(count, count);
-  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(count + ratios + shifts, count + ratios + shifts);
+  const Eigen::Index all = count + ratios + shifts + rooms;
+  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(all, all);
   root.topLeftCorner(count, count) = wide.llt().matrixL();
   root.diagonal().segment(count, ratios).setConstant(settings.day_gain_sd);
-  root.diagonal().tail(shifts).setConstant(settings.day_shift_h);
+  root.diagonal().segment(count + ratios, shifts).setConstant(settings.day_shift_h);
+  root.diagonal().tail(rooms).setOnes();
   return root;
 }
 
@@ -53,12 +57,14 @@ NuisanceResponses NuisanceResponses::rows(Eigen::Index first, Eigen::Index count
     }
     return Eigen::MatrixXd(all(Eigen::seqN(first, count), kept));
   };
-  return {directions.middleRows(first, count), days_of(day_gain), days_of(day_shift)};
+  NuisanceResponses part{directions.middleRows(first, count), days_of(day_gain), days_of(day_shift)};
+  if (structure.cols() > 0) part.structure = structure.middleRows(first, count);
+  return part;
 }
 
 NuisanceResponses nuisance_responses(const ReferenceFit& fit, const std::vector<Parameter>& parameters,
                                      const std::vector<Candidate>& candidates, const std::vector<bool>& kept,
-                                     const Eigen::MatrixXd& missing) {
+                                     const Eigen::MatrixXd& missing, const std::vector<Eigen::MatrixXd>& structure) {
   const Eigen::Index bins = missing.rows(), days = bins / bins_per_day;
   const auto stacked = [&](const std::vector<Eigen::MatrixXd>& list) {
     Eigen::MatrixXd out(std::max<Eigen::Index>(0, bins - NoiseModel::order) * missing.cols(), std::ssize(list));
@@ -81,7 +87,7 @@ NuisanceResponses nuisance_responses(const ReferenceFit& fit, const std::vector<
     return stacked(list);
   };
   return {stacked(directions_of(parameters, candidates, fit.structural_scale)), each_day("gain_occupied"),
-          each_day("occupancy_shift")};
+          each_day("occupancy_shift"), stacked(structure)};
 }
 
 Eigen::MatrixXd nuisance_directions(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,

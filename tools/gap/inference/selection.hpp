@@ -36,9 +36,10 @@ struct Nuisance {
 
 /// What nuisances do to the sensors, whitened; sizes are put in by scaled().
 struct NuisanceResponses {
-  Eigen::MatrixXd directions;  ///< of one prior sd each
-  Eigen::MatrixXd day_gain;    ///< of 1 a day
-  Eigen::MatrixXd day_shift;   ///< of 1 h a day
+  Eigen::MatrixXd directions;      ///< of one prior sd each
+  Eigen::MatrixXd day_gain;        ///< of 1 a day
+  Eigen::MatrixXd day_shift;       ///< of 1 h a day
+  Eigen::MatrixXd structure = {};  ///< of one standard deviation of how buildings differ from their twins
 
   /// All, as they stand, side by side.
   Eigen::MatrixXd joined() const;
@@ -49,9 +50,11 @@ struct NuisanceResponses {
   /// The same of some rows; days that have nothing there are left out.
   NuisanceResponses rows(Eigen::Index first, Eigen::Index count) const;
 };
+/// `structure`: bins x channels each, as of StructureEnsemble.
 NuisanceResponses nuisance_responses(const ReferenceFit& fit, const std::vector<Parameter>& parameters,
                                      const std::vector<Candidate>& candidates, const std::vector<bool>& kept,
-                                     const Eigen::MatrixXd& missing);
+                                     const Eigen::MatrixXd& missing,
+                                     const std::vector<Eigen::MatrixXd>& structure = {});
 Eigen::MatrixXd nuisance_directions(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,
                                     const Eigen::MatrixXd& missing, const Nuisance& settings = {});
 

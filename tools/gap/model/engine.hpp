@@ -23,6 +23,13 @@ class Engine {
   virtual ~Engine() = default;
   /// Thread-safe.  Shape: as sim::ChannelTable.  Errors: hal::InputError, std::runtime_error of a run that died.
   virtual sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const = 0;
+  /// What a building would have shown that differs from the changed model as buildings differ from their twins: in
+  /// structure that no parameter has, and a little in every number.  Empty where the engine cannot draw one.
+  /// Thread-safe.  Shape, errors: as simulate().
+  virtual sim::ChannelTable simulate_differing(std::uint64_t /*seed*/, const Changes& /*changes*/,
+                                               const sim::Recording& /*recording*/) const {
+    return {};
+  }
   virtual sim::Channels channels() const = 0;
   virtual std::array<bool, sim::facades> has_facade() const = 0;
   virtual bool can(const sim::Effect& effect) const = 0;
@@ -45,6 +52,8 @@ class RcEngine final : public Engine {
  public:
   explicit RcEngine(sim::RcRoom room) : room_(std::move(room)) {}
   sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override;
+  sim::ChannelTable simulate_differing(std::uint64_t seed, const Changes& changes,
+                                       const sim::Recording& recording) const override;
   sim::Channels channels() const override { return {room_.vavs, room_.fcus, room_.powers}; }
   std::array<bool, sim::facades> has_facade() const override;
   bool can(const sim::Effect& effect) const override { return effect.on_rc; }

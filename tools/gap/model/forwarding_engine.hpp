@@ -10,6 +10,10 @@ class ForwardingEngine : public Engine {
  public:
   /// `engine` is kept by reference.
   explicit ForwardingEngine(const Engine& engine) : engine_(engine) {}
+  sim::ChannelTable simulate_differing(std::uint64_t seed, const Changes& changes,
+                                       const sim::Recording& recording) const override {
+    return engine_.simulate_differing(seed, changes, recording);
+  }
   sim::Channels channels() const override { return engine_.channels(); }
   std::array<bool, sim::facades> has_facade() const override { return engine_.has_facade(); }
   bool can(const sim::Effect& effect) const override { return engine_.can(effect); }

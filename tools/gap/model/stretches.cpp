@@ -44,23 +44,43 @@ Span span_of(const sim::Recording& recording) {
   return span;
 }
 
-sim::ChannelTable StretchedEngine::simulate(const Changes& changes, const sim::Recording& recording) const {
-  if (recording.later.empty()) return engine().simulate(changes, recording);
+namespace {
+
+/// `simulate(changes, recording)` of each stretch; empty where it is.
+template <class Simulate>
+sim::ChannelTable each_stretch(const Engine& engine, const Changes& changes, const sim::Recording& recording,
+                               const Simulate& simulate) {
+  if (recording.later.empty()) return simulate(changes, recording);
   // What sensors alone show counts days from the first stretch's first day on, in responses too.
   Changes lived = changes, shown;
   const auto only_shown = std::stable_partition(
-      lived.begin(), lived.end(), [this](const sim::EffectChange& c) { return !engine().only_shows(*c.at.effect); });
+      lived.begin(), lived.end(), [&engine](const sim::EffectChange& c) { return !engine.only_shows(*c.at.effect); });
   shown.assign(only_shown, lived.end());
   lived.erase(only_shown, lived.end());
-  sim::ChannelTable table(static_cast<Eigen::Index>(recording.rows.size()), engine().channels().count());
+  sim::ChannelTable table(static_cast<Eigen::Index>(recording.rows.size()), engine.channels().count());
   for (std::size_t i = 0; i <= recording.later.size(); ++i) {
     const std::size_t first = i == 0 ? 0 : recording.later[i - 1].row;
     const std::size_t last = i < recording.later.size() ? recording.later[i].row : recording.rows.size();
-    const sim::Recording part = part_of(recording, first, last - first);
-    table.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first)) =
-        engine().simulate(lived, part);
+    const sim::ChannelTable part = simulate(lived, part_of(recording, first, last - first));
+    if (part.size() == 0) return {};
+    table.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first)) = part;
   }
-  return shown.empty() ? table : sim::changed_sensors(std::move(table), engine().channels(), shown);
+  return shown.empty() ? table : sim::changed_sensors(std::move(table), engine.channels(), shown);
+}
+
+}  // namespace
+
+sim::ChannelTable StretchedEngine::simulate(const Changes& changes, const sim::Recording& recording) const {
+  return each_stretch(engine(), changes, recording, [this](const Changes& lived, const sim::Recording& part) {
+    return engine().simulate(lived, part);
+  });
+}
+
+sim::ChannelTable StretchedEngine::simulate_differing(std::uint64_t seed, const Changes& changes,
+                                                      const sim::Recording& recording) const {
+  return each_stretch(engine(), changes, recording, [this, seed](const Changes& lived, const sim::Recording& part) {
+    return engine().simulate_differing(seed, lived, part);
+  });
 }
 
 }  // namespace airside::tools::gap

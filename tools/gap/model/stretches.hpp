@@ -24,6 +24,8 @@ class StretchedEngine final : public ForwardingEngine {
  public:
   using ForwardingEngine::ForwardingEngine;
   sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override;
+  sim::ChannelTable simulate_differing(std::uint64_t seed, const Changes& changes,
+                                       const sim::Recording& recording) const override;
 };
 
 }  // namespace airside::tools::gap

@@ -118,6 +118,7 @@ Eigen::Index GapRun::locked_from() const { return gap::locked_from(rules, residu
 GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effects, StagedProgress& progress) {
   GapRun run;
   run.request = request;
+  run.rules.buildings = request.buildings;
   run.loaded = load_case(request.source, request.site, request.cache);
   require_apart(run.loaded.logs);
   add_more_days(run, effects);

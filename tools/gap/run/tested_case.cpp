@@ -10,10 +10,11 @@
 namespace airside::tools::gap {
 
 nlohmann::json judge_with_tests(const std::filesystem::path& folder, const std::vector<sim::Effect>& effects,
-                                const std::filesystem::path& cache, int jobs, bool propose) {
+                                const std::filesystem::path& cache, int jobs, bool propose, int buildings) {
   const std::string name = folder.filename().string();
   std::vector<std::string> done;
   GapRun run;
+  run.rules.buildings = buildings;
   run.request.source = read_case(folder);
   for (const CaseTest& test : read_case_tests(folder)) {
     run.request.more.push_back({(folder / test.log).string(), test.name});

@@ -21,6 +21,7 @@ class NightJudge {
  public:
   NightJudge(const GapRequest& request, const std::vector<sim::Effect>& effects)
       : jobs_(request.jobs),
+        buildings_(request.buildings),
         loaded_(load_case(request.source, request.site, request.cache)),
         library_(library_of(*loaded_.engine, effects)),
         reference_(responses_in(loaded_.data.reference)) {}
@@ -37,7 +38,9 @@ class NightJudge {
       CaseData data = loaded_.data;
       data.test =
           window_of(rows, loaded_.engine->channels(), data.reference.recording.station, log.place, loaded_.counts);
-      const Verdict verdict = analyse(*loaded_.engine, data, {reference_, responses_in(data.test)}, {}, jobs_);
+      Rules rules;
+      rules.buildings = buildings_;
+      const Verdict verdict = analyse(*loaded_.engine, data, {reference_, responses_in(data.test)}, rules, jobs_);
       night.verdict = text_of(verdict.kind);
       if (!verdict.findings.empty()) night.effect = verdict.findings.front().at.id();
       night.sentence = sentence_of(verdict);
@@ -52,7 +55,7 @@ class NightJudge {
     return simulate_responses(*loaded_.engine, library_, window.recording, true, jobs_);
   }
 
-  int jobs_;
+  int jobs_, buildings_;
   LoadedCase loaded_;
   Library library_;
   Responses reference_;

@@ -21,16 +21,24 @@ Eigen::VectorXd channel_norms(const Tangent& tangent, std::size_t candidate) {
 
 }  // namespace
 
-FittedCase::FittedCase(const Engine& with, const CaseData& of, const WindowResponses& shown, const Rules& by, int jobs,
-                       Refitter::Start start)
+FittedCase::FittedCase(const Engine& with, const CaseData& of, const WindowResponses& shown, const Rules& by,
+                       int threads, Refitter::Start start)
     : engine(with),
       data{evidence_of(of.reference, with.channels()), evidence_of(of.test, with.channels())},
       responses(shown),
       rules(by),
-      fit(fit_reference(with, shown.reference, data.reference, jobs)),
+      fit(fit_reference(with, shown.reference, data.reference, threads)),
+      jobs(threads),
       kept(fitted_bins(by, data.test.measured.rows())),
       nulls(null_blocks(fit, shown.reference, data.reference)),
-      refitter(with, data.test, shown.test, fit, nulls.nuisance, kept, jobs, start) {}
+      refitter(with, data.test, shown.test, fit, nulls.nuisance, kept, threads, start) {}
+
+void FittedCase::draw_buildings() {
+  if (rules.buildings == 0) return;
+  ensemble = structure_ensemble(engine, fit, data.reference, data.test, responses, refitter.tangent()->responses(),
+                                rules.buildings, jobs);
+  refitter.set_structure(ensemble.directions);
+}
 
 bool FittedCase::plausible(const Refit& at) const {
   const Chosen& last = at.chosen.back();

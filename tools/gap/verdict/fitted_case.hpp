@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tools/gap/inference/refit.hpp"
+#include "tools/gap/inference/structure_ensemble.hpp"
 #include "tools/gap/verdict/rules.hpp"
 
 namespace airside::tools::gap {
@@ -22,9 +23,14 @@ struct FittedCase {
   const WindowResponses& responses;
   const Rules& rules;
   const ReferenceFit fit;
+  const int jobs;
   const std::vector<bool> kept;  ///< bins of the measured window that are fitted: neither the first day nor locked ones
   const NullBlocks nulls;
+  StructureEnsemble ensemble;
   Refitter refitter;
+
+  /// Draws the buildings; the refitter's tangent must be simulated.
+  void draw_buildings();
 
   Eigen::Index bins() const { return data.test.measured.rows(); }
   const Candidate& candidate(const Chosen& c) const { return responses.test.candidates[c.candidate]; }

@@ -7,6 +7,8 @@ namespace airside::tools::gap {
 
 /// Decision rules.  Source: docs/gap-workflow.md, "6. When an effect is named"; figures: its blind tests.
 struct Rules {
+  static constexpr int usual_buildings = 96;
+
   double log_likelihood_limit = 30;   ///< a gain below is noise, and so is one below this and
   double null_share = 1;              ///< this times the same effect's best gain in the reference's own blocks
   double margin_log_likelihood = 20;  ///< by which the gain exceeds that of every other effect, at least,
@@ -35,6 +37,7 @@ struct Rules {
                                  ///< it is not that effect, but it is a gap, and so unknown
   double affected_share = 0.5;   ///< of how far the findings move the channel that they move most, in its noise:
                                  ///< channels that move as far count on the locked days
+  int buildings = 0;             ///< drawn for StructureEnsemble; 0: how they differ is asked of the reference alone
   int alternatives = 12;         ///< of each finding, for its posterior, by real simulation,
   int locked_looks = 5;          ///< and of those, best first, that are held against the locked days
   double contradiction_sd = 2;   ///< standard deviations by which locked days fall short of what was predicted

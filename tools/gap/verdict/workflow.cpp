@@ -276,6 +276,7 @@ Verdict analyse(const Engine& engine, const CaseData& data, const WindowResponse
     look(first_outlook(c));
     c.refitter.simulate_tangent();
   }
+  c.draw_buildings();
   const EffectSearch search(c);
   Analysis analysis(c, search);
   const Verdict verdict = analysis.run(look);

@@ -1,0 +1,113 @@
+// Buildings that differ: how much a right model may be off, asked of rooms of another structure.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "sim/rc/rc_room_file.hpp"
+#include "sim/weather/synthetic_weather.hpp"
+#include "tools/gap/blind/blind.hpp"
+#include "tools/gap/inference/structure_ensemble.hpp"
+#include "tools/gap/model/log_window.hpp"
+#include "tools/gap/model/stretches.hpp"
+#include "tools/gap/verdict/fitted_case.hpp"
+
+namespace airside::tools::gap {
+namespace {
+
+/// A room of another structure than its twin, in which nothing is hidden: six days of reference, six measured.
+struct OtherRoom {
+  sim::RcRoom twin = sim::load_room("301");
+  RcEngine engine{twin};
+  std::shared_ptr<const sim::Weather> weather = sim::synthetic_weather(11);
+  CaseData data;
+  WindowResponses responses;
+
+  explicit OtherRoom(std::uint64_t seed) {
+    const sim::RcRoom real = with_other_structure(measured_room(twin, seed, true), seed);
+    MeasuredRun run{sim::civil_midnight(2021, 7, 1), 6, seed, true, 0};
+    data.reference = window_of(measure(real, weather, run), engine.channels(), weather, "reference");
+    run.start.seconds += run.days * seconds_per_day;
+    run.seed += 1;
+    data.test = window_of(measure(real, weather, run), engine.channels(), weather, "log");
+    const auto effects = sim::load_effects(sim::find_effects());
+    const Library all = library_of(engine, effects);
+    Library library{all.parameters, {}};
+    for (const sim::EffectAt& at : all.candidates) {
+      if (at.effect->name == "vav_flow" || at.effect->name == "fan_power") library.candidates.push_back(at);
+    }
+    const auto of = [&](const Window& window) {
+      return simulate_responses(engine, library, window.recording, true, 2);
+    };
+    responses = {of(data.reference), of(data.test)};
+  }
+};
+
+double left(const FittedCase& c) {
+  const Refit none =
+      c.refitter.at({}, Eigen::VectorXd::Zero(std::ssize(c.responses.test.parameters)), c.refitter.tangent());
+  return none.distance / c.samples() / c.fit.residual_ratio;
+}
+
+TEST(StructureEnsemble, KnowsWhatTheReferenceCannot) {
+  const OtherRoom room(6);
+  Rules rules;
+  FittedCase alone(room.engine, room.data, room.responses, rules, 2);
+  const double without = left(alone);
+  alone.draw_buildings();
+  EXPECT_TRUE(alone.ensemble.directions.empty()) << "none are asked for";
+  EXPECT_EQ(left(alone), without);
+
+  rules.buildings = 24;
+  FittedCase c(room.engine, room.data, room.responses, rules, 2);
+  c.draw_buildings();
+  ASSERT_FALSE(c.ensemble.directions.empty());
+  EXPECT_LE(c.ensemble.directions.size(), 24U);
+  EXPECT_LT(left(c), without) << "some of what a right model leaves is how buildings differ";
+  EXPECT_GT(left(c), 0.5 * without) << "and noise stays noise";
+  double before = std::numeric_limits<double>::infinity();
+  for (const Eigen::MatrixXd& direction : c.ensemble.directions) {
+    EXPECT_EQ(direction.rows(), room.data.test.measured.rows());
+    EXPECT_EQ(direction.cols(), room.data.test.measured.cols());
+    const double size =
+        c.fit.noise.whiten(direction, counted_bins(direction.rows()), c.data.test.measured).squaredNorm();
+    EXPECT_LE(size, before * (1 + 1e-9)) << "the largest comes first";
+    before = size;
+  }
+}
+
+TEST(StructureEnsemble, DoesNotDependOnTheNumberOfThreads) {
+  const OtherRoom room(7);
+  Rules rules;
+  rules.buildings = 3;
+  FittedCase one(room.engine, room.data, room.responses, rules, 1),
+      two(room.engine, room.data, room.responses, rules, 2);
+  one.draw_buildings();
+  two.draw_buildings();
+  ASSERT_EQ(one.ensemble.directions.size(), two.ensemble.directions.size());
+  for (std::size_t k = 0; k < one.ensemble.directions.size(); ++k) {
+    EXPECT_EQ(one.ensemble.directions[k], two.ensemble.directions[k]);
+  }
+}
+
+TEST(StructureEnsemble, LivesThroughEachStretchOnItsOwn) {
+  const RcEngine engine{sim::load_room("301")};
+  const auto weather = sim::synthetic_weather(11);
+  const auto days = [&](int day) {
+    return window_of(measure(engine.room(), weather, {sim::civil_midnight(2021, 7, day), 2, 3, false, 0}),
+                     engine.channels(), weather, "log");
+  };
+  const Window first = days(1), second = days(8);
+  const StretchedEngine stretched(engine);
+  const sim::ChannelTable all = stretched.simulate_differing(5, {}, stacked_windows({first, second}).recording);
+  const sim::ChannelTable one = engine.simulate_differing(5, {}, first.recording),
+                          other = engine.simulate_differing(5, {}, second.recording);
+  ASSERT_EQ(all.rows(), one.rows() + other.rows());
+  EXPECT_TRUE(all.topRows(one.rows()).isApprox(one));
+  EXPECT_TRUE(all.bottomRows(other.rows()).isApprox(other));
+  EXPECT_FALSE(one.isApprox(engine.simulate({}, first.recording), 1e-6)) << "it is another building";
+  EXPECT_FALSE(one.isApprox(engine.simulate_differing(6, {}, first.recording), 1e-6)) << "and each seed is one";
+}
+
+}  // namespace
+}  // namespace airside::tools::gap

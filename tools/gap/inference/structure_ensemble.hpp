@@ -1,0 +1,28 @@
+#pragma once
+// How much a right model may be off in a measured period after it was fitted to another one: asked of buildings that
+// differ from it as buildings do.
+
+#include <vector>
+
+#include "tools/gap/inference/reference_fit.hpp"
+
+namespace airside::tools::gap {
+
+/// Covariance of a fitted model's residual in the measured window, over buildings in which nothing is missing.
+struct StructureEnsemble {
+  std::vector<Eigen::MatrixXd> directions;  ///< bins x channels; one standard deviation each, largest first
+  int rooms = 0;
+};
+
+/// Draws `rooms` buildings about the fitted model, lets each live through both recordings, fits the model's parameters
+/// and structural directions to its reference period linearly, and keeps what is left of its measured period:
+///   d_i = (J_r' J_r + I)^-1 J_r' r_i,  e_i = t_i - J_t d_i,  C = 1/n sum_i e_i e_i'  = sum_k d_k d_k'
+/// `about`: the parameters' responses in the measured window, about the fitted model.
+/// Empty where the engine cannot draw buildings.
+/// Cost: 2 rooms + 2 simulations.  Errors: as Engine::simulate.
+/// Source: docs/gap-workflow.md, "Buildings that differ".
+StructureEnsemble structure_ensemble(const Engine& engine, const ReferenceFit& fit, const Window& reference,
+                                     const Window& test, const WindowResponses& responses,
+                                     const std::vector<Parameter>& about, int rooms, int jobs);
+
+}  // namespace airside::tools::gap
