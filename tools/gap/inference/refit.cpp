@@ -42,8 +42,11 @@ Tangent::Tangent(const std::vector<Candidate>& candidates, NuisanceResponses nui
     : responses_(std::move(responses)),
       nuisance_(std::move(nuisance)),
       mixing_(std::move(mixing)),
-      evidence_(candidates, std::move(z), Metric(nuisance_.joined() * mixing_.triangularView<Eigen::Lower>())),
-      others_((nuisance_.joined() * mixing_.triangularView<Eigen::Lower>()).rightCols(mixing_.cols() - count())) {}
+      j_(nuisance_.mixed(mixing_)),
+      evidence_(candidates, std::move(z), Metric(j_)),
+      others_(j_.rightCols(mixing_.cols() - count())) {
+  j_.resize(0, 0);
+}
 
 Eigen::VectorXd Tangent::mean(const Eigen::VectorXd& r) const {
   const Eigen::VectorXd m_r = metric().times(r);

@@ -47,6 +47,7 @@ class Tangent {
   std::vector<Parameter> responses_;
   NuisanceResponses nuisance_;
   Eigen::MatrixXd mixing_;
+  Eigen::MatrixXd j_;  // while it is made
   CandidateEvidence evidence_;
   Metric others_;  // structure and days
 };

@@ -45,8 +45,16 @@ Eigen::MatrixXd NuisanceResponses::mixing(const Eigen::MatrixXd& covariance, con
   return root;
 }
 
+Eigen::MatrixXd NuisanceResponses::mixed(const Eigen::MatrixXd& mixing) const {
+  const Eigen::Index count = directions.cols(), others = mixing.cols() - count;
+  Eigen::MatrixXd j = joined();
+  j.leftCols(count) = directions * mixing.topLeftCorner(count, count).triangularView<Eigen::Lower>();
+  j.rightCols(others) *= mixing.diagonal().tail(others).asDiagonal();
+  return j;
+}
+
 Eigen::MatrixXd NuisanceResponses::scaled(const Eigen::MatrixXd& covariance, const Nuisance& settings) const {
-  return joined() * mixing(covariance, settings).triangularView<Eigen::Lower>();
+  return mixed(mixing(covariance, settings));
 }
 
 NuisanceResponses NuisanceResponses::rows(Eigen::Index first, Eigen::Index count) const {

@@ -45,7 +45,9 @@ struct NuisanceResponses {
   Eigen::MatrixXd joined() const;
   /// J of Metric, joined() times mixing().  covariance: of directions, in prior units.
   Eigen::MatrixXd scaled(const Eigen::MatrixXd& covariance, const Nuisance& settings) const;
-  /// The square root of L, in blocks.
+  /// The same, by the square root of L.
+  Eigen::MatrixXd mixed(const Eigen::MatrixXd& mixing) const;
+  /// The square root of L: of the directions lower triangular, of the others a diagonal.
   Eigen::MatrixXd mixing(const Eigen::MatrixXd& covariance, const Nuisance& settings) const;
   /// The same of some rows; days that have nothing there are left out.
   NuisanceResponses rows(Eigen::Index first, Eigen::Index count) const;

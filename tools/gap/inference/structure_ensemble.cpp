@@ -11,7 +11,7 @@ namespace airside::tools::gap {
 namespace {
 
 constexpr std::uint64_t first_seed = 0x5eed0000;  // no case has one of these
-constexpr double share_kept = 0.999;              // of the variance
+constexpr double least_variance = 1;              // whitened: a direction below is less than the noise of one value
 
 }  // namespace
 
@@ -55,10 +55,7 @@ StructureEnsemble structure_ensemble(const Engine& engine, const ReferenceFit& f
     e.col(i) = fit.noise.whiten(of_test[static_cast<std::size_t>(i)], all, test.measured);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(e.transpose() * e / rooms);
-  const double total = eigen.eigenvalues().sum();
-  double sum = 0;
-  for (Eigen::Index k = e.cols() - 1; k >= 0 && sum < share_kept * total; --k) {
-    sum += eigen.eigenvalues()(k);
+  for (Eigen::Index k = e.cols() - 1; k >= 0 && eigen.eigenvalues()(k) > least_variance; --k) {
     Eigen::MatrixXd direction = Eigen::MatrixXd::Zero(test.measured.rows(), test.measured.cols());
     for (std::size_t i = 0; i < of_test.size(); ++i) {
       direction += eigen.eigenvectors()(static_cast<Eigen::Index>(i), k) / std::sqrt(rooms) * of_test[i];
