@@ -195,7 +195,8 @@ TEST(Upgrade, CountsObjectsByTypeAndStep) {
       "Coil:Cooling:DX:SingleSpeed,C,On,1,0.7,3,0.1,773,In,Out,a,b,c,d,e,0,1,,,,,,,,,,,,X,Y;Zone,Z;",
       "m.idf", "9.5", "25.2", done);
   ASSERT_EQ(done.types.size(), 2U);
-  EXPECT_EQ(done.objects(), 3);
+  EXPECT_EQ(text_of(done), "upgraded from EnergyPlus 9.5 to 25.2: 3 objects of 2 types");
+  EXPECT_EQ(text_of(Upgrade{}), "");
   EXPECT_EQ(done.types[0].type, "Coil:Cooling:DX:SingleSpeed");
   EXPECT_EQ(done.types[0].versions, "22.2, 23.2");
   EXPECT_EQ(done.types[1].type, "Wall:Exterior");

@@ -22,8 +22,7 @@ struct AdoptRequest {
   std::filesystem::path folder;   ///< of the site
   bool force = false;             ///< write into a folder that has files already
   OnEngineRun progress;
-  std::string
-      transitions;  ///< a folder of Transition programs; empty: AIRSIDE_TRANSITIONS, the engine's, or the tables
+  std::string transitions = {};  ///< folder of Transition programs; empty: AIRSIDE_TRANSITIONS, the engine's, or none
 };
 
 struct Adoption {

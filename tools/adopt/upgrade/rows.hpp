@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/adopt/upgrade/change.hpp"
+#include "tools/adopt/upgrade/table/change.hpp"
 
 namespace airside::tools::upgrade {
 

@@ -85,6 +85,13 @@ int Upgrade::objects() const {
   return all;
 }
 
+std::string text_of(const Upgrade& done) {
+  if (done.from.empty()) return {};
+  return fmt::format("upgraded from EnergyPlus {} to {}: {}", done.from, done.to,
+                     done.programs.empty() ? fmt::format("{} objects of {} types", done.objects(), done.types.size())
+                                           : "by the Transition programs of " + done.programs);
+}
+
 std::string short_version(const std::string& version) {
   const auto first = version.find('.');
   return first == std::string::npos ? version : version.substr(0, version.find('.', first + 1));

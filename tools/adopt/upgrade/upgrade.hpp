@@ -22,6 +22,9 @@ struct Upgrade {
   int objects() const;
 };
 
+/// "upgraded from EnergyPlus 9.0 to 25.2: 52 objects of 9 types"; empty where nothing was.
+std::string text_of(const Upgrade& done);
+
 /// "25.2" of "25.2.0".
 std::string short_version(const std::string& version);
 /// Whether version `a` comes before `b`, both short.

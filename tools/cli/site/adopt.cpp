@@ -52,12 +52,7 @@ struct AdoptCommand {
     }
     fmt::print("adopted the air loop {} of {}: {}, terminals {}\n", a.loop.name, a.model_name, a.topology(),
                text_of(a.loop.kind()));
-    if (!a.upgrade.from.empty()) {
-      fmt::print("upgraded from EnergyPlus {} to {}: {}\n", a.upgrade.from, a.upgrade.to,
-                 a.upgrade.programs.empty()
-                     ? fmt::format("{} objects of {} types", a.upgrade.objects(), a.upgrade.types.size())
-                     : "by " + a.upgrade.programs);
-    }
+    if (!a.upgrade.from.empty()) fmt::print("{}\n", text_of(a.upgrade));
     fmt::print("target {:.2f} degC, setpoint {:.1f} to {:.1f} degC, weather {}\n", a.choices.target_degc,
                a.choices.min_degc, a.choices.max_degc, a.weather_name);
     for (const Comparison& c : a.seasons) {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tools/adopt/upgrade/change.hpp"
+#include "tools/adopt/upgrade/table/change.hpp"
 
 namespace airside::tools::upgrade {
 

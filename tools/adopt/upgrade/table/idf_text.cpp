@@ -1,4 +1,4 @@
-#include "tools/adopt/upgrade/idf_text.hpp"
+#include "tools/adopt/upgrade/table/idf_text.hpp"
 
 #include <algorithm>
 

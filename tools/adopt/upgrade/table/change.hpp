@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "tools/adopt/upgrade/idf_text.hpp"
+#include "tools/adopt/upgrade/table/idf_text.hpp"
 
 namespace airside::tools::upgrade {
 
