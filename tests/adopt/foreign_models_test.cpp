@@ -11,9 +11,11 @@
 #include "sim/energyplus/epjson_lint.hpp"
 #include "sim/json/json_file.hpp"
 #include "sim/json/merge_patch.hpp"
+#include "support/complaint.hpp"
 #include "support/program.hpp"
 #include "tools/adopt/adoption.hpp"
 #include "tools/adopt/advice.hpp"
+#include "tools/adopt/model/foreign_file.hpp"
 #include "tools/run/site.hpp"
 
 namespace airside::tools {
@@ -151,6 +153,30 @@ TEST(ForeignBuildings, TemplatesOfBoxesWithAndWithoutReheatBecomeASite) {
   EXPECT_TRUE(a.choices.fan.weekday_only);
   EXPECT_EQ(a.weather_name, "USA_IL_Chicago-OHare.Intl.AP.725300_TMY3.epw") << "the nearest of the engine's";
   check_site(a, folder.path() / "site");
+}
+
+/// The template model as EnergyPlus 9.0 had it: walls without a space, old words, an output that is several.
+std::string template_model_of_9_0() {
+  std::string old = hal::replaced(template_model, "Version,25.2", "Version,9.0");
+  for (const char* wall : {"Outdoors,,SunExposed", "Adiabatic,,NoSun"}) {
+    for (int n = 0; n < 2; ++n) old = hal::replaced(old, std::string(",,") + wall, std::string(",") + wall);
+  }
+  return hal::replaced(old, "UpperLeftCorner,CounterClockWise,World", "ULC,CCW,WCS");
+}
+
+TEST(ForeignBuildings, ModelOfAnOlderVersionIsTheSameModel) {
+  AIRSIDE_NEEDS_ADOPT_ENGINE();
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "new.idf") << template_model;
+  std::ofstream(folder.path() / "old.idf") << template_model_of_9_0();
+  const auto install = sim::find_energyplus();
+  const ForeignModel upgraded = read_foreign_model(folder.path() / "old.idf", install);
+  auto as_written = read_foreign_model(folder.path() / "new.idf", install).content;
+  for (auto& [name, rules] : as_written["GlobalGeometryRules"].items())
+    rules["vertex_entry_direction"] = "Counterclockwise";
+  EXPECT_EQ(upgraded.content, as_written);
+  EXPECT_EQ(upgraded.upgrade.from, "9.0");
+  EXPECT_EQ(upgraded.upgrade.objects(), 5);
 }
 
 }  // namespace

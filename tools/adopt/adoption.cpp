@@ -263,12 +263,13 @@ struct Prepared {
 
 Prepared prepare(const AdoptRequest& request, const sim::EnergyPlusInstall& install) {
   Prepared out;
-  out.model = read_foreign_model(request.model, install);
+  out.model = read_foreign_model(request.model, install, request.transitions);
   const std::string place = request.model.string();
   out.adoption = examine(out.model.content, place, request.air_loop);
   Adoption& a = out.adoption;
   const ModelView view(out.model.content, place);
   a.notes = out.model.notes;
+  a.upgrade = out.model.upgrade;
   a.model_name = request.model.filename().string();
   a.engine = sim::version_of(install);
   out.repairs = without_lost_limits(view, a.notes);

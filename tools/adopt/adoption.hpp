@@ -11,6 +11,7 @@
 #include "tools/adopt/loop/setpoint_patch.hpp"
 #include "tools/adopt/season_runs.hpp"
 #include "tools/adopt/sizes.hpp"
+#include "tools/adopt/upgrade/upgrade.hpp"
 
 namespace airside::tools {
 
@@ -21,6 +22,7 @@ struct AdoptRequest {
   std::filesystem::path folder;   ///< of the site
   bool force = false;             ///< write into a folder that has files already
   OnEngineRun progress;
+  std::string transitions = {};  ///< folder of Transition programs; empty: AIRSIDE_TRANSITIONS, the engine's, or none
 };
 
 struct Adoption {
@@ -36,6 +38,7 @@ struct Adoption {
   std::vector<Comparison> seasons;  ///< summer, winter, autumn: what a setpoint does, between these two
   std::vector<double> most_kw;      ///< of each power meter, in the two weeks
   std::vector<std::string> notes;   ///< of conversion and repair
+  Upgrade upgrade;                  ///< of a model of an older version
 
   /// Of a season.
   const Response& response(Season season) const { return seasons.at(static_cast<std::size_t>(season)).response; }

@@ -104,6 +104,22 @@ std::string chosen_table(const Adoption& a) {
   return text;
 }
 
+/// What brought an older model to the engine's version, type by type; empty where nothing did.
+std::string upgrade_section(const Upgrade& upgrade) {
+  if (upgrade.from.empty()) return {};
+  std::string text = fmt::format("\n## Upgraded from EnergyPlus {} to {}\n\n", upgrade.from, upgrade.to);
+  if (!upgrade.programs.empty())
+    return text + "By the Transition programs of " + upgrade.programs + ", before all else.\n";
+  text += fmt::format(
+      "{} objects were changed by the tables of airside, before all else; what no step changed is as it was. Output "
+      "variables that were renamed since are not looked after: none is read here.\n\n"
+      "| object type | changed | by the steps to |\n|---|---|---|\n",
+      upgrade.objects());
+  for (const UpgradedType& type : upgrade.types)
+    text += fmt::format("| {} | {} | {} |\n", type.type, type.objects, type.versions);
+  return text;
+}
+
 std::string response_row(const char* season, const Response& r) {
   if (!r.known) return fmt::format("| {} | the fan does not run in working hours | | | | |\n", season);
   return fmt::format("| {} | {:.1f} / {:.1f} | {:.2f} | {:.2f} / {:.2f} | {:.3f} | {} | {:.1f} / {:.1f} |\n", season,
@@ -170,6 +186,7 @@ std::string adoption_page(const Adoption& a) {
   text += advice_section(a) + "\n## Found\n\n" + found_table(a) + "\n";
   for (const std::string& note : a.loop.notes) text += "- " + note + "\n";
   text += "\n## Chosen\n\n" + chosen_table(a);
+  text += upgrade_section(a.upgrade);
   text += "\n## Changed in the model (twin.patch.json)\n\n";
   text += "- the supply-air setpoint is the schedule \"" + a.setpoint.schedule + "\"\n";
   for (const std::string& note : a.setpoint.notes) text += "- " + note + "\n";

@@ -12,6 +12,7 @@
 #include "sim/json/json_file.hpp"
 #include "tools/adopt/model/engine_run.hpp"
 #include "tools/adopt/model/model_view.hpp"
+#include "tools/adopt/model/transitions.hpp"
 
 namespace airside::tools {
 
@@ -20,20 +21,26 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// "25.2" of "25.2.0".
-std::string short_version(const std::string& version) {
-  const auto first = version.find('.');
-  return first == std::string::npos ? version : version.substr(0, version.find('.', first + 1));
-}
-
-void check_version(const std::string& place, const std::string& found, const std::string& engine) {
-  if (short_version(found) == short_version(engine)) return;
-  throw hal::InputError(
-      place + ": Version", found.empty() ? "no version" : "a model of EnergyPlus " + found,
-      "one of EnergyPlus " + short_version(engine),
-      found.empty() ? "add the object Version with the version that the model was written for"
-                    : "upgrade it with the transition programs of an EnergyPlus " + short_version(engine) +
-                          " install (IDFVersionUpdater, Transition-V*), which the package of the engine here lacks");
+/// Whether a model must be upgraded.
+/// Errors: hal::InputError where it has no version, is newer than the engine, or too old for the tables and nothing
+///   else can upgrade it.
+bool must_be_upgraded(const std::string& place, const std::string& found, const std::string& engine, bool programs) {
+  if (found == engine) return false;
+  if (found.empty()) {
+    throw hal::InputError(place + ": Version", "no version", "one of EnergyPlus " + engine,
+                          "add the object Version with the version that the model was written for");
+  }
+  const std::string expected = fmt::format("one of EnergyPlus {} to {}", oldest_version(), engine);
+  if (is_older(engine, found)) {
+    throw hal::InputError(place + ": Version", "a model of EnergyPlus " + found + ", newer than the engine", expected,
+                          "save it for " + engine + " in the program that wrote it: no program takes a model back");
+  }
+  if (!programs && !tables_lead(found, engine)) {
+    throw hal::InputError(place + ": Version", "a model of EnergyPlus " + found, expected,
+                          "name a folder of EnergyPlus's Transition programs with --transitions, as an EnergyPlus " +
+                              engine + " install has it in PreProcess/IDFVersionUpdater, and give the IDF");
+  }
+  return true;
 }
 
 /// The text without comments, in upper case: enough to look for object types.
@@ -74,30 +81,36 @@ void expand_templates(const fs::path& folder, const sim::EnergyPlusInstall& inst
   fs::rename(expanded, folder / "in.idf");
 }
 
-json converted(const fs::path& file, const std::string& text, const sim::EnergyPlusInstall& install,
-               std::vector<std::string>& notes) {
+json converted(const fs::path& file, std::string text, const sim::EnergyPlusInstall& install,
+               const std::string& transitions, ForeignModel& model) {
   const std::string bare = without_comments(text);
   const std::string place = file.string();
+  const std::string engine = short_version(sim::version_of(install));
   if (bare.find(',') == std::string::npos || bare.find(';') == std::string::npos) {
     throw hal::InputError(place, "text that is neither JSON nor an IDF", "an EnergyPlus model, .idf or .epJSON",
                           "see that this is the right file");
   }
-  check_version(place, idf_version(bare), sim::version_of(install));
+  const std::string version = short_version(idf_version(bare));
+  const fs::path programs = version == engine ? fs::path() : transitions_folder(transitions, install.folder);
+  if (must_be_upgraded(place, version, engine, !programs.empty())) {
+    text = programs.empty() ? upgraded_idf(text, place, version, engine, model.upgrade)
+                            : transitioned_idf(text, place, version, engine, programs, model.upgrade);
+  }
   const sim::RunFolder folder;
   write_whole(folder.path() / "in.idf", text);
   if (bare.find("HVACTEMPLATE:") != std::string::npos) {
     expand_templates(folder.path(), install, place);
-    notes.emplace_back("its HVACTemplate objects were replaced by the engine's ExpandObjects");
+    model.notes.emplace_back("its HVACTemplate objects were replaced by the engine's ExpandObjects");
   }
   const EngineRun run = run_engine_program(
       install.folder / "energyplus", {"--convert-only", "-d", folder.path().string(), "in.idf"}, folder.path(), 300);
   const fs::path made = folder.path() / "in.epJSON";
   if (!run.done || !fs::is_regular_file(made)) {
     throw hal::InputError(place, "an IDF that the engine's converter refuses: it " + run.words,
-                          "an IDF of EnergyPlus " + short_version(sim::version_of(install)),
+                          "an IDF of EnergyPlus " + (version.empty() ? engine : version),
                           "correct it as the engine says");
   }
-  notes.emplace_back("converted from IDF by the engine's own `energyplus --convert-only`");
+  model.notes.emplace_back("converted from IDF by the engine's own `energyplus --convert-only`");
   return sim::read_json(made);
 }
 
@@ -129,7 +142,8 @@ void find_files(json& model, const fs::path& file) {
 
 }  // namespace
 
-ForeignModel read_foreign_model(const fs::path& file, const sim::EnergyPlusInstall& install) {
+ForeignModel read_foreign_model(const fs::path& file, const sim::EnergyPlusInstall& install,
+                                const std::string& transitions) {
   const std::string text = hal::read_text_file(file.string(), "an EnergyPlus model, .idf or .epJSON");
   const std::string place = file.string();
   const auto first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
@@ -142,13 +156,18 @@ ForeignModel read_foreign_model(const fs::path& file, const sim::EnergyPlusInsta
     model.content = sim::parse_json(text, place);
     const ModelView view(model.content, place);
     const auto versions = view.all("Version");
-    check_version(place, versions.empty() ? "" : versions.front().text("version_identifier"), sim::version_of(install));
-    if (!view.all_of("HVACTemplate:").empty()) {
+    const std::string version = versions.empty() ? "" : short_version(versions.front().text("version_identifier"));
+    const std::string engine = short_version(sim::version_of(install));
+    const bool templates = !view.all_of("HVACTemplate:").empty();
+    if (must_be_upgraded(place, version, engine, false)) {
+      upgrade_epjson(model.content, place, version, engine, model.upgrade);
+    }
+    if (templates) {
       throw hal::InputError(place + ": HVACTemplate", "template objects in an epJSON model", "objects of equipment",
                             "give the IDF instead, which is sent through the engine's ExpandObjects");
     }
   } else {
-    model.content = converted(file, text, install, model.notes);
+    model.content = converted(file, text, install, transitions, model);
   }
   find_files(model.content, file);
   return model;

@@ -131,6 +131,7 @@ void check_foreign(Findings& out, const std::string& path, const std::string& ai
     std::string text = fmt::format("air loop \"{}\", {} zones, {} fan coils, terminals {}, objective {}, weather {}",
                                    a.loop.name, a.loop.terminals.size(), a.loop.fcu_zones.size(),
                                    text_of(a.loop.kind()), a.serves_band() ? "band" : "mean", a.weather_name);
+    if (!a.upgrade.from.empty()) text += "\n       " + text_of(a.upgrade);
     for (const std::vector<std::string>* notes : {&a.notes, &a.loop.notes, &a.setpoint.notes}) {
       for (const std::string& note : *notes) text += "\n       " + note;
     }
