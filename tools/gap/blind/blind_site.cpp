@@ -103,6 +103,15 @@ ShownLive shown_by_kind(const Eigen::MatrixXd& difference, const Eigen::VectorXd
   return kinds;
 }
 
+constexpr int noise_rooms = 5;
+
+/// Of each row.
+Eigen::VectorXd median_of(Eigen::MatrixXd table) {
+  const Eigen::Index middle = table.cols() / 2;
+  for (auto row : table.rowwise()) std::nth_element(row.begin(), row.begin() + middle, row.end());
+  return table.col(middle);
+}
+
 class RcSite final : public BlindSite {
  public:
   explicit RcSite(const BlindSetup& setup) : setup_(setup), twin_(sim::load_room(setup.twin)), engine_(twin_) {
@@ -120,7 +129,9 @@ class RcSite final : public BlindSite {
       p.reference = reference_of(p.room, w, setup_.seed + 77);
       p.base = binned(engine_.simulate({}, p.reference.recording));
       p.own = sim::replay_rc(p.room, p.reference.recording);
-      p.noise = setup_.rough ? rough_noise(engine_.channels()) : usual_noise(w);
+      p.noise = setup_.noise.contains(w.feedback) ? setup_.noise.at(w.feedback)
+                : setup_.rough                    ? rough_noise(engine_.channels())
+                                                  : usual_noise(w);
       if (setup_.done) setup_.done();
     }
   }
@@ -129,8 +140,12 @@ class RcSite final : public BlindSite {
     const Prepared& p = prepared_.at(w);
     if (const sim::Effect* effect = find_effect(*setup_.effects, h.effect)) {
       const Changes change{{{effect, h.place}, h.magnitude}};
-      return shown_most(binned(engine_.simulate(change, p.reference.recording)) - p.base, p.noise, engine_.channels(),
-                        false);
+      // Duties, which cost a second run, are not looked at.
+      const sim::ChannelTable with =
+          sim::changed_sensors(sim::replay_rc(sim::changed_room(twin_, change),
+                                              sim::changed_recording(p.reference.recording, change), false, false),
+                               engine_.channels(), change);
+      return shown_most(binned(with) - p.base, p.noise, engine_.channels(), false);
     }
     const sim::ChannelTable with = sim::replay_rc(hide(p.room, {h}, *setup_.effects), p.reference.recording);
     return shown_most(binned(with - p.own), p.noise, engine_.channels(), true);
@@ -138,6 +153,15 @@ class RcSite final : public BlindSite {
 
   int outside_places(const std::string& kind) const override {
     return kind == "fcu_dial" ? twin_.fcus : kind == "odd_heater" || kind == "escape_door" ? twin_.zones() : 0;
+  }
+
+  /// Of the i-th room that no case has.
+  Eigen::VectorXd noise_of_room(int i, const BlindWindow& w) const {
+    const std::uint64_t seed = setup_.seed + 77 + static_cast<std::uint64_t>(i);
+    const Window window = reference_of(built(seed, w.feedback), w, seed);
+    const Responses responses =
+        simulate_responses(engine_, library_of(engine_, *setup_.effects), window.recording, true, setup_.jobs);
+    return fit_reference(engine_, responses, window, setup_.jobs).noise.spread();
   }
 
   BlindLogs live(const std::vector<Hidden>& hidden, const BlindWindow& w, std::uint64_t seed) const override {
@@ -179,17 +203,9 @@ class RcSite final : public BlindSite {
   /// Rooms differ by a factor of two, and an effect is sized by the channel that shows it most: of one room that would
   /// be the channel in which it happens to be calm.
   Eigen::VectorXd usual_noise(const BlindWindow& w) const {
-    constexpr int rooms = 5;
-    const Library library = library_of(engine_, *setup_.effects);
-    Eigen::MatrixXd noise(engine_.channels().count(), rooms);
-    for (int i = 0; i < rooms; ++i) {
-      const std::uint64_t seed = setup_.seed + 77 + static_cast<std::uint64_t>(i);
-      const Window window = reference_of(built(seed, w.feedback), w, seed);
-      const Responses responses = simulate_responses(engine_, library, window.recording, true, setup_.jobs);
-      noise.col(i) = fit_reference(engine_, responses, window, setup_.jobs).noise.spread();
-    }
-    for (auto channel : noise.rowwise()) std::nth_element(channel.begin(), channel.begin() + rooms / 2, channel.end());
-    return noise.col(rooms / 2);
+    Eigen::MatrixXd noise(engine_.channels().count(), noise_rooms);
+    for (int i = 0; i < noise_rooms; ++i) noise.col(i) = noise_of_room(i, w);
+    return median_of(std::move(noise));
   }
 
   BlindSetup setup_;
@@ -315,6 +331,23 @@ class EnergyPlusSite final : public BlindSite {
 }  // namespace
 
 std::unique_ptr<BlindSite> make_rc_site(const BlindSetup& setup) { return std::make_unique<RcSite>(setup); }
+
+std::map<bool, Eigen::VectorXd> usual_rc_noise(const BlindSetup& setup) {
+  const RcSite site(setup);
+  std::map<bool, Eigen::VectorXd> noise;
+  for (const bool feedback : {false, true}) {
+    std::vector<Eigen::VectorXd> rooms;
+    for (int i = 0; i < noise_rooms; ++i) {
+      rooms.push_back(site.noise_of_room(i, {i % static_cast<int>(std::ssize(setup.starts)), feedback}));
+      if (setup.done) setup.done();
+    }
+    Eigen::MatrixXd table(rooms.front().size(), noise_rooms);
+    for (int i = 0; i < noise_rooms; ++i) table.col(i) = rooms[static_cast<std::size_t>(i)];
+    noise[feedback] = median_of(std::move(table));
+  }
+  return noise;
+}
+
 std::unique_ptr<BlindSite> make_energyplus_site(const BlindSetup& setup) {
   return std::make_unique<EnergyPlusSite>(setup);
 }

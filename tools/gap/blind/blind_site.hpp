@@ -28,7 +28,8 @@ struct BlindSetup {
   std::string twin;
   std::uint64_t seed = 1;
   int days = 14, jobs = 2;
-  bool rough = false;  ///< noise from a table instead of a fit
+  bool rough = false;                          ///< noise from a table instead of a fit
+  std::map<bool, Eigen::VectorXd> noise = {};  ///< with feedback and without; given: instead of fits, RC only
   std::filesystem::path cache;
   std::vector<CivilTime> starts;               ///< of the reference, one a window
   std::vector<std::filesystem::path> weather;  ///< EPW, one a window
@@ -83,6 +84,9 @@ class BlindSite {
 };
 
 std::unique_ptr<BlindSite> make_rc_site(const BlindSetup& setup);
+/// For BlindSetup::noise: of five rooms one in each window the median, which many drawings may share.
+/// Shape: one a channel.  Units: K, kW, -.  Errors: of the engine.  Cost: 200 s, on setup.jobs threads.
+std::map<bool, Eigen::VectorXd> usual_rc_noise(const BlindSetup& setup);
 std::unique_ptr<BlindSite> make_energyplus_site(const BlindSetup& setup);
 
 }  // namespace airside::tools::gap
