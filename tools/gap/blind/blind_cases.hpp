@@ -15,7 +15,7 @@ enum class BlindEngine {
   mixed,  ///< every fourth case of each set by EnergyPlus, the rest RC rooms of another structure
 };
 
-/// How many of what.  Source: docs/gap-workflow.md, "Blind tests".
+/// How many of what.  Source: docs/gap-figures.md, "Blind tests".
 struct BlindPlan {
   int single = 0, null = 0, outside = 0, pairs = 0;
   std::uint64_t seed = 1;

@@ -12,7 +12,7 @@
 
 namespace airside::tools::gap {
 
-/// What a share or a median must reach. Source: docs/gap-workflow.md, "Blind tests".
+/// What a share or a median must reach. Source: docs/gap-figures.md, "Blind tests".
 struct Target {
   double value = 0;
   bool at_least = true;  ///< false: at most
@@ -48,7 +48,7 @@ struct Confusion {
   std::vector<std::vector<int>> counts;
 };
 
-/// What a set is made of. Planned: docs/gap-workflow.md, "Blind tests"; 0 where it has none.
+/// What a set is made of. Planned: docs/gap-figures.md, "Blind tests"; 0 where it has none.
 struct SetFacts {
   std::string set;
   int cases = 0, planned = 0;

@@ -5,7 +5,7 @@
 
 namespace airside::tools::gap {
 
-/// Decision rules.  Source: docs/gap-workflow.md, "6. When an effect is named"; figures: its blind tests.
+/// Decision rules.  Source: docs/gap-workflow.md, "6. When an effect is named"; figures: docs/gap-figures.md.
 struct Rules {
   static constexpr int usual_buildings = 96;
 
