@@ -226,6 +226,26 @@ TEST(BandObjective, ASavingThatIsTooSmallMovesNothing) {
   EXPECT_NEAR(chosen(objective, building, eager, near), best, 0.051);
 }
 
+TEST(BandObjective, WhereNoNightCoolsColderAirIsNotHeldBack) {
+  FormulaBuilding building;
+  building.economizer = false;
+  BandObjective objective = learned_objective(building);
+  building.outdoor_degc = 32;
+  DemandSettings lazy;
+  lazy.stay_share = 0.05;
+  const DemandChoice near{.last_degc = 12.3};
+  EXPECT_EQ(chosen(objective, building, lazy, near), 12.3) << "nights were cool";
+  DemandReading rests = building.read(noon);
+  rests.flows = false;
+  constexpr int days = 10;
+  for (int row = 0; row < days * rows_per_day; ++row) {
+    rests.time = {noon.seconds + row * row_s};
+    objective.observe({}, rests);
+  }
+  const CivilTime later{noon.seconds + days * seconds_per_day};
+  EXPECT_EQ(objective.choose(lazy, building.read(later), near).setpoint_degc, 12);
+}
+
 TEST(BandObjective, WhereEverySetpointLeavesAZoneShortTheColdestIsChosen) {
   FormulaBuilding building;
   BandObjective objective = learned_objective(building);

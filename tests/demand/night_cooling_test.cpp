@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 #include "demand/zone_fixture.hpp"
@@ -139,6 +140,24 @@ TEST(NightCooling, TheObjectiveIsNoWarmerThanTheScheduleThen) {
   row(2, false);
   EXPECT_LE(row(3, true), 13);
   EXPECT_GT(row(3 * rows_per_day, true), 13.5) << "forgotten";
+}
+
+TEST(NightCooling, OutdoorAirCoolsForNothingByTheColdestThatItWasOfLate) {
+  Night night;
+  night.outdoor_degc = 30;
+  night.row(true, 24, 24);
+  EXPECT_EQ(night.cooling.free_cooling_share(24), 0);
+  night.outdoor_degc = 18;
+  night.row(false, 26);
+  EXPECT_NEAR(night.cooling.free_cooling_share(24), 0.5, 1e-6);
+  EXPECT_EQ(night.cooling.free_cooling_share(22), 0);
+  EXPECT_EQ(night.cooling.free_cooling_share(27), 1);
+  night.outdoor_degc = 35;
+  for (int row = 0; row < rows_per_day / 2; ++row) night.row(true, 24, 24);
+  EXPECT_NEAR(night.cooling.coldest_outdoors_degc(), 19, 1e-3) << "remembered through the day";
+  night.outdoor_degc = std::numeric_limits<double>::quiet_NaN();
+  night.row(true, 24, 24);
+  EXPECT_NEAR(night.cooling.coldest_outdoors_degc(), 19, 1e-3) << "a lost sensor changes nothing";
 }
 
 }  // namespace

@@ -181,18 +181,35 @@ TEST(ZoneLoads, ColderAirHeatsOnlyAZoneThatFallsToWhereItHeats) {
   const ZoneLoads loads = zone_with_heating(2);
   const std::vector<double> room{22.0}, set{24.0}, damper{0.3}, heats{21.0};
   const ZoneSignals zones{room, set, damper, heats};
-  EXPECT_EQ(loads.heat_k(zones, 0, 16, 0.3), 0);
-  EXPECT_NEAR(loads.heat_k(zones, 0, 12, 0.3), 0.3 * (21 - 12) - loads.load_k(0), 1e-9);
+  EXPECT_EQ(loads.heat_k(zones, 0, 16, 0.3, 1), 0);
+  EXPECT_NEAR(loads.heat_k(zones, 0, 12, 0.3, 1), 0.3 * (21 - 12) - loads.load_k(0), 1e-9);
 }
 
 TEST(ZoneLoads, OfAHeatedZoneTheLastFreeLoadIsBelievedLessAndLess) {
   ZoneLoads loads = zone_with_heating(2);
   const std::vector<double> room{21.0}, set{24.0}, damper{0.3}, heats{21.0};
   const ZoneSignals zones{room, set, damper, heats};
-  const double at_once = loads.heat_k(zones, 0, 14, 0.3);
+  const double at_once = loads.heat_k(zones, 0, 14, 0.3, 1);
   for (int i = 0; i < 80; ++i) loads.note_free_load(0, 1);
-  EXPECT_GT(loads.heat_k(zones, 0, 14, 0.3), at_once + 1);
-  EXPECT_NEAR(loads.heat_k(zones, 0, 14, 0.3), 0.3 * (21 - 14), 0.01);
+  EXPECT_GT(loads.heat_k(zones, 0, 14, 0.3, 1), at_once + 1);
+  EXPECT_NEAR(loads.heat_k(zones, 0, 14, 0.3, 1), 0.3 * (21 - 14), 0.01);
+}
+
+TEST(ZoneLoads, HeatThatAZoneDidNotTakeForThreeDaysCountsOnlyWhereNightsCool) {
+  ZoneLoads loads = zone_with_heating(1);
+  const std::vector<double> room{24.0}, set{24.0}, damper{0.3}, heats{21.0};
+  const ZoneSignals zones{room, set, damper, heats};
+  const double heat_k = loads.heat_k(zones, 0, 12, 0.3, 1);
+  EXPECT_GT(heat_k, 1);
+  EXPECT_GT(loads.heat_k(zones, 0, 12, 0.3, 0), 0.99 * heat_k) << "not known yet";
+  for (int i = 0; i < 2 * cycles_per_day; ++i) loads.note_free_load(0, 0);
+  EXPECT_NEAR(loads.heat_k(zones, 0, 12, 0.3, 0), heat_k / 3, 0.01 * heat_k);
+  for (int i = 0; i < 2 * cycles_per_day; ++i) loads.note_free_load(0, 0);
+  EXPECT_EQ(loads.heat_k(zones, 0, 12, 0.3, 0), 0);
+  EXPECT_NEAR(loads.heat_k(zones, 0, 12, 0.3, 0.5), heat_k / 2, 1e-9);
+  EXPECT_NEAR(loads.heat_k(zones, 0, 12, 0.3, 1), heat_k, 1e-9);
+  loads.note_free_load(0, 1);
+  EXPECT_GT(loads.heat_k(zones, 0, 12, 0.3, 0), 0.99 * heat_k) << "once it is heated again";
 }
 
 TEST(ZoneLoads, AZoneThatIsTooColdWantsWarmerAir) {

@@ -97,7 +97,7 @@ class BandObjective {
       const DemandForecast f = evaluate(s, at, c, std::min(c.min_degc + i * c.step_k, warmest));
       if (std::isfinite(f.cost_kw) && !(f.cost_kw >= best.cost_kw && std::isfinite(best.setpoint_degc))) best = f;
     }
-    if (moves) {
+    if (moves && !(best.setpoint_degc < c.last_degc && is_hot(at))) {
       const DemandForecast stays = evaluate(s, at, c, c.last_degc);
       if (stays.cost_kw <= best.cost_kw + s.stay_share * power_.mean_kw()) best = stays;
     }
@@ -139,7 +139,7 @@ class BandObjective {
         o.air.cold_share += heats;
         o.air.ventilation += s.outdoor_share;
       }
-      cold += loads_.heat_k(at.zones, i, supply_degc, f.damper);
+      cold += loads_.heat_k(at.zones, i, supply_degc, f.damper, night_.free_cooling_share(at.zones.temp_degc[i]));
       const double excess_cost = s.warm_cost * std::min(f.excess_k, 2.0);
       o.penalty += loads_.weight(i) * (s.saturation_cost * saturation(f.wanted - s.damper_high) + excess_cost);
       o.penalty += loads_.cold_weight(i) * s.cold_cost * std::min(f.short_k, 2.0);
@@ -159,13 +159,13 @@ class BandObjective {
     return o;
   }
 
-  static double mean_setpoint_degc(const DemandReading& at) {
-    double sum = 0;
-    int seen = 0;
-    for (std::size_t i = 0; i < std::min(at.zones.count(), max_zones); ++i) {
-      if (zone_is_seen(at.zones, i)) sum += at.zones.setpoint_degc[i], ++seen;
-    }
-    return seen > 0 ? sum / seen : 0.0;
+  static double mean_setpoint_degc(const DemandReading& at) { return mean_of_seen(at.zones, at.zones.setpoint_degc); }
+
+  /// Warmer outdoors than in the rooms, and no night of late that cools: colder air loses no saving, so it is not held
+  /// back.
+  bool is_hot(const DemandReading& at) const {
+    const double room_degc = mean_of_seen(at.zones, at.zones.temp_degc);
+    return at.outdoor_degc > room_degc && !(night_.free_cooling_share(room_degc) > 0);
   }
 
   AirState air_now(const DemandReading& at) const {

@@ -2,6 +2,7 @@
 // A fan that cycles at night to cool: what was left in the rooms in the evening is cooled at night.
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -19,6 +20,9 @@ class NightCooling {
  public:
   /// A row, those at rest included.
   void watch(const ZoneLoads& loads, const DemandReading& at) {
+    if (std::isfinite(at.outdoor_degc)) {
+      coldest_degc_ = std::min(coldest_degc_ + forget_k, static_cast<float>(at.outdoor_degc));
+    }
     std::size_t seen = 0, back = 0, warm = 0;
     for (std::size_t i = 0; i < std::min(at.zones.count(), max_zones); ++i) {
       if (!zone_is_seen(at.zones, i)) continue;
@@ -43,6 +47,13 @@ class NightCooling {
   /// Whether most zones are set back, on a night like those in which the fan cycled to cool.
   bool expects(CivilTime t) const { return phase_ != not_set_back && is_remembered(t); }
 
+  /// How far outdoor air cools rooms for nothing at some time of the day, nights included, by the coldest that it was
+  /// of late: not at all where it was no more than 4 K colder than the room, in full from 8 K on.  0..1.
+  double free_cooling_share(double room_degc) const {
+    return std::clamp((room_degc - coldest_outdoors_degc() - colder_outdoors_k) / colder_outdoors_k, 0.0, 1.0);
+  }
+  double coldest_outdoors_degc() const { return static_cast<double>(coldest_degc_); }
+
   /// Which share of the heat that warmer air leaves in the rooms is cooled out later: none where the fan did not cycle
   /// for that of late, or outdoor air is colder than the rooms.  0..1.
   double stored_heat_share(CivilTime t, double outdoors_warmer_k) const {
@@ -51,16 +62,18 @@ class NightCooling {
 
  private:
   static constexpr double near_k = 2.5, colder_outdoors_k = 4.0, hot_k = 8.0;
+  static constexpr float forget_k = 2.0F / static_cast<float>(rows_per_day);
   static constexpr std::int64_t remembered_s = 48 * 3600, never = -1'000'000'000'000;
   bool is_remembered(CivilTime t) const {
     const std::int64_t since_s = t.seconds - seen_at_s_;
     return since_s >= 0 && since_s <= remembered_s;
   }
 
-  enum Phase : std::int64_t { not_set_back, rests, cools, runs };
+  enum Phase : std::int32_t { not_set_back, rests, cools, runs };
 
   std::int64_t seen_at_s_ = never;
   Phase phase_ = not_set_back;
+  float coldest_degc_ = 100;  ///< lowest outdoor temperature; forgotten by 2 K a day
 };
 
 }  // namespace airside

@@ -161,20 +161,29 @@ class ZoneLoads {
     if (heating_share < 0.5) {
       zone.free_load_k += zone.has_free_load != 0 ? 0.5 * (zone.load_k - zone.free_load_k) : zone.load_k;
       zone.has_free_load = 1;
+      zone.unheated_cycles = std::min(zone.unheated_cycles + 1, remembered_cycles);
     } else {
       zone.free_load_k *= forget_free_load;
+      zone.unheated_cycles = 0;
     }
   }
 
+  /// When zone i was last near where it heats.  1: now; 0: not in three days of running fan.
+  double heats_of_late(std::size_t i) const {
+    return 1 - static_cast<double>(zones_[i].unheated_cycles) / remembered_cycles;
+  }
+
   /// Heat that zone i takes at `supply_degc` with its damper at d, in units of its open box, K:
-  ///   (d (T_heat - A) - q_free)+  where a point shows T_heat, else d (T - A) as far as it is near where it heats.
-  double heat_k(const ZoneSignals& zones, std::size_t i, double supply_degc, double damper) const {
+  ///   max(cools, heats_of_late) (d (T_heat - A) - q_free)+  where a point shows T_heat,
+  /// else d (T - A) as far as it is near where it heats.  `cools`: NightCooling::free_cooling_share().
+  double heat_k(const ZoneSignals& zones, std::size_t i, double supply_degc, double damper, double cools) const {
     const double room = zones.temp_degc[i], heats_to = zones_[i].most_heating_degc;
     const double share = heating_share(i, room, zones.setpoint_degc[i]);
     const double all = share * damper * (room - supply_degc);
     if (!(heats_to > 0) || zones_[i].has_free_load == 0) return all;
     const double free_k = share < 0.5 ? zones_[i].load_k : zones_[i].free_load_k;
-    return std::max(0.0, damper * (heats_to - supply_degc) - std::max(0.0, free_k));
+    const double taken_k = std::max(0.0, damper * (heats_to - supply_degc) - std::max(0.0, free_k));
+    return std::max(cools, heats_of_late(i)) * taken_k;
   }
 
   bool is_known(std::size_t i) const { return zones_[i].seen != 0; }
@@ -208,6 +217,7 @@ class ZoneLoads {
   static constexpr double warmest_cooling_degc = 25;  ///< a room that is cooled at 30 is not heated at 27
   static constexpr double forget_free_load = 0.92;    ///< a cycle: half in two and a half hours
   static constexpr double credited_rise_k = 0.3;      ///< in a cycle; a zone that rises faster is warming up
+  static constexpr std::int32_t remembered_cycles = 3 * cycles_per_day;
 
   struct Zone {
     RecursiveLeastSquares<2> model;
@@ -217,8 +227,9 @@ class ZoneLoads {
     double weight = 1.0, cold_weight = 1.0;
     double most_heating_degc = 0;  ///< 0: no point shows it
     double free_load_k = 0;        ///< see note_free_load()
-    std::int64_t has_free_load = 0;
-    double held_degc = 100.0;  ///< see note_held()
+    std::int32_t has_free_load = 0;
+    std::int32_t unheated_cycles = 0;  ///< since it was last near where it heats, at most remembered_cycles
+    double held_degc = 100.0;          ///< see note_held()
     std::int64_t seen = 0;
   };
 

@@ -1,6 +1,7 @@
 #pragma once
 // What zones with boxes that modulate show at one instant.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -23,6 +24,16 @@ struct ZoneSignals {
 inline bool zone_is_seen(const ZoneSignals& zones, std::size_t i) {
   return i < zones.damper.size() && i < zones.setpoint_degc.size() && std::isfinite(zones.temp_degc[i]) &&
          std::isfinite(zones.setpoint_degc[i]) && std::isfinite(zones.damper[i]);
+}
+
+/// Mean of one value a zone over the zones that are seen; 0 where none is.
+inline double mean_of_seen(const ZoneSignals& zones, std::span<const double> values) {
+  double sum = 0;
+  int seen = 0;
+  for (std::size_t i = 0; i < std::min(zones.count(), max_zones); ++i) {
+    if (zone_is_seen(zones, i)) sum += values[i], ++seen;
+  }
+  return seen > 0 ? sum / seen : 0.0;
 }
 
 /// Below which zone i is heated, degC; NaN where no point shows it, or shows what cannot be: more than it is cooled to.
