@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <cstdlib>
 #include <map>
 
 #include "hal/text/input_error.hpp"
@@ -98,10 +98,12 @@ std::string short_version(const std::string& version) {
 }
 
 bool is_older(const std::string& a, const std::string& b) {
-  int a_major = 0, a_minor = 0, b_major = 0, b_minor = 0;
-  std::sscanf(a.c_str(), "%d.%d", &a_major, &a_minor);
-  std::sscanf(b.c_str(), "%d.%d", &b_major, &b_minor);
-  return std::pair(a_major, a_minor) < std::pair(b_major, b_minor);
+  const auto parts = [](const std::string& version) {
+    char* end = nullptr;
+    const long major = std::strtol(version.c_str(), &end, 10);
+    return std::pair(major, *end == '.' ? std::strtol(end + 1, nullptr, 10) : 0);
+  };
+  return parts(a) < parts(b);
 }
 
 std::string oldest_version() { return all_steps().front().from; }
