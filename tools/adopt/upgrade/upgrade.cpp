@@ -88,8 +88,10 @@ int Upgrade::objects() const {
 std::string text_of(const Upgrade& done) {
   if (done.from.empty()) return {};
   return fmt::format("upgraded from EnergyPlus {} to {}: {}", done.from, done.to,
-                     done.programs.empty() ? fmt::format("{} objects of {} types", done.objects(), done.types.size())
-                                           : "by the Transition programs of " + done.programs);
+                     done.programs.empty()
+                         ? fmt::format("{} object{} of {} type{}", done.objects(), done.objects() == 1 ? "" : "s",
+                                       done.types.size(), done.types.size() == 1 ? "" : "s")
+                         : "by the Transition programs of " + done.programs);
 }
 
 std::string short_version(const std::string& version) {
