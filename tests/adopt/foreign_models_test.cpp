@@ -179,5 +179,22 @@ TEST(ForeignBuildings, ModelOfAnOlderVersionIsTheSameModel) {
   EXPECT_EQ(upgraded.upgrade.objects(), 5);
 }
 
+TEST(ForeignBuildings, EmsProgramsKeepTheOrderOfTheIdf) {
+  AIRSIDE_NEEDS_ADOPT_ENGINE();
+  const TemporaryFolder folder;
+  const std::string programs =
+      "EnergyManagementSystem:ProgramCallingManager,Set,BeginNewEnvironment,Set_It;"
+      "EnergyManagementSystem:ProgramCallingManager,Ask,BeginNewEnvironment,Ask_It;"
+      "EnergyManagementSystem:GlobalVariable,Stage;"
+      "EnergyManagementSystem:Program,Set_It,SET Stage = 1;"
+      "EnergyManagementSystem:Program,Ask_It,IF Stage == 1,SET Stage = 2,ENDIF;";
+  std::ofstream(folder.path() / "ems.idf") << template_model << programs;
+  const ForeignModel model = read_foreign_model(folder.path() / "ems.idf", sim::find_energyplus());
+  const auto& managers = model.content["EnergyManagementSystem:ProgramCallingManager"];
+  ASSERT_EQ(managers.size(), 2U);
+  EXPECT_EQ(managers.begin().key(), "001 Set");
+  EXPECT_EQ(std::next(managers.begin()).key(), "002 Ask");
+}
+
 }  // namespace
 }  // namespace airside::tools

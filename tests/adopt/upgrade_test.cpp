@@ -197,6 +197,8 @@ TEST(Upgrade, CountsObjectsByTypeAndStep) {
   ASSERT_EQ(done.types.size(), 2U);
   EXPECT_EQ(text_of(done), "upgraded from EnergyPlus 9.5 to 25.2: 3 objects of 2 types");
   EXPECT_EQ(text_of(Upgrade{}), "");
+  EXPECT_EQ(text_of(Upgrade{"9.6", "25.2", "", {{"Roof", 1, "9.6"}}}),
+            "upgraded from EnergyPlus 9.6 to 25.2: 1 object of 1 type");
   EXPECT_EQ(done.types[0].type, "Coil:Cooling:DX:SingleSpeed");
   EXPECT_EQ(done.types[0].versions, "22.2, 23.2");
   EXPECT_EQ(done.types[1].type, "Wall:Exterior");

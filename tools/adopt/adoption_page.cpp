@@ -111,8 +111,8 @@ std::string upgrade_section(const Upgrade& upgrade) {
   if (!upgrade.programs.empty())
     return text + "By the Transition programs of " + upgrade.programs + ", before all else.\n";
   text += fmt::format(
-      "{} objects were changed by the tables of airside, before all else; what no step changed is as it was. Output "
-      "variables that were renamed since are not looked after: none is read here.\n\n"
+      "{} objects were changed by the tables of airside, before all else; what no step changed is as it was. Names "
+      "of output variables are left as they are: none is read here.\n\n"
       "| object type | changed | by the steps to |\n|---|---|---|\n",
       upgrade.objects());
   for (const UpgradedType& type : upgrade.types)

@@ -13,6 +13,7 @@
 #include "tools/adopt/model/engine_run.hpp"
 #include "tools/adopt/model/model_view.hpp"
 #include "tools/adopt/model/transitions.hpp"
+#include "tools/adopt/upgrade/table/idf_text.hpp"
 
 namespace airside::tools {
 
@@ -81,6 +82,26 @@ void expand_templates(const fs::path& folder, const sim::EnergyPlusInstall& inst
   fs::rename(expanded, folder / "in.idf");
 }
 
+/// Managers of EMS programs with the same calling point run in the order of the IDF, and an epJSON has its objects by
+/// name: their names, which nothing refers to, get a number where the two orders differ.
+void keep_calling_order(json& model, const std::string& text, const std::string& place,
+                        std::vector<std::string>& notes) {
+  constexpr const char* type = "EnergyManagementSystem:ProgramCallingManager";
+  const auto managers = model.find(type);
+  if (managers == model.end() || managers->size() < 2) return;
+  upgrade::IdfText idf = upgrade::parse_idf(text, place);
+  std::vector<std::string> order;
+  for (const upgrade::IdfObject* manager : idf.all(type)) order.push_back(manager->name());
+  if (order.size() != managers->size() || std::ranges::is_sorted(order)) return;
+  json numbered = json::object();
+  for (auto& [name, fields] : managers->items()) {
+    const auto at = std::ranges::find_if(order, [&](const std::string& o) { return same_name(o, name); });
+    numbered[fmt::format("{:03} {}", at - order.begin() + 1, name)] = fields;
+  }
+  *managers = std::move(numbered);
+  notes.emplace_back("EMS calling managers have a number before their names, so that they run in the IDF's order");
+}
+
 json converted(const fs::path& file, std::string text, const sim::EnergyPlusInstall& install,
                const std::string& transitions, ForeignModel& model) {
   const std::string bare = without_comments(text);
@@ -111,7 +132,9 @@ json converted(const fs::path& file, std::string text, const sim::EnergyPlusInst
                           "correct it as the engine says");
   }
   model.notes.emplace_back("converted from IDF by the engine's own `energyplus --convert-only`");
-  return sim::read_json(made);
+  json content = sim::read_json(made);
+  keep_calling_order(content, text, place, model.notes);
+  return content;
 }
 
 /// Fields that name a file beside the model.

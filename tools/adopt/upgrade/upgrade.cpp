@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <cstdlib>
 #include <map>
 
 #include "hal/text/input_error.hpp"
@@ -88,8 +88,10 @@ int Upgrade::objects() const {
 std::string text_of(const Upgrade& done) {
   if (done.from.empty()) return {};
   return fmt::format("upgraded from EnergyPlus {} to {}: {}", done.from, done.to,
-                     done.programs.empty() ? fmt::format("{} objects of {} types", done.objects(), done.types.size())
-                                           : "by the Transition programs of " + done.programs);
+                     done.programs.empty()
+                         ? fmt::format("{} object{} of {} type{}", done.objects(), done.objects() == 1 ? "" : "s",
+                                       done.types.size(), done.types.size() == 1 ? "" : "s")
+                         : "by the Transition programs of " + done.programs);
 }
 
 std::string short_version(const std::string& version) {
@@ -98,10 +100,12 @@ std::string short_version(const std::string& version) {
 }
 
 bool is_older(const std::string& a, const std::string& b) {
-  int a_major = 0, a_minor = 0, b_major = 0, b_minor = 0;
-  std::sscanf(a.c_str(), "%d.%d", &a_major, &a_minor);
-  std::sscanf(b.c_str(), "%d.%d", &b_major, &b_minor);
-  return std::pair(a_major, a_minor) < std::pair(b_major, b_minor);
+  const auto parts = [](const std::string& version) {
+    char* end = nullptr;
+    const long major = std::strtol(version.c_str(), &end, 10);
+    return std::pair(major, *end == '.' ? std::strtol(end + 1, nullptr, 10) : 0);
+  };
+  return parts(a) < parts(b);
 }
 
 std::string oldest_version() { return all_steps().front().from; }

@@ -10,21 +10,19 @@ namespace airside::tools::upgrade {
 
 namespace {
 
-/// 12 and 25 of "12/25": whether a run from `begin` to `end` passes the end of the year.
+/// Whether a run passes the end of the year; months are in these fields, days behind them.
 bool passes_new_year(const IdfObject& period, int begin_month, int end_month) {
-  const auto number = [&](int field) { return std::atoi(period.field(field).c_str()); };
-  const int from = number(begin_month) * 100 + number(begin_month + 1);
-  const int to = number(end_month) * 100 + number(end_month + 1);
-  return to < from;
+  const auto day_of_year = [&](int month) { return 100 * period.number(month) + period.number(month + 1); };
+  return day_of_year(end_month) < day_of_year(begin_month);
 }
 
 void run_period(IdfObject& old, std::vector<Refusal>& refused) {
-  if (const std::string& times = old.field(12); !times.empty() && std::atof(times.c_str()) != 1) {
+  if (!old.field(12).empty() && old.number(12) != 1) {
     refused.push_back({old.type, old.name(), "it is repeated, and no version since repeats a run period", old.line});
     return;
   }
   const std::string year = old.field(14);
-  const int end_year = std::atoi(year.c_str()) + (passes_new_year(old, 2, 4) ? 1 : 0);
+  const int end_year = static_cast<int>(old.number(14)) + (passes_new_year(old, 2, 4) ? 1 : 0);
   IdfObject period = old;
   period.fields.clear();
   for (int n = 1; n <= 3; ++n) period.set(n, old.field(n));

@@ -120,8 +120,8 @@ constexpr const char* flow_ratios = "Heat Exchanger Flow Ratios";
 std::string table_of(const IdfObject& old, std::size_t which, std::vector<IdfObject>& tables) {
   const std::string& full = old.field(effectivenesses[which].full);
   const std::string& part = old.field(effectivenesses[which].part);
-  const double at_full = std::atof(full.c_str());
-  if (at_full == 0 || part.empty() || std::abs(std::atof(part.c_str()) - at_full) < 1e-9) return {};
+  const double at_full = old.number(effectivenesses[which].full);
+  if (at_full == 0 || part.empty() || std::abs(old.number(effectivenesses[which].part) - at_full) < 1e-9) return {};
   const std::string name = old.name() + " Effectiveness " + std::to_string(which + 1);
   tables.push_back({"Table:Lookup",
                     {name, flow_ratios, "DivisorOnly", full, "0", "10", "Dimensionless", "", "", "", part, full},

@@ -1,6 +1,7 @@
 #include "tools/adopt/upgrade/table/idf_text.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "hal/text/input_error.hpp"
 
@@ -24,6 +25,8 @@ const std::string& IdfObject::field(int number) const {
   const auto at = static_cast<std::size_t>(number - 1);
   return at < fields.size() ? fields[at] : none;
 }
+
+double IdfObject::number(int field_number) const { return std::strtod(field(field_number).c_str(), nullptr); }
 
 void IdfObject::set(int number, const std::string& text) {
   const auto at = static_cast<std::size_t>(number - 1);

@@ -16,6 +16,8 @@ struct IdfObject {
 
   /// The field of a number from 1; empty where the object ends before it.
   const std::string& field(int number) const;
+  /// The field as a number; 0 where it is none.
+  double number(int field_number) const;
   /// Writes a field; fields before it become empty where there are none. An empty text behind the end adds nothing.
   void set(int number, const std::string& text);
   /// Puts `count` fields before the field of a number; nothing where the object ends before it and `text` is empty.
