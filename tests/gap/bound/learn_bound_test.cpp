@@ -74,11 +74,13 @@ TEST_F(LearnBound, TellsApartWhatCanBeTold) {
   const nlohmann::json j = nlohmann::json::parse(o.out);
   EXPECT_EQ(j["cases"], 120);
   EXPECT_EQ(j["learned from"], 72);
+  EXPECT_EQ(j["reported on"], 120) << "few drawings: each in turn";
   EXPECT_EQ(j["names"], 2);
-  const nlohmann::json& told = j["learning curve"]["72"];
+  const nlohmann::json& told = j["figures"]["networks"]["all"];
   EXPECT_GE(told["3x"]["forced choice"]["share"].get<double>(), 0.9) << told;
   EXPECT_LE(told["3x"]["wrong name"]["share"].get<double>(), 0.1) << told;
-  EXPECT_EQ(told["nulls named"]["of"], 24);
+  EXPECT_EQ(told["nulls named"]["of"], 120);
+  EXPECT_GE(j["figures"]["nearest response"]["all"]["3x"]["forced choice"]["share"].get<double>(), 0.8) << j;
   EXPECT_EQ(learn({".", "--rounds", "6", "--seeds", "1", "--sizes"}).out, o.out) << "features kept, same seeds";
 }
 
