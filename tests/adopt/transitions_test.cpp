@@ -8,6 +8,7 @@
 
 #include "support/complaint.hpp"
 #include "support/program.hpp"
+#include "tools/adopt/model/foreign_file.hpp"
 #include "tools/adopt/model/transitions.hpp"
 
 namespace airside::tools {
@@ -69,6 +70,15 @@ TEST_F(Transitions, ProgramThatFailsIsRefused) {
   add("9-6-0", "22-1-0", "echo no; exit 2\n");
   hal::expect_complaint({"m.idf", "Transition-V9-6-0-to-V22-1-0 refuses", "EnergyPlus 9.6", "correct it"},
                         [&] { (void)upgraded("9.6", "22.1"); });
+}
+
+TEST_F(Transitions, OnesThatLeaveTheVersionAreRefused) {
+  add("8-1-0", "25-2-0", "true\n");
+  const fs::path model = install_.path() / "m.idf";
+  std::ofstream(model) << "Version,8.1;\nZone,Z;\n";
+  const sim::EnergyPlusInstall nowhere_at_all{"/nowhere", "/nowhere/libenergyplusapi.so", "/nowhere/schema"};
+  hal::expect_complaint({"IDFVersionUpdater", "ended with a model of \"8.1\"", "EnergyPlus 25.2", "leave it out"},
+                        [&] { (void)read_foreign_model(model, nowhere_at_all, install_.path()); });
 }
 
 TEST_F(Transitions, FolderIsAnOptionAVariableOrBesideTheEngine) {

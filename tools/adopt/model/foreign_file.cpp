@@ -116,6 +116,11 @@ json converted(const fs::path& file, std::string text, const sim::EnergyPlusInst
   if (must_be_upgraded(place, version, engine, !programs.empty())) {
     text = programs.empty() ? upgraded_idf(text, place, version, engine, model.upgrade)
                             : transitioned_idf(text, place, version, engine, programs, model.upgrade);
+    const std::string reached = short_version(idf_version(without_comments(text)));
+    if (reached != engine) {
+      throw hal::InputError(programs.string(), "Transition programs that ended with a model of \"" + reached + "\"",
+                            "one of EnergyPlus " + engine, "look at the folder, or leave it out");
+    }
   }
   const sim::RunFolder folder;
   write_whole(folder.path() / "in.idf", text);
