@@ -20,6 +20,7 @@ struct OtherRoom {
   sim::RcRoom twin = sim::load_room("301");
   RcEngine engine{twin};
   std::shared_ptr<const sim::Weather> weather = sim::synthetic_weather(11);
+  std::vector<sim::Effect> effects = sim::load_effects(sim::find_effects());
   CaseData data;
   WindowResponses responses;
 
@@ -30,7 +31,6 @@ struct OtherRoom {
     run.start.seconds += run.days * seconds_per_day;
     run.seed += 1;
     data.test = window_of(measure(real, weather, run), engine.channels(), weather, "log");
-    const auto effects = sim::load_effects(sim::find_effects());
     const Library all = library_of(engine, effects);
     Library library{all.parameters, {}};
     for (const sim::EffectAt& at : all.candidates) {

@@ -29,6 +29,9 @@ void add_gap_watch(CLI::App& gap);
 /// another subcommand are refused, since they would be lost without a word.
 void add_gap_run(CLI::App& gap);
 
+/// --buildings: as gap::Rules::buildings.
+void add_gap_buildings(CLI::App& command, int& buildings);
+
 /// --effects, --jobs, --json.
 struct GapOptions {
   std::string effects_dir;

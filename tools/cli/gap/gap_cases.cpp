@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 struct RunCasesCommand : GapOptions {
   std::string folder, out = "verdicts.json", cache;
   bool all_own = false, go_on = false, propose = false, after_tests = false;
-  int buildings = gap::Rules::usual_buildings;
+  int buildings = 0;
 
   using Done = std::function<void(const fs::path&, nlohmann::json)>;
   using Found = std::map<fs::path, nlohmann::json>;
@@ -257,10 +257,7 @@ void add_gap_run_cases(CLI::App& gap) {
   c->add_flag("--propose", cases->propose, "list with each open verdict the tests on site that would decide it");
   c->add_flag("--after-tests", cases->after_tests,
               "judge the cases anew on which test-cases has done a test, and keep both verdicts in --out");
-  c->add_option("--buildings", cases->buildings,
-                "RC rooms drawn for how much a right model may be off in the measured days; 0: none")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
+  add_gap_buildings(*c, cases->buildings);
   cases->add_effects(*c);
   cases->add_jobs(*c);
   cases->add_json(*c);

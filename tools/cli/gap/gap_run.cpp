@@ -27,7 +27,7 @@ struct SiteCommand : GapOptions {
   std::vector<std::string> patches, tries;
   std::string measured_room, currency = "EUR";
   double price = 0;
-  int reference_days = 0, seeds = 5, pretrain_days = 31, control_days = 7;
+  int reference_days = 0, buildings = 0, seeds = 5, pretrain_days = 31, control_days = 7;
   bool best_guess = false, findings_only = false, no_duties = false, sun_on_site = false, retrain = false;
 
   /// All options, so that a subcommand can refuse them.
@@ -55,6 +55,7 @@ struct SiteCommand : GapOptions {
     c.add_option("--try", tries,
                  "a suspicion of your own, EFFECT=SIZE or EFFECT@PLACE=SIZE such as vav_flow@2=0.5: does the log speak "
                  "for it?");
+    add_gap_buildings(c, buildings);
     CLI::Option* priced =
         c.add_option("--price", price, "of a kWh of any meter: what a finding costs is said in money too")
             ->check(CLI::PositiveNumber);
@@ -103,6 +104,7 @@ struct SiteCommand : GapOptions {
     add("--weather", weather);
     add("--effects", effects_dir);
     for (const std::string& one : tries) add("--try", one);
+    add("--buildings", buildings > 0 ? std::to_string(buildings) : "");
     if (price > 0) {
       add("--price", fmt::format("{:g}", price));
       add("--currency", currency);
@@ -199,6 +201,7 @@ struct SiteCommand : GapOptions {
     r.tries = tries;
     r.effects = effects_folder();
     r.sun_on_site = sun_on_site;
+    r.buildings = buildings;
     r.price = {price, currency};
     r.cache = cache.empty() ? fs::path(out) / "runs" : fs::path(cache);
     gap::CaseDescription& c = r.source;
@@ -280,6 +283,16 @@ struct SiteCommand : GapOptions {
 }  // namespace
 
 GapOptions::GapOptions() : jobs(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {}
+
+void add_gap_buildings(CLI::App& command, int& buildings) {
+  command
+      .add_option(
+          "--buildings", buildings,
+          "RC rooms drawn for how far a right model may be off in the measured days (96 is plenty, and takes as "
+          "long again); 0: the reference period alone says it")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+}
 
 void GapOptions::add_effects(CLI::App& c) {
   c.add_option("--effects", effects_dir, "folder of effect files (default: sim/effects/library)");

@@ -31,7 +31,7 @@ struct Alternatives {
   double residual_ratio_chance = 0;  ///< above which it is no chance
 };
 
-/// The constants of posterior_of(); learned ones from learned().
+/// The constants of posterior_of(); learned ones from learned() and learned_with_buildings().
 struct PosteriorModel {
   double temperature = 1;          ///< T_0: a gain counts as this times less than it would be worth in a true model,
   double temperature_gain = 1;     ///< G: and twice that where the best effect gains this: errors of shape grow with it
@@ -51,6 +51,7 @@ struct PosteriorModel {
   double set_probability = 0.9;    ///< that the smallest set holds
 
   static const PosteriorModel& learned();
+  static const PosteriorModel& learned_with_buildings();  ///< for ratios in which drawn buildings count
 };
 
 struct EffectProbability {

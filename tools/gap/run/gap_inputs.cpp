@@ -92,6 +92,7 @@ GapRequest request_of(const std::string& report, const json& inputs) {
   r.effects = unchanged(report, "folder of effects", inputs.at("effects"));
   r.sun_on_site = inputs.at("sun_on_site");
   r.findings_only = inputs.at("findings_only");
+  r.buildings = inputs.value("buildings", 0);  // reports of earlier versions have none
   r.price = {inputs.at("price").at("per_kwh"), inputs.at("price").at("currency")};
   for (const json& more : inputs.at("more"))
     r.more.push_back({unchanged(report, "log of added days", more.at("log")), more.at("test")});
@@ -124,6 +125,7 @@ json inputs_json(const GapRequest& r) {
           {"effects", input_json(r.effects.string())},
           {"sun_on_site", r.sun_on_site},
           {"findings_only", r.findings_only},
+          {"buildings", r.buildings},
           {"price", {{"per_kwh", r.price.per_kwh}, {"currency", r.price.currency}}}};
 }
 

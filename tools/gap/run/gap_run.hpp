@@ -33,15 +33,15 @@ struct GapRequest {
   std::string command;  ///< that repeats the run
   std::filesystem::path cache;
   int jobs = 1;
-  bool findings_only = false;              ///< the twin keeps its own parameters; only what was found is added
-  bool best_guess = false;                 ///< patch the model with an ambiguous verdict too
-  std::vector<std::string> tries;          ///< "vav_flow@2=0.5": the user's own suspicions
-  std::filesystem::path effects;           ///< folder of their files
-  bool sun_on_site = false;                ///< the weather file's sun was measured on the site
-  int buildings = Rules::usual_buildings;  ///< as Rules::buildings, on an RC room
-  Price price;                             ///< of what a finding costs
-  std::vector<MoreDays> more;              ///< in the order in which they came
-  nlohmann::json earlier;                  ///< gap.json of the verdict that they continue; null without
+  bool findings_only = false;      ///< the twin keeps its own parameters; only what was found is added
+  bool best_guess = false;         ///< patch the model with an ambiguous verdict too
+  std::vector<std::string> tries;  ///< "vav_flow@2=0.5": the user's own suspicions
+  std::filesystem::path effects;   ///< folder of their files
+  bool sun_on_site = false;        ///< the weather file's sun was measured on the site
+  int buildings = 0;               ///< as Rules::buildings
+  Price price;                     ///< of what a finding costs
+  std::vector<MoreDays> more;      ///< in the order in which they came
+  nlohmann::json earlier;          ///< gap.json of the verdict that they continue; null without
 };
 
 struct AddedDays {

@@ -15,7 +15,6 @@ namespace airside::tools::gap {
 /// used is a refused verdict.  buildings: as Rules::buildings.  Errors: as load_case() and Engine::simulate.  Cost: as
 /// run_gap().
 nlohmann::json judge_with_tests(const std::filesystem::path& folder, const std::vector<sim::Effect>& effects,
-                                const std::filesystem::path& cache, int jobs, bool propose,
-                                int buildings = Rules::usual_buildings);
+                                const std::filesystem::path& cache, int jobs, bool propose, int buildings = 0);
 
 }  // namespace airside::tools::gap

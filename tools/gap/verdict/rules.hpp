@@ -7,8 +7,6 @@ namespace airside::tools::gap {
 
 /// Decision rules.  Source: docs/gap-workflow.md, "6. When an effect is named"; figures: docs/gap-figures.md.
 struct Rules {
-  static constexpr int usual_buildings = 96;
-
   double log_likelihood_limit = 30;   ///< a gain below is noise, and so is one below this and
   double null_share = 1;              ///< this times the same effect's best gain in the reference's own blocks
   double margin_log_likelihood = 20;  ///< by which the gain exceeds that of every other effect, at least,

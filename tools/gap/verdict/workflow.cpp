@@ -95,7 +95,9 @@ class Analysis {
   void weigh() {
     if (c_.rules.most_effects == 0 || c_.engine.spares_runs()) return;
     v_.alternatives = alternatives_of(c_, search_, now_);
-    for (const Alternatives& tried : v_.alternatives) v_.posteriors.push_back(posterior_of(tried));
+    const PosteriorModel& model =
+        c_.ensemble.rooms > 0 ? PosteriorModel::learned_with_buildings() : PosteriorModel::learned();
+    for (const Alternatives& tried : v_.alternatives) v_.posteriors.push_back(posterior_of(tried, model));
   }
 
   void set_residual_ratio() {
