@@ -193,6 +193,20 @@ TEST(StandIn, CheckOfABandSiteSaysTheObjectiveWhatItNeedsAndHowTheColdSideIsJudg
   EXPECT_EQ(o.out.find("holds 25.25"), std::string::npos) << o.out;
 }
 
+TEST(StandIn, CheckOfABandSiteSaysWhatAMissingMeterBesideOthersCosts) {
+  const Desk desk;
+  write_bare(desk, "--objective band --topology 3vav-0fcu-2power",
+             {"#", "name,", "room_temp_", "outdoor_temp,", "setpoint,", "supply_temp,", "power_1,", "damper_",
+              "zone_setpoint_"});
+  desk.write("site.toml",
+             text_of_file(desk.path("site.toml")) + "[stand_in]\nvav_on = 1\npower_2 = 4\nmau_temp = 18\nrain = 0\n");
+  const Outcome o = desk.run("airside", Desk::split("check site.toml"));
+  EXPECT_EQ(o.code, 0) << o.out << o.err;
+  expect_all(o.out,
+             {"\n       power_2: for electric power, from which band learns what a setpoint costs", "4 stands in",
+              "reports have no energy of it", "% without the meter of cooling", "% without the fan's"});
+}
+
 TEST(StandIn, AMissingMeterOfABandSiteIsAskedForByEveryProgramAndNoStandInIsAdvised) {
   const Desk desk;
   write_bare(desk, "--objective band --topology 3vav-0fcu-1power",

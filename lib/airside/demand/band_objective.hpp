@@ -165,7 +165,7 @@ class BandObjective {
   /// back.
   bool is_hot(const DemandReading& at) const {
     const double room_degc = mean_of_seen(at.zones, at.zones.temp_degc);
-    return at.outdoor_degc > room_degc && !(night_.free_cooling_share(room_degc) > 0);
+    return at.outdoor_degc > room_degc && night_.free_cooling_share(room_degc) < 0.5;
   }
 
   AirState air_now(const DemandReading& at) const {

@@ -47,10 +47,10 @@ class NightCooling {
   /// Whether most zones are set back, on a night like those in which the fan cycled to cool.
   bool expects(CivilTime t) const { return phase_ != not_set_back && is_remembered(t); }
 
-  /// How far outdoor air cools rooms for nothing at some time of the day, nights included, by the coldest that it was
-  /// of late: not at all where it was no more than 4 K colder than the room, in full from 8 K on.  0..1.
+  /// How far outdoor air cools rooms for nothing at some time of the day, nights included, by the coldest that it was of
+  /// late: not at all where that was no colder than the room, in full where it was 4 K colder.  0..1.
   double free_cooling_share(double room_degc) const {
-    return std::clamp((room_degc - coldest_outdoors_degc() - colder_outdoors_k) / colder_outdoors_k, 0.0, 1.0);
+    return std::clamp((room_degc - coldest_outdoors_degc()) / colder_outdoors_k, 0.0, 1.0);
   }
   double coldest_outdoors_degc() const { return static_cast<double>(coldest_degc_); }
 
