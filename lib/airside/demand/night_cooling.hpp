@@ -47,8 +47,8 @@ class NightCooling {
   /// Whether most zones are set back, on a night like those in which the fan cycled to cool.
   bool expects(CivilTime t) const { return phase_ != not_set_back && is_remembered(t); }
 
-  /// How far outdoor air cools rooms for nothing at some time of the day, nights included, by the coldest that it was of
-  /// late: not at all where that was no colder than the room, in full where it was 4 K colder.  0..1.
+  /// How far outdoor air cools rooms for nothing at some time of the day, nights included, by the coldest that it was
+  /// of late: not at all where that was no colder than the room, in full where it was 4 K colder.  0..1.
   double free_cooling_share(double room_degc) const {
     return std::clamp((room_degc - coldest_outdoors_degc()) / colder_outdoors_k, 0.0, 1.0);
   }
