@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "sim/rc/rc_room.hpp"
 #include "sim/stateless_draw.hpp"
 
