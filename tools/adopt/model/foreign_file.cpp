@@ -94,9 +94,9 @@ void keep_calling_order(json& model, const std::string& text, const std::string&
   for (const upgrade::IdfObject* manager : idf.all(type)) order.push_back(manager->name());
   if (order.size() != managers->size() || std::ranges::is_sorted(order)) return;
   json numbered = json::object();
-  for (auto& [name, fields] : managers->items()) {
-    const auto at = std::ranges::find_if(order, [&](const std::string& o) { return same_name(o, name); });
-    numbered[fmt::format("{:03} {}", at - order.begin() + 1, name)] = fields;
+  for (const auto& manager : managers->items()) {
+    const auto at = std::ranges::find_if(order, [&](const std::string& o) { return same_name(o, manager.key()); });
+    numbered[fmt::format("{:03} {}", at - order.begin() + 1, manager.key())] = manager.value();
   }
   *managers = std::move(numbered);
   notes.emplace_back("EMS calling managers have a number before their names, so that they run in the IDF's order");
