@@ -226,6 +226,17 @@ TEST(BandObjective, ASavingThatIsTooSmallMovesNothing) {
   EXPECT_NEAR(chosen(objective, building, eager, near), best, 0.051);
 }
 
+/// Ten days without flow, after which no night of late was cooler than the reading is.
+CivilTime after_warm_nights(BandObjective& objective, DemandReading rests) {
+  constexpr int days = 10;
+  rests.flows = false;
+  for (int row = 0; row < days * rows_per_day; ++row) {
+    rests.time = {noon.seconds + row * row_s};
+    objective.observe({}, rests);
+  }
+  return {noon.seconds + days * seconds_per_day};
+}
+
 TEST(BandObjective, WhereNoNightCoolsColderAirIsNotHeldBack) {
   FormulaBuilding building;
   building.economizer = false;
@@ -235,15 +246,21 @@ TEST(BandObjective, WhereNoNightCoolsColderAirIsNotHeldBack) {
   lazy.stay_share = 0.05;
   const DemandChoice near{.last_degc = 12.3};
   EXPECT_EQ(chosen(objective, building, lazy, near), 12.3) << "nights were cool";
-  DemandReading rests = building.read(noon);
-  rests.flows = false;
-  constexpr int days = 10;
-  for (int row = 0; row < days * rows_per_day; ++row) {
-    rests.time = {noon.seconds + row * row_s};
-    objective.observe({}, rests);
-  }
-  const CivilTime later{noon.seconds + days * seconds_per_day};
+  const CivilTime later = after_warm_nights(objective, building.read(noon));
   EXPECT_EQ(objective.choose(lazy, building.read(later), near).setpoint_degc, 12);
+}
+
+TEST(BandObjective, WhereNoNightCoolsDoubtKeepsToTheColdestAirNotToTheSchedule) {
+  FormulaBuilding building;
+  building.economizer = false;
+  BandObjective objective = learned_objective(building);
+  building.outdoor_degc = 32;
+  DemandSettings doubtful;
+  doubtful.caution = 200;
+  const DemandChoice schedule{.schedule_degc = 14};
+  EXPECT_NEAR(chosen(objective, building, doubtful, schedule), 14, 0.051) << "nights were cool";
+  const CivilTime later = after_warm_nights(objective, building.read(noon));
+  EXPECT_EQ(objective.choose(doubtful, building.read(later), schedule).setpoint_degc, 12);
 }
 
 TEST(BandObjective, WhereEverySetpointLeavesAZoneShortTheColdestIsChosen) {

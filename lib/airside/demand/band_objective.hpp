@@ -20,7 +20,7 @@
 
 namespace airside {
 
-/// J(A) = P(A) + P_stored(A) + caution sd(P(A) - P(schedule))
+/// J(A) = P(A) + P_stored(A) + caution sd(P(A) - P(trusted))
 ///        + P_mean (sum of saturation and warm cost + move_cost (A - A_last)^2)
 /// Shape: at most max_zones zones, max_candidates setpoints. Cost: one forecast a zone and candidate.
 /// Plain bytes: part of the durable state.  Source: docs/method.md 17.
@@ -57,9 +57,9 @@ class BandObjective {
   DemandForecast evaluate(const DemandSettings& s, const DemandReading& at, const DemandChoice& c,
                           double setpoint_degc) const {
     const double growth = loads_.growth(at.time);
-    const double fall_k = loads_.setpoint_fall_k(at.time, mean_setpoint_degc(at));
+    const double fall_k = loads_.setpoint_fall_k(at.time, mean_of_seen(at.zones, at.zones.setpoint_degc));
     const Outlook there = outlook(s, at, setpoint_degc, growth, fall_k);
-    const Outlook before = outlook(s, at, std::clamp(c.schedule_degc, c.min_degc, c.max_degc), growth, fall_k);
+    const Outlook before = outlook(s, at, trusted_degc(at, c), growth, fall_k);
     const PowerShapes x = power_shapes(there.air), x0 = power_shapes(before.air);
     const double scale = std::max(power_.mean_kw(), 1e-3);
     const double move = std::isfinite(c.last_degc) ? setpoint_degc - c.last_degc : 0.0;
@@ -159,13 +159,13 @@ class BandObjective {
     return o;
   }
 
-  static double mean_setpoint_degc(const DemandReading& at) { return mean_of_seen(at.zones, at.zones.setpoint_degc); }
-
-  /// Warmer outdoors than in the rooms, and no night of late that cools: colder air loses no saving, so it is not held
-  /// back.
   bool is_hot(const DemandReading& at) const {
-    const double room_degc = mean_of_seen(at.zones, at.zones.temp_degc);
-    return at.outdoor_degc > room_degc && night_.free_cooling_share(room_degc) < 0.5;
+    return night_.is_hot(at.outdoor_degc, mean_of_seen(at.zones, at.zones.temp_degc));
+  }
+  /// What doubt counts against leaving: the schedule; where it is hot the coldest air, since nothing but the plant
+  /// cools.
+  double trusted_degc(const DemandReading& at, const DemandChoice& c) const {
+    return is_hot(at) ? c.min_degc : std::clamp(c.schedule_degc, c.min_degc, c.max_degc);
   }
 
   AirState air_now(const DemandReading& at) const {
@@ -230,7 +230,7 @@ class BandObjective {
       loads_.note_free_load(i, loads_.heating_share(i, begin_temp_[i], at.zones.setpoint_degc[i]));
       loads_.note_held(i, at.zones.temp_degc[i], moved_k, at.zones.damper[i], at.zones.setpoint_degc[i]);
     }
-    loads_.note_profile(at.time, n, mean_setpoint_degc(at), 2 * back > n);
+    loads_.note_profile(at.time, n, mean_of_seen(at.zones, at.zones.setpoint_degc), 2 * back > n);
   }
 
   ZoneLoads loads_;

@@ -52,6 +52,12 @@ class NightCooling {
   double free_cooling_share(double room_degc) const {
     return std::clamp((room_degc - coldest_outdoors_degc()) / colder_outdoors_k, 0.0, 1.0);
   }
+
+  /// Warmer outdoors than in the rooms, and no night of late that cools: colder air loses no saving, so it is not held
+  /// back.
+  bool is_hot(double outdoor_degc, double room_degc) const {
+    return outdoor_degc > room_degc && free_cooling_share(room_degc) < 0.5;
+  }
   double coldest_outdoors_degc() const { return static_cast<double>(coldest_degc_); }
 
   /// Which share of the heat that warmer air leaves in the rooms is cooled out later: none where the fan did not cycle
