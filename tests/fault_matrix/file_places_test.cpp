@@ -30,9 +30,15 @@ class FilePlaces : public ::testing::Test {
       fs::create_directories(at / "full");
     }
   }
-  nlohmann::json status() const {
+  nlohmann::json status_now() const {
     std::ifstream in(bench.file("state") / "status.json");
     return nlohmann::json::parse(in, nullptr, false);
+  }
+  /// Its two files change places: a look that lasts over two rows sees the next one being written.
+  nlohmann::json status() const {
+    nlohmann::json s = status_now();
+    for (int look = 0; look < 1000 && !s.is_object(); ++look, s = status_now()) closed_loop::sleep_s(0.01);
+    return s;
   }
   /// Waits until the status tells of `rows` more rows. False: the daemon hangs, or is gone.
   bool goes_on(Child& daemon, int rows) const {
@@ -40,7 +46,7 @@ class FilePlaces : public ::testing::Test {
     std::string seen;
     for (int row = -1; row < rows;) {
       if (closed_loop::now_s() > until_s || !daemon.running()) return false;
-      const nlohmann::json s = status();
+      const nlohmann::json s = status_now();
       if (s.is_object() && s["time"] != seen) seen = s["time"], ++row;
       closed_loop::sleep_s(0.001);
     }

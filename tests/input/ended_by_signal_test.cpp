@@ -22,7 +22,7 @@ using closed_loop::Child;
 using closed_loop::now_s;
 using closed_loop::sleep_s;
 
-constexpr double patience_s = 60;
+constexpr double patience_s = 300;
 
 /// Processes whose parent is `pid`.
 std::vector<pid_t> children_of(pid_t pid) {

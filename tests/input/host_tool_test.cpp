@@ -315,7 +315,7 @@ TEST(Gap, FindsTheMadeUpWeatherBesideALogOfTheRcPlant) {
   EXPECT_EQ(text_of_file(desk.path("ref.epw")), text_of_file(desk.path("log.epw")));
   const std::string gap =
       "gap --site site.toml --measured log.csv --reference ref.csv --plant rc --room 301 --out gap-report/ --json";
-  const Outcome o = run_program("airside", Desk::split(gap), desk.folder(), desk.folder(), 240);
+  const Outcome o = run_program("airside", Desk::split(gap), desk.folder(), desk.folder(), 900);
   EXPECT_EQ(o.code, 0) << o.err;
   const json found = object_of(o);
   EXPECT_NE(found.value("verdict", ""), "") << o.out;
