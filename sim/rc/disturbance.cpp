@@ -99,12 +99,11 @@ bool vav_off_event(const RcRoom& room, std::uint64_t seed, int vav, CivilTime t)
 }
 
 void disturb(const RcRoom& room, const Weather& weather, std::uint64_t seed, CivilTime t, Disturbance& out) {
-  out.weather = weather.at(t);
-  const double outdoor_humidity =
-      humidity_ratio(out.weather.outdoor_temp_degc, out.weather.relative_humidity_pct, out.weather.pressure_pa);
+  const Sky sky = weather.sky_at(t);
+  out.weather = sky.weather;
   out.weather.outdoor_temp_degc += room.site_temp_offset_k;
-  out.humidity_kg_kg = outdoor_humidity;
-  set_facades(room, sun_at(weather.location(), t), out);
+  out.humidity_kg_kg = sky.humidity_kg_kg;
+  set_facades(room, sky.sun, out);
 
   const bool weekend = weekend_at(t);
   const double hour = hour_of(t);
@@ -113,12 +112,14 @@ void disturb(const RcRoom& room, const Weather& weather, std::uint64_t seed, Civ
   const double crowd = 1 + room.occupancy_day_sd * draw_normal(seed, occupancy_of_day, 0, t.day());
   const double profile = occupancy_profile(room, hour - late_h, weekend);
   const auto zones = static_cast<std::size_t>(room.zones());
+  const bool whims = room.occupancy_zone_sd != 0 || room.occupancy_noise_sd != 0;
   out.gain_w.resize(zones);
   for (std::size_t z = 0; z < zones; ++z) {
     double presence = 0;
     if (profile > 0) {
-      const double whim = room.occupancy_zone_sd * draw_course(seed, occupancy_of_zone, z, now_s, 10800) +
-                          room.occupancy_noise_sd * draw_course(seed, occupancy_flicker, z, now_s, 1500);
+      const double whim = whims ? room.occupancy_zone_sd * draw_course(seed, occupancy_of_zone, z, now_s, 10800) +
+                                      room.occupancy_noise_sd * draw_course(seed, occupancy_flicker, z, now_s, 1500)
+                                : 0.0;
       presence = std::max(0.0, profile * crowd * (1 + whim));
     }
     if (room.occupancy_absent_share > 0 && draw_uniform(seed, zone_absent, z, t.day()) < room.occupancy_absent_share) {
@@ -139,7 +140,9 @@ void disturb(const RcRoom& room, const Weather& weather, std::uint64_t seed, Civ
   for (std::size_t v = 0; v < vavs; ++v) {
     out.vav_on[v] = vav_off_event(room, seed, static_cast<int>(v), t) ? 0.0 : 1.0;
   }
-  out.mau_setpoint_degc = room.mau_setpoint_degc + room.mau_noise_sd_k * draw_course(seed, mau_wander, 0, now_s, 2700);
+  out.mau_setpoint_degc = room.mau_setpoint_degc;
+  if (room.mau_noise_sd_k != 0)
+    out.mau_setpoint_degc += room.mau_noise_sd_k * draw_course(seed, mau_wander, 0, now_s, 2700);
 }
 
 void expect(const RcRoom& room, const Location& location, const Disturbance& last, CivilTime last_time, CivilTime t,

@@ -304,29 +304,31 @@ void RcPlant::read_sensors() {
   const RcRoom& room = *room_;
   const std::int64_t slot = now_.seconds / step_s;
   const auto shown = [this](double value) { return exact_ ? value : rounded(value); };
-  const auto noise = [&](std::uint64_t stream, std::size_t place) { return draw_normal(seed_, stream, place, slot); };
+  const auto noise = [&](double sd, std::uint64_t stream, std::size_t place) {
+    return sd == 0 ? 0.0 : sd * draw_normal(seed_, stream, place, slot);
+  };
   sensors_.room_temp_degc.resize(vav_w_k_.size());
   for (std::size_t v = 0; v < vav_w_k_.size(); ++v) {
-    sensors_.room_temp_degc[v] = shown(shown_temp_degc(v) + room.temp_noise_sd_k * noise(noise_room, v));
+    sensors_.room_temp_degc[v] = shown(shown_temp_degc(v) + noise(room.temp_noise_sd_k, noise_room, v));
   }
   sensors_.fcu_temp_degc.resize(fcu_on_.size());
   for (std::size_t f = 0; f < fcu_on_.size(); ++f) {
     sensors_.fcu_temp_degc[f] = shown(sensed_degc_[vav_w_k_.size() + f] + room.fcu_sensor_bias_k[f] +
-                                      room.temp_noise_sd_k * noise(noise_fcu, f));
+                                      noise(room.temp_noise_sd_k, noise_fcu, f));
   }
   sensors_.vav_on = disturbance_.vav_on;
   sensors_.ahu_on = ahu_rests() ? 0 : 1;
   sensors_.fcu_on = fcu_on_;
   for (std::size_t p = 0; p < sensors_.power_kw.size(); ++p) {
     sensors_.power_kw[p] =
-        shown(std::max(0.0, sensors_.power_kw[p] * (1 + room.power_noise_share * noise(noise_power, p))));
+        shown(std::max(0.0, sensors_.power_kw[p] * (1 + noise(room.power_noise_share, noise_power, p))));
   }
-  sensors_.mau_temp_degc = shown(mau_degc_ + room.temp_noise_sd_k * noise(noise_mau, 0));
+  sensors_.mau_temp_degc = shown(mau_degc_ + noise(room.temp_noise_sd_k, noise_mau, 0));
   sensors_.outdoor_temp_degc = shown(disturbance_.weather.outdoor_temp_degc + room.outdoor_sensor_bias_k +
-                                     room.temp_noise_sd_k * noise(noise_outdoor, 0));
+                                     noise(room.temp_noise_sd_k, noise_outdoor, 0));
   sensors_.rain = disturbance_.weather.rain;
   sensors_.supply_temp_degc =
-      shown(supply_degc_ + room.supply_sensor_offset_k + room.temp_noise_sd_k * noise(noise_supply, 0));
+      shown(supply_degc_ + room.supply_sensor_offset_k + noise(room.temp_noise_sd_k, noise_supply, 0));
   sensors_.setpoint_degc = setpoint_degc_;
 }
 

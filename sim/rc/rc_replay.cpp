@@ -38,7 +38,8 @@ void live_through(const RcRoom& room, const std::shared_ptr<const Recording>& re
 
 }  // namespace
 
-ChannelTable replay_rc(const RcRoom& room, const Recording& recording, bool duties, bool rounded) {
+ChannelTable replay_rc(const RcRoom& room, const Recording& recording, bool duties, bool rounded,
+                       std::shared_ptr<const Weather> weather) {
   const Channels channels{room.vavs, room.fcus, room.powers};
   for (const RecordedRow& row : recording.rows) {
     if (std::ssize(row.vav_on) != room.vavs || std::ssize(row.fcu_on) != room.fcus) {
@@ -53,7 +54,7 @@ ChannelTable replay_rc(const RcRoom& room, const Recording& recording, bool duti
   }
   const RcRoom quiet = expected_room(room);
   const auto shared = std::make_shared<const Recording>(recording);
-  const auto weather = measured_weather(recording);
+  if (!weather) weather = measured_weather(recording);
   ChannelTable table =
       ChannelTable::Constant(std::ssize(recording.rows), channels.count(), std::numeric_limits<double>::quiet_NaN());
   live_through(quiet, shared, weather, false, rounded, [&](std::size_t at, const RcPlant& plant) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace airside::sim {
 
@@ -37,7 +38,9 @@ std::string Channels::name(int column) const {
 
 const char* Channels::unit(int column) const { return column < power() ? "K" : column < fcu_duty() ? "kW" : "-"; }
 
-std::shared_ptr<const Weather> measured_weather(const Recording& recording, int interval_s) {
+namespace {
+
+Weather weather_of(const Recording& recording, int interval_s) {
   const CivilTime begin{recording.from.seconds - lead_days * seconds_per_day};
   std::vector<WeatherRecord> records;
   // A record's temperature holds at its end: an instant's value is the mean of the rows around it.
@@ -58,8 +61,44 @@ std::shared_ptr<const Weather> measured_weather(const Recording& recording, int 
     records.push_back(record);
   }
   const auto first = second_of_year(begin) / interval_s;
-  return std::make_shared<const Weather>(recording.station->location(), "measured weather", interval_s,
-                                         static_cast<int>(first), std::move(records));
+  return Weather(recording.station->location(), "measured weather", interval_s, static_cast<int>(first),
+                 std::move(records));
+}
+
+/// By their bits, since what was not measured is NaN.
+bool same_values(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+}  // namespace
+
+std::shared_ptr<const Weather> measured_weather(const Recording& recording, int interval_s) {
+  return std::make_shared<const Weather>(weather_of(recording, interval_s));
+}
+
+std::shared_ptr<const Weather> MeasuredWeathers::of(const Recording& recording) {
+  std::vector<double> measured;
+  measured.reserve(2 * recording.rows.size());
+  for (const RecordedRow& row : recording.rows) measured.insert(measured.end(), {row.outdoor_temp_degc, row.rain});
+  const auto find = [&]() -> std::shared_ptr<const Weather> {
+    for (const Known& known : known_) {
+      if (known.station == recording.station && known.from.seconds == recording.from.seconds &&
+          same_values(known.measured, measured))
+        return known.weather;
+    }
+    return nullptr;
+  };
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto weather = find()) return weather;
+  }
+  Weather made = weather_of(recording, 180);
+  made.keep_skies();
+  const auto weather = std::make_shared<const Weather>(std::move(made));
+  const std::lock_guard lock(mutex_);
+  if (known_.size() == most) known_.erase(known_.begin());
+  known_.push_back({recording.station, recording.from, std::move(measured), weather});
+  return weather;
 }
 
 }  // namespace airside::sim

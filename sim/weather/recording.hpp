@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -77,5 +78,24 @@ using ChannelTable = Eigen::MatrixXd;
 /// to its end; before it, the first day is repeated, in intervals of 3 min or what is asked for.
 /// Errors: hal::InputError if the station does not cover the stretch.
 std::shared_ptr<const Weather> measured_weather(const Recording& recording, int interval_s = 180);
+
+/// The measured weathers of the recordings that are lived through again and again, each made once.
+class MeasuredWeathers {
+ public:
+  /// measured_weather(), with its skies kept; recordings of the same station, start, outdoor temperature and rain share
+  /// it.  Thread-safe.  Errors: as measured_weather().
+  std::shared_ptr<const Weather> of(const Recording& recording);
+
+ private:
+  struct Known {
+    std::shared_ptr<const Weather> station;
+    CivilTime from;
+    std::vector<double> measured;
+    std::shared_ptr<const Weather> weather;
+  };
+  static constexpr std::size_t most = 8;
+  std::mutex mutex_;
+  std::vector<Known> known_;  ///< oldest first, at most `most`
+};
 
 }  // namespace airside::sim

@@ -116,7 +116,34 @@ void Weather::refuse(CivilTime t) const {
                         "choose another start date or a weather file that covers the period");
 }
 
-WeatherRecord Weather::at(CivilTime t) const {
+WeatherRecord Weather::at(CivilTime t) const { return under(sun_at(location_, t), t); }
+
+Sky Weather::sky_at(CivilTime t) const {
+  if (!skies_.empty()) {
+    const std::int64_t second = second_of_year(t);
+    const std::int64_t index = second / interval_s_ - first_interval_;
+    if (second % interval_s_ == 0 && index >= 0 && index < std::ssize(skies_))
+      return skies_[static_cast<std::size_t>(index)];
+  }
+  Sky sky;
+  sky.sun = sun_at(location_, t);
+  sky.weather = under(sky.sun, t);
+  sky.humidity_kg_kg =
+      humidity_ratio(sky.weather.outdoor_temp_degc, sky.weather.relative_humidity_pct, sky.weather.pressure_pa);
+  return sky;
+}
+
+void Weather::keep_skies() {
+  std::vector<Sky> skies;
+  skies.reserve(records_.size() + 1);
+  const CivilTime new_year = civil_midnight(2021, 1, 1);
+  for (std::int64_t i = 0; i <= std::ssize(records_); ++i) {
+    skies.push_back(sky_at({new_year.seconds + (first_interval_ + i) * interval_s_}));
+  }
+  skies_ = std::move(skies);
+}
+
+WeatherRecord Weather::under(const SunDirection& sun, CivilTime t) const {
   const std::int64_t second = second_of_year(t);
   const std::int64_t interval = second / interval_s_;
   const auto count = static_cast<std::int64_t>(records_.size());
@@ -138,7 +165,7 @@ WeatherRecord Weather::at(CivilTime t) const {
   now.wind_speed_m_s = interpolated(before.wind_speed_m_s, here.wind_speed_m_s, share);
   now.pressure_pa = interpolated(before.pressure_pa, here.pressure_pa, share);
   now.rain = here.rain;
-  if (sun_at(location_, t).up > 0) {
+  if (sun.up > 0) {
     now.direct_normal_w_m2 = interpolated(earlier.direct_normal_w_m2, later.direct_normal_w_m2, mid_share);
     now.diffuse_horizontal_w_m2 =
         interpolated(earlier.diffuse_horizontal_w_m2, later.diffuse_horizontal_w_m2, mid_share);

@@ -36,6 +36,13 @@ struct SunDirection {
   double east = 0, north = 0, up = -1;
 };
 
+/// One instant above a site.
+struct Sky {
+  WeatherRecord weather;
+  SunDirection sun;
+  double humidity_kg_kg = 0;  ///< humidity_ratio() of the outdoor air
+};
+
 enum class Facade { north = 0, east = 1, south = 2, west = 3 };
 constexpr std::size_t facades = 4;
 
@@ -61,6 +68,13 @@ class Weather {
   /// Errors: hal::InputError if the table does not cover t.
   WeatherRecord at(CivilTime t) const;
 
+  /// at(), and what goes with it.  Errors: as at().
+  Sky sky_at(CivilTime t) const;
+
+  /// Computes sky_at() of each record's end once, for a table that is lived through often; the values stay the same.
+  /// Cost: 100 bytes and two of sky_at() a record.
+  void keep_skies();
+
   /// Throws hal::InputError unless every instant from `from` to `to` is covered.
   void require(CivilTime from, CivilTime to) const;
 
@@ -74,6 +88,7 @@ class Weather {
 
  private:
   const WeatherRecord& record(std::int64_t interval) const;
+  WeatherRecord under(const SunDirection& sun, CivilTime t) const;
   [[noreturn]] void refuse(CivilTime t) const;
 
   Location location_;
@@ -82,6 +97,7 @@ class Weather {
   std::int64_t first_interval_;
   std::size_t intervals_per_year_;
   std::vector<WeatherRecord> records_;
+  std::vector<Sky> skies_;  ///< of the start of each record and the end of the last; empty: not kept
 };
 
 /// Civil time of a date at midnight.

@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <memory>
+#include <vector>
 
 #include "hal/text/input_error.hpp"
+#include "sim/weather/recording.hpp"
 #include "sim/weather/synthetic_weather.hpp"
 #include "sim/weather/weather.hpp"
 
@@ -157,6 +161,54 @@ TEST(SyntheticWeather, IsCoolerInWinterAndCloudsPersistFromDayToDay) {
     alone += (clearness[d] - mean) * (clearness[d] - mean);
   }
   EXPECT_GT(together / alone, 0.3);
+}
+
+bool same_sky(const Sky& a, const Sky& b) {
+  return a.sun.east == b.sun.east && a.sun.north == b.sun.north && a.sun.up == b.sun.up &&
+         a.humidity_kg_kg == b.humidity_kg_kg && a.weather.outdoor_temp_degc == b.weather.outdoor_temp_degc &&
+         a.weather.direct_normal_w_m2 == b.weather.direct_normal_w_m2 && a.weather.rain == b.weather.rain;
+}
+
+TEST(Skies, ThatAreKeptAreThoseThatAreComputed) {
+  const Weather weather = two_hours();
+  Weather kept = two_hours();
+  kept.keep_skies();
+  for (int minute = 0; minute <= 180; minute += 3) {
+    for (const int year : {2021, 2024}) {
+      const CivilTime t = at(7, 1, 10, minute, year);
+      EXPECT_TRUE(same_sky(kept.sky_at(t), weather.sky_at(t))) << minute;
+    }
+  }
+  const CivilTime noon = at(7, 1, 12);
+  EXPECT_EQ(weather.sky_at(noon).weather.outdoor_temp_degc, weather.at(noon).outdoor_temp_degc);
+  EXPECT_EQ(weather.sky_at(noon).sun.up, sun_at(weather.location(), noon).up);
+  EXPECT_THROW((void)kept.sky_at(at(7, 1, 14)), hal::InputError);
+}
+
+Recording day_of(const std::shared_ptr<const Weather>& station, double outdoor_degc) {
+  Recording recording{at(7, 10, 0), std::vector<RecordedRow>(rows_per_day), station};
+  for (RecordedRow& row : recording.rows) row.outdoor_temp_degc = outdoor_degc;
+  return recording;
+}
+
+TEST(MeasuredWeathers, AreSharedByRecordingsOfOneStationStartAndMeasurement) {
+  const std::shared_ptr<const Weather> station = synthetic_weather(1);
+  MeasuredWeathers memory;
+  const auto first = memory.of(day_of(station, 30));
+  EXPECT_EQ(memory.of(day_of(station, 30)), first);
+  EXPECT_NE(memory.of(day_of(station, 31)), first);
+  EXPECT_NE(memory.of(day_of(std::make_shared<const Weather>(*station), 30)), first);
+  Recording later = day_of(station, 30);
+  later.from = at(7, 11, 0);
+  EXPECT_NE(memory.of(later), first);
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(memory.of(day_of(station, unknown)), memory.of(day_of(station, unknown))) << "not measured";
+  for (int i = 0; i < 8; ++i) (void)memory.of(day_of(station, 40 + i));
+  EXPECT_NE(memory.of(day_of(station, 30)), first) << "the oldest is forgotten";
+  const auto anew = measured_weather(day_of(station, 30));
+  for (int minute = 0; minute < 1440; minute += 3) {
+    EXPECT_TRUE(same_sky(first->sky_at(at(7, 10, 0, minute)), anew->sky_at(at(7, 10, 0, minute)))) << minute;
+  }
 }
 
 }  // namespace

@@ -15,9 +15,13 @@ bool only_on_sensors(const std::vector<sim::EffectOp>& ops) {
 }
 
 sim::ChannelTable RcEngine::simulate(const Changes& changes, const sim::Recording& recording) const {
-  const sim::ChannelTable table =
-      sim::replay_rc(sim::changed_room(room_, changes), sim::changed_recording(recording, changes), true, false);
-  return sim::changed_sensors(table, channels(), changes);
+  return shown(sim::changed_room(room_, changes), changes, recording);
+}
+
+sim::ChannelTable RcEngine::shown(const sim::RcRoom& room, const Changes& changes,
+                                  const sim::Recording& recording) const {
+  const sim::Recording lived = sim::changed_recording(recording, changes);
+  return sim::changed_sensors(sim::replay_rc(room, lived, true, false, weathers_->of(lived)), channels(), changes);
 }
 
 /// A reference period tells parameters to a few hundredths; the rest of the usual 10 to 20 % shows as structure.
@@ -27,10 +31,8 @@ sim::ChannelTable RcEngine::simulate_differing(std::uint64_t seed, const Changes
   by.relative = by.zone_relative = by.flow_relative = 0.05;
   by.sensor_bias_k = 0.05;
   by.supply_offset_k = by.neighbour_k = by.site_temp_k = by.fcu_dial_k = 0.1;
-  const sim::RcRoom room =
-      with_other_structure(measured_room(sim::changed_room(room_, changes), seed, seed % 2 == 1, by), seed);
-  return sim::changed_sensors(sim::replay_rc(room, sim::changed_recording(recording, changes), true, false), channels(),
-                              changes);
+  return shown(with_other_structure(measured_room(sim::changed_room(room_, changes), seed, seed % 2 == 1, by), seed),
+               changes, recording);
 }
 
 std::array<bool, sim::facades> RcEngine::has_facade() const {

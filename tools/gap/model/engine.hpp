@@ -50,7 +50,7 @@ class Engine {
 
 class RcEngine final : public Engine {
  public:
-  explicit RcEngine(sim::RcRoom room) : room_(std::move(room)) {}
+  explicit RcEngine(sim::RcRoom room) : room_(std::move(room)), weathers_(std::make_shared<sim::MeasuredWeathers>()) {}
   sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override;
   sim::ChannelTable simulate_differing(std::uint64_t seed, const Changes& changes,
                                        const sim::Recording& recording) const override;
@@ -62,7 +62,9 @@ class RcEngine final : public Engine {
   const sim::RcRoom& room() const { return room_; }
 
  private:
+  sim::ChannelTable shown(const sim::RcRoom& room, const Changes& changes, const sim::Recording& recording) const;
   sim::RcRoom room_;
+  std::shared_ptr<sim::MeasuredWeathers> weathers_;
 };
 
 /// One run.
