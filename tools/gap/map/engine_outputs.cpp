@@ -39,7 +39,7 @@ json trial_model(const sim::EnergyPlusTwin& twin) {
     const std::string name = fmt::format("airside {:02}", variables.size() + meters.size() + 1);
     if (output.kind == sim::ChannelOutput::Kind::meter)
       meters[name] = {{"key_name", output.key}, {"reporting_frequency", "Timestep"}};
-    else  // of every object, so that a wrong key can be told from a wrong variable
+    else  // of every object, so that a wrong key is not taken for a wrong variable
       variables[name] = {{"key_value", "*"}, {"variable_name", output.variable}, {"reporting_frequency", "Timestep"}};
   }
   json& files = model["OutputControl:Files"] = json::object();
