@@ -32,15 +32,15 @@ json trial_model(const sim::EnergyPlusTwin& twin) {
               {"end_year", 2021},
               {"end_month", 7},
               {"end_day_of_month", 12}}}};
-  model["Output:VariableDictionary"] = {{"airside dictionary", {{"key_field", "Regular"}}}};
+  model["Output:VariableDictionary"] = {{"airside dictionary", {{"key_field", "regular"}}}};
   json& variables = model["Output:Variable"] = json::object();
   json& meters = model["Output:Meter"] = json::object();
   for (const sim::ChannelOutput& output : sim::own_outputs(twin)) {
-    const std::string name = fmt::format("airside {:02}", variables.size() + meters.size() + 1);
     if (output.kind == sim::ChannelOutput::Kind::meter)
-      meters[name] = {{"key_name", output.key}, {"reporting_frequency", "Timestep"}};
+      meters["airside " + output.key] = {{"key_name", output.key}, {"reporting_frequency", "Timestep"}};
     else  // of every object, so that a wrong key is not taken for a wrong variable
-      variables[name] = {{"key_value", "*"}, {"variable_name", output.variable}, {"reporting_frequency", "Timestep"}};
+      variables["airside " + output.variable] = {
+          {"key_value", "*"}, {"variable_name", output.variable}, {"reporting_frequency", "Timestep"}};
   }
   json& files = model["OutputControl:Files"] = json::object();
   for (const char* file :
