@@ -22,6 +22,7 @@ struct RecordedRow {
   double outdoor_temp_degc = 0;
   double rain = 0;
   std::vector<double> zone_heat_kw = {};  ///< zone, VAV zones first; heat into the air that no model has; empty: none
+  std::vector<double> commands = {};      ///< of further schedules, in the order in which a model names them
 };
 
 /// Where a recording goes on at another time: whole days were left out, or it goes back.
@@ -53,11 +54,19 @@ struct Recording {
 /// Days that a replay lives through before the recording begins, so that walls and masses do not remember the start.
 constexpr int lead_days = 4;
 
+/// How a log shows a column otherwise than rows of 6 min do.
+struct ChannelGrain {
+  int mean_min = 0;   ///< its values are means over so long; 0: of half an hour or less
+  double floor = 0;   ///< least standard deviation of the noise, K or kW; 0: the usual one
+  std::string title;  ///< what its owner calls it; empty: as usual
+};
+
 /// The columns of a replay. Order: room temperatures, FCU temperatures, MAU outlet, supply, powers, FCU duties,
 /// dampers.
 struct Channels {
   int rooms = 0, fcus = 0, powers = 0;
-  int dampers = 0;  ///< of a model that moves them itself: one a room, or none
+  int dampers = 0;                       ///< of a model that moves them itself: one a room, or none
+  std::vector<ChannelGrain> grain = {};  ///< one a column, or none
   int fcu_temp() const { return rooms; }
   int mau_temp() const { return rooms + fcus; }
   int supply_temp() const { return mau_temp() + 1; }

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "hal/text/toml_section.hpp"
-#include "sim/energyplus/adopted/model_index.hpp"
 
 namespace airside::sim {
 namespace {
@@ -122,6 +121,31 @@ OwnParts own_parts(const nlohmann::json& model, const OwnNames& names) {
   for (const std::string& zone : names.occupancy) schedules.merge(people_of_zone(index, zone));
   parts.people_schedules.assign(schedules.begin(), schedules.end());
   return parts;
+}
+
+ModelObject find_command_schedule(const nlohmann::json& model, const std::string& name) {
+  const ModelIndex index(model);
+  for (const char* type : {"Schedule:Constant", "Schedule:Compact", "Schedule:Year", "Schedule:File"}) {
+    const ModelObject found = index.find(type, name);
+    if (found.fields != nullptr) return found;
+  }
+  return {};
+}
+
+void free_command_schedules(nlohmann::json& model, const OwnNames& names) {
+  std::vector<std::string> schedules = names.commands;
+  if (!names.supply_setpoint_schedule.empty()) schedules.push_back(names.supply_setpoint_schedule);
+  for (const std::string& name : schedules) {
+    const ModelObject known = find_command_schedule(model, name);
+    if (known.fields == nullptr || known.type == "Schedule:Constant") continue;
+    nlohmann::json constant = {{"hourly_value", 0}};
+    if (const std::string limits = known.text("schedule_type_limits_name"); !limits.empty())
+      constant["schedule_type_limits_name"] = limits;
+    const std::string type = known.type, spelled = known.name;
+    model[type].erase(spelled);
+    if (model[type].empty()) model.erase(type);
+    model["Schedule:Constant"][spelled] = std::move(constant);
+  }
 }
 
 void prepare_own_model(nlohmann::json& model, const std::string& place) {

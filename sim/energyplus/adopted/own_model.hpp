@@ -7,8 +7,17 @@
 #include <vector>
 
 #include "hal/text/input_error.hpp"
+#include "sim/energyplus/adopted/model_index.hpp"
 
 namespace airside::sim {
+
+/// What a log shows in the place of a channel's usual output.
+struct OwnOutput {
+  std::string key, variable;  ///< of an output in degC, W or, where the name ends in "Energy", J; empty: the usual one
+  int mean_min = 0;           ///< the log's values are means over so long; 0: of half an hour or less
+  std::string title;          ///< the log's column
+  double noise_floor = 0;     ///< least standard deviation that is believed, K or kW; 0: the usual one
+};
 
 /// The names by which such a model offers what its points show. An empty text or list is not there; so is "" within
 /// terminals and powers.
@@ -22,6 +31,11 @@ struct OwnNames {
   std::string supply_fan;
   std::vector<std::string> powers;     ///< meters, one a power point
   std::vector<std::string> occupancy;  ///< zones whose people count
+
+  std::vector<OwnOutput> room_outputs, power_outputs;  ///< one a room and a power, or none
+  std::vector<std::string> commands;                   ///< schedules that follow the record's commands
+  bool every_air_loop = false;   ///< equipment is that of all loops with these zones, not of supply_air_node's alone
+  bool outdoor_measured = true;  ///< else the weather file's temperature is all there is
 };
 
 /// What follows from the names and the model.
@@ -37,6 +51,14 @@ std::vector<hal::InputError> missing_own_names(const nlohmann::json& model, cons
 
 /// Finds the parts; a name that missing_own_names() would refuse has none.
 OwnParts own_parts(const nlohmann::json& model, const OwnNames& names);
+
+/// A schedule of a kind that a record's commands can take the place of, by its name; `fields` is null where the model
+/// has none.
+ModelObject find_command_schedule(const nlohmann::json& model, const std::string& name);
+
+/// The schedules that are commanded become constants, which a replay lets follow the record: nothing else of the model
+/// may change what was commanded. A name that the model has not is passed over; a replay refuses it.
+void free_command_schedules(nlohmann::json& model, const OwnNames& names);
 
 /// Makes a run of the weather file of it: reports that nobody reads are dropped (they take most of the time of a
 /// large model), daylight saving too, since schedules keep standard time.

@@ -15,8 +15,9 @@ namespace airside::sim {
 /// A twin to replay on: the composed model, whose dates do not matter, and the room loops that live outside the
 /// engine.  Of the loops a replay uses dampers, lag, bias, people (without noise) and, if asked, thermostats.
 ///
-/// With `own` the model's thermostats, terminals, people and plant run by themselves: the recorded supply setpoint is
-/// all that is played, and of the loops lag and bias alone count. `names` then has its zones and its meters, too.
+/// With `own` the model's thermostats, terminals, people and plant run by themselves: the recorded supply setpoint,
+/// where a schedule for it is named, and the commands of further named schedules are all that is played, and of the
+/// loops lag and bias alone count. `names` then has its zones and its meters, too.
 struct EnergyPlusTwin {
   nlohmann::json model;
   RoomLoopOptions loops;

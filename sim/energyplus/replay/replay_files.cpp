@@ -30,8 +30,13 @@ void check_rows(const EnergyPlusTwin& twin, const Recording& recording) {
         row.vav_on.size() == twin.names.interior_zones.size() && row.fcu_on.size() == twin.names.perimeter_zones.size(),
         std::to_string(row.vav_on.size()) + " VAVs and " + std::to_string(row.fcu_on.size()) + " fan coils" + at,
         "as many as the twin has");
-    expect_of_recording(std::isfinite(row.setpoint_degc) && finite(row.vav_on) && finite(row.fcu_on),
+    const bool setpoint = std::isfinite(row.setpoint_degc) || twin.names.supply_setpoint_schedule.empty();
+    expect_of_recording(setpoint && finite(row.vav_on) && finite(row.fcu_on) && finite(row.commands),
                         "a missing command" + at, "a stretch without gaps");
+    const std::size_t commands = twin.own ? twin.own->commands.size() : 0;
+    expect_of_recording(row.commands.size() == commands,
+                        std::to_string(row.commands.size()) + " commands of further schedules" + at,
+                        "as many as the twin has");
     const std::size_t zones = row.vav_on.size() + row.fcu_on.size();
     expect_of_recording(row.zone_heat_kw.empty() || (row.zone_heat_kw.size() == zones && finite(row.zone_heat_kw)),
                         "heat of " + std::to_string(row.zone_heat_kw.size()) + " zones" + at,
@@ -140,7 +145,7 @@ ReplayCommands replay_commands(const EnergyPlusTwin& twin, const Recording& reco
   }
 
   CommandColumns columns;
-  columns.add(twin.names.supply_setpoint_schedule, std::move(supply));
+  if (!twin.names.supply_setpoint_schedule.empty()) columns.add(twin.names.supply_setpoint_schedule, std::move(supply));
   const auto add_each = [&columns](const std::string& pattern, auto first, auto last) {
     for (int place = 1; first != last; ++first, ++place) columns.add(schedule_at(pattern, place), std::move(*first));
   };
@@ -152,6 +157,12 @@ ReplayCommands replay_commands(const EnergyPlusTwin& twin, const Recording& reco
     if (!thermostats) add_each(twin.names.fcu_on_schedule, fcu_on.begin(), fcu_on.end());
     add_each(twin.names.interior_occupancy_schedule, people.begin(), people.begin() + vavs);
     add_each(twin.names.perimeter_occupancy_schedule, people.begin() + vavs, people.end());
+  }
+  for (std::size_t i = 0; twin.own && i < twin.own->commands.size(); ++i) {
+    std::vector<double> values(steps);
+    for (std::size_t step = 0; step < steps; ++step)
+      values[step] = recording.at({days.begin.seconds + static_cast<std::int64_t>(step) * days.step_s}).commands[i];
+    columns.add(twin.own->commands[i], std::move(values));
   }
   add_each(std::string(heat_schedule_prefix) + "#", heat.begin(), heat.end());
   add_each(std::string(cold_schedule_prefix) + "#", cold.begin(), cold.end());

@@ -6,6 +6,7 @@
 
 #include "hal/text/staged_folder.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/gap/map/mapping.hpp"
 #include "tools/gap/report/gap_report.hpp"
 #include "tools/gap/run/detectable.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
@@ -55,7 +56,9 @@ void say(const gap::GapRun& run, const nlohmann::json& j, const RunFacts& facts)
       figure("given", "power_rmse_kw"));
   if (!run.loaded.engine->plays_commands()) {
     const std::string invisible = gap::invisible_text(gap::detectable_sizes(run));
-    fmt::print("{}\n", gap::own_control_text());
+    if (const std::string& map = run.request.source.map; !map.empty())
+      fmt::print("{}\n", fmt::join(gap::lines_of(gap::read_mapping(map)), "\n"));
+    fmt::print("{}\n", gap::own_control_text(*run.loaded.engine));
     if (!invisible.empty()) fmt::print("{}\n", invisible);
     for (const gap::NotApplicable& n : run.not_applicable) fmt::print("not applicable: {}: {}\n", n.id, n.why);
   }

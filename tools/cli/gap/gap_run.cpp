@@ -10,6 +10,7 @@
 #include "tools/cli/command.hpp"
 #include "tools/cli/gap/gap.hpp"
 #include "tools/cli/gap/gap_output.hpp"
+#include "tools/gap/map/mapped_model.hpp"
 #include "tools/gap/run/gap_run.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/run/log_weather.hpp"
@@ -23,7 +24,8 @@ namespace fs = std::filesystem;
 
 /// The workflow on one site, with report.
 struct SiteCommand : GapOptions {
-  std::string site_path, measured, reference, twin, plant, room, weather, out = "gap-report", apply, keep_run, cache;
+  std::string site_path, map, measured, reference, twin, plant, room, weather, out = "gap-report", apply, keep_run,
+                                                                               cache;
   std::vector<std::string> patches, tries;
   std::string measured_room, currency = "EUR";
   double price = 0;
@@ -36,6 +38,9 @@ struct SiteCommand : GapOptions {
     add_jobs(c);
     add_json(c);
     c.add_option("--site", site_path, "site file: topology, and [twin] with model, patches and weather");
+    CLI::Option* mapped = c.add_option(
+        "--map", map,
+        "mapping file: any EnergyPlus model and any log, by columns, units, outputs, meters and schedules");
     c.add_option("--measured", measured, "log to judge: a CSV file, or a folder of daily ones");
     c.add_option("--reference", reference, "log of days on which plant and room were as the twin describes");
     c.add_option("--reference-days", reference_days, "the first days of --measured are the reference")
@@ -80,6 +85,11 @@ struct SiteCommand : GapOptions {
         ->check(CLI::Range(1, 60))
         ->capture_default_str()
         ->needs(retrains);
+    for (CLI::Option* other : c.get_options()) {
+      for (const char* name : {"--site", "--twin", "--plant", "--room", "--weather", "--retrain"}) {
+        if (other->check_name(name)) mapped->excludes(other);
+      }
+    }
     c.add_option("--cache", cache, "folder of finished EnergyPlus runs (default: OUT/runs)");
     std::vector<CLI::Option*> options;
     for (CLI::Option* o : c.get_options()) {
@@ -94,6 +104,7 @@ struct SiteCommand : GapOptions {
       if (!value.empty()) text += fmt::format(" {} {}", name, value);
     };
     add("--site", site_path);
+    add("--map", map);
     add("--measured", measured);
     add("--reference", reference);
     add("--reference-days", reference_days > 0 ? std::to_string(reference_days) : "");
@@ -164,6 +175,18 @@ struct SiteCommand : GapOptions {
     }
   }
 
+  /// What the mapping names; the model is made ready in the cache.
+  static void choose_mapped(gap::GapRequest& r, const std::string& map, const std::vector<std::string>& patches) {
+    const gap::Mapping mapping = gap::read_mapping(map);
+    r.site = fs::path(map).stem().string();
+    r.source.map = map;
+    r.source.engine = "energyplus";
+    r.source.weather = mapping.weather;
+    r.source.patches = patches;
+    r.source.topology = gap::counts_of(mapping).name;
+    r.source.model = gap::prepare_mapped_model(mapping, r.cache).string();
+  }
+
   Site the_site() const { return site_path.empty() ? built_in_site() : load_site(site_path); }
 
   gap::RetrainRequest retrain_request() const {
@@ -210,7 +233,10 @@ struct SiteCommand : GapOptions {
     c.reference_log = reference;
     c.reference_days = reference_days;
     c.duties = !no_duties;
-    choose_model(c, site);
+    if (map.empty())
+      choose_model(c, site);
+    else
+      choose_mapped(r, map, patches);
     if (!keep_run.empty() && c.engine == "rc") {
       throw hal::InputError("--keep-run " + keep_run, "an RC room", "an EnergyPlus twin",
                             "leave the option out: plain energyplus cannot run an RC room");

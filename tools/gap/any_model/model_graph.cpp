@@ -89,17 +89,27 @@ ModelGraph::ModelGraph(const json& model, const sim::OwnNames& names) : view_(mo
       zones_.push_back(known ? known.name : zone);
     }
   }
-  for (const ModelObject& loop : view_.all("AirLoopHVAC")) {
-    const auto nodes = view_.nodes(loop.text("supply_side_outlet_node_names"));
-    if (std::none_of(nodes.begin(), nodes.end(),
-                     [&](const std::string& node) { return same_name(node, names.supply_air_node); }))
+  for (const ModelObject& object : view_.all("AirLoopHVAC")) {
+    const auto nodes = view_.nodes(object.text("supply_side_outlet_node_names"));
+    if (!names.every_air_loop && std::none_of(nodes.begin(), nodes.end(), [&](const std::string& node) {
+          return same_name(node, names.supply_air_node);
+        }))
       continue;
     try {
-      loop_ = walk_air_loop(view_, loop.name);
+      AirLoop loop = walk_air_loop(view_, object.name);
+      if (is_wanted(loop, names)) loops_.push_back(std::move(loop));
     } catch (const hal::InputError&) {
-      loop_ = {};  // its equipment is not applicable then
+      continue;  // its equipment is not applicable then
     }
   }
+}
+
+bool ModelGraph::is_wanted(const AirLoop& loop, const sim::OwnNames& names) const {
+  return !names.every_air_loop ||
+         std::any_of(loop.terminals.begin(), loop.terminals.end(), [this](const LoopTerminal& terminal) {
+           return std::any_of(zones_.begin(), zones_.end(),
+                              [&](const std::string& zone) { return same_name(zone, terminal.zone); });
+         });
 }
 
 std::vector<ModelObject> ModelGraph::all(const std::string& type) const {
@@ -131,20 +141,24 @@ std::vector<ModelObject> ModelGraph::in_zones(const std::string& type, const std
 std::vector<ModelObject> ModelGraph::terminals_of(const std::string& type,
                                                   const std::vector<std::string>& zones) const {
   std::vector<ModelObject> found;
-  for (const LoopTerminal& t : loop_.terminals) {
-    const bool here =
-        std::any_of(zones.begin(), zones.end(), [&](const std::string& zone) { return same_name(zone, t.zone); });
-    if (!here || !matches(type, t.type)) continue;
-    if (const ModelObject object = view_.find(t.type, t.name)) found.push_back(object);
+  for (const AirLoop& loop : loops_) {
+    for (const LoopTerminal& t : loop.terminals) {
+      const bool here =
+          std::any_of(zones.begin(), zones.end(), [&](const std::string& zone) { return same_name(zone, t.zone); });
+      if (!here || !matches(type, t.type)) continue;
+      if (const ModelObject object = view_.find(t.type, t.name)) found.push_back(object);
+    }
   }
   return found;
 }
 
 std::vector<ModelObject> ModelGraph::equipment() const {
   std::vector<ModelObject> parts;
-  if (const ModelObject fan = view_.find(loop_.fan.type, loop_.fan.name)) parts.push_back(fan);
-  for (ModelObject& coil : loop_coils(view_, loop_)) parts.push_back(std::move(coil));
-  if (ModelObject controller = outdoor_air_controller(view_, loop_)) parts.push_back(std::move(controller));
+  for (const AirLoop& loop : loops_) {
+    if (const ModelObject fan = view_.find(loop.fan.type, loop.fan.name)) parts.push_back(fan);
+    for (ModelObject& coil : loop_coils(view_, loop)) parts.push_back(std::move(coil));
+    if (ModelObject controller = outdoor_air_controller(view_, loop)) parts.push_back(std::move(controller));
+  }
   return parts;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Where things are in an EnergyPlus model that somebody else wrote: the air loop with its equipment and terminals, and
-// what is in the zones of a site.
+// Where things are in an EnergyPlus model that somebody else wrote: the air loop, or those of all its zones, with
+// equipment and terminals, and what is in the zones of a site.
 
 #include <array>
 #include <nlohmann/json.hpp>
@@ -38,7 +38,7 @@ class ModelGraph {
   /// too is left out where `alone`.
   std::vector<ModelObject> in_zones(const std::string& type, const std::vector<std::string>& zones, bool alone) const;
   std::vector<ModelObject> terminals_of(const std::string& type, const std::vector<std::string>& zones) const;
-  /// Supply fan, coils and outdoor-air controller.
+  /// Supply fans, coils and outdoor-air controllers.
   std::vector<ModelObject> on_air_loop(const std::string& type) const;
   std::vector<ModelObject> all(const std::string& type) const;
   /// Windows and outer walls and roofs of these zones.
@@ -51,12 +51,13 @@ class ModelGraph {
   std::array<bool, sim::facades> has_facade() const;
 
  private:
+  bool is_wanted(const AirLoop& loop, const sim::OwnNames& names) const;
   std::vector<ModelObject> equipment() const;
 
   ModelView view_;
   sim::ModelIndex index_;
   std::vector<std::string> zones_;
-  AirLoop loop_;
+  std::vector<AirLoop> loops_;  // one, or those of all zones
 };
 
 }  // namespace airside::tools::gap

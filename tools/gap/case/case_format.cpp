@@ -10,6 +10,7 @@
 #include "sim/energyplus/rooms.hpp"
 #include "sim/json/json_file.hpp"
 #include "sim/json/merge_patch.hpp"
+#include "tools/gap/map/mapped_model.hpp"
 #include "tools/run/site.hpp"
 #include "tools/run/twin_options.hpp"
 
@@ -42,7 +43,7 @@ CaseDescription read_case(const fs::path& folder) {
   };
   if (!j.is_object()) refuse("", j.dump().substr(0, 40), "an object");
   static const std::vector<std::string> known{"format",   "engine",   "model",  "patches", "weather", "reference",
-                                              "measured", "topology", "window", "duties",  "site"};
+                                              "measured", "topology", "window", "duties",  "site",    "map"};
   for (const auto& [key, value] : j.items()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
       refuse(key, "an unknown key", fmt::format("one of {}", fmt::join(known, ", ")));
@@ -66,6 +67,7 @@ CaseDescription read_case(const fs::path& folder) {
   c.topology = text("topology", "5vav-5fcu-2power");
   c.window = text("window", "");
   c.site = resolved(folder, text("site", ""));
+  c.map = resolved(folder, text("map", ""));
   if (j.contains("duties")) {
     if (!j["duties"].is_boolean()) refuse("duties", j["duties"].dump(), "true or false");
     c.duties = j["duties"].get<bool>();
@@ -86,6 +88,7 @@ void write_case(const fs::path& folder, const CaseDescription& c) {
                       {"topology", c.topology}, {"window", c.window},           {"duties", c.duties}};
   if (!c.patches.empty()) j["patches"] = c.patches;
   if (!c.site.empty()) j["site"] = c.site;
+  if (!c.map.empty()) j["map"] = c.map;
   std::ofstream out(folder / "case.json");
   out << j.dump(1) << '\n';
   if (!out) {
@@ -117,6 +120,11 @@ nlohmann::json model_of(const CaseDescription& c) {
 }
 
 sim::EnergyPlusOptions energyplus_options_of(const CaseDescription& c) {
+  if (!c.map.empty()) {
+    sim::EnergyPlusOptions options = mapped_options(read_mapping(c.map), c.model);
+    for (const std::string& patch : c.patches) options.patches.push_back({patch, sim::read_json(patch)});
+    return options;
+  }
   if (!c.site.empty()) {
     hal::TwinSection twin = load_site(c.site).file.twin.value_or(hal::TwinSection{});
     if (twin.control != hal::TwinControl::own || !twin.names) {

@@ -23,6 +23,8 @@ struct CaseDescription {
   /// Site file by whose [twin.names] the model, which controls its rooms itself, is read; empty: the project's own
   /// names.
   std::string site;
+  /// Mapping file by which the model and logs of other columns are read; empty: the project's own columns.
+  std::string map;
   std::string window;  ///< cases of one window and one model may share responses; empty: shares with none
   bool duties = true;
 };

@@ -8,6 +8,7 @@
 #include "sim/energyplus/install.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/epw.hpp"
+#include "tools/gap/map/mapped_log.hpp"
 #include "tools/gap/model/energyplus_engine.hpp"
 #include "tools/gap/model/log_window.hpp"
 #include "tools/run/site.hpp"
@@ -39,25 +40,35 @@ CaseLogs divided_log(const CaseDescription& c, CleanLog all) {
 }  // namespace
 
 hal::TopologyCounts counts_of(const CaseDescription& c) {
+  if (!c.map.empty()) return counts_of(read_mapping(c.map));
   return c.site.empty() ? built_in_site(c.topology).counts : load_site(c.site).counts;
+}
+
+CleanLog read_log_of(const CaseDescription& c, const std::string& path, CleanUpContext context) {
+  context.place = path;
+  // Meters of a model that somebody else wrote may be of a whole building.
+  if (!c.site.empty() || !c.map.empty()) context.largest_zone_kw = std::numeric_limits<double>::infinity();
+  CleanLog log = c.map.empty() ? read_dirty_log(path, context) : read_mapped_log(path, read_mapping(c.map), context);
+  log.place = path;
+  return log;
+}
+
+Window window_of_log(const CaseDescription& c, std::span<const hal::LogRow> rows, const sim::Channels& channels,
+                     std::shared_ptr<const sim::Weather> station, const std::string& place,
+                     const hal::TopologyCounts& counts) {
+  const std::size_t commands = c.map.empty() ? 0 : read_mapping(c.map).further_commands().size();
+  return window_of(rows, channels, std::move(station), place, counts, commands);
 }
 
 CaseLogs read_case_logs(const CaseDescription& c, const CleanUpContext& context) {
   CaseLogs logs;
-  const auto read = [&context](const std::string& path) {
-    CleanUpContext named = context;
-    named.place = path;
-    CleanLog log = read_dirty_log(path, named);
-    log.place = path;
-    return log;
-  };
   try {
-    logs.measured = read(c.measured_log);
+    logs.measured = read_log_of(c, c.measured_log, context);
     if (c.reference_log.empty()) {
       logs.measured.require_usable();
       return divided_log(c, std::move(logs.measured));
     }
-    logs.reference = read(c.reference_log);
+    logs.reference = read_log_of(c, c.reference_log, context);
     same_room(logs.reference, logs.measured, context);
     logs.reference.require_usable();
     logs.measured.require_usable();
@@ -98,12 +109,13 @@ LoadedCase load_case(const CaseDescription& c, const std::string& name, const fs
   CleanUpContext context;
   context.counts = counts;
   context.station = weather;
-  if (!c.site.empty()) context.largest_zone_kw = std::numeric_limits<double>::infinity();
   loaded.logs = read_case_logs(c, context);
+  const auto window = [&](const CleanLog& log) {
+    return window_of_log(c, log.rows, channels, weather, log.place, counts);
+  };
   try {
-    loaded.data.reference =
-        window_of(loaded.logs.reference.rows, channels, weather, loaded.logs.reference.place, counts);
-    loaded.data.test = window_of(loaded.logs.measured.rows, channels, weather, loaded.logs.measured.place, counts);
+    loaded.data.reference = window(loaded.logs.reference);
+    loaded.data.test = window(loaded.logs.measured);
   } catch (const hal::InputError& reason) {
     throw RefusedLog(reason, loaded.logs);
   }

@@ -2,6 +2,7 @@
 // A case in memory: its model as an engine, its logs cleaned up, its two windows.
 
 #include <memory>
+#include <span>
 #include <string>
 
 #include "hal/text/input_error.hpp"
@@ -35,9 +36,17 @@ class RefusedLog : public hal::InputError {
   CaseLogs logs_;
 };
 
-/// The shape of a case's logs: its site's, with stand-ins and dampers, or that of its topology.
+/// The shape of a case's logs: its mapping's or its site's, with stand-ins and dampers, or that of its topology.
 /// Errors: hal::InputError.
 hal::TopologyCounts counts_of(const CaseDescription& description);
+
+/// Reads a log of the case's columns and cleans it up.  Errors: as read_dirty_log() or read_mapped_log().
+CleanLog read_log_of(const CaseDescription& description, const std::string& path, CleanUpContext context);
+
+/// The window of a case's log.  Errors: as window_of().
+Window window_of_log(const CaseDescription& description, std::span<const hal::LogRow> rows,
+                     const sim::Channels& channels, std::shared_ptr<const sim::Weather> station,
+                     const std::string& place, const hal::TopologyCounts& counts);
 
 /// Reads and cleans both logs, or divides the measured one at midnight after reference_days.
 /// Errors: RefusedLog, also for files that are no logs.

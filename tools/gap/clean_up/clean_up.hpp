@@ -69,6 +69,8 @@ struct CleanUpContext {
   std::array<hal::LogLimits, 9> limits = hal::default_log_limits;  ///< by SignalKind; units as in the log
   /// Electric power a zone, far above any room's; infinite where meters may be of a whole building.
   double largest_zone_kw = 20;
+  /// Of a log with whichever columns its owner has: any may be absent, as long as one is there.
+  bool partial = false;
   std::optional<CivilTime> from, to;  ///< period that was asked for
 };
 

@@ -161,14 +161,14 @@ void empty_constant(LogTable& table, LogColumn& column, std::vector<Remark>& rem
 
 }  // namespace
 
-void check_missing(LogTable& table, const CleanUpContext&, std::vector<Remark>& remarks) {
+void check_missing(LogTable& table, const CleanUpContext& context, std::vector<Remark>& remarks) {
   for (LogColumn& column : table.columns) {
     TakenOut out;
     for (std::size_t i = 0; i < column.value.size(); ++i) {
       if (std::isnan(column.value[i])) out.take(column.value[i], table.time[i]);
     }
     const bool whole = out.count == column.value.size();
-    if (whole && column.role == Role::supply) continue;  // need not be logged
+    if (whole && (column.role == Role::supply || context.partial)) continue;  // need not be logged
     remark(Defect::missing_value, column, out,
            whole ? "no value at all" : fmt::format("{} value{} missing; left out", out.count, plural(out.count)),
            remarks);
@@ -254,8 +254,8 @@ void check_stuck(LogTable& table, const CleanUpContext&, std::vector<Remark>& re
   }
 }
 
-void check_enough_left(LogTable& table, const CleanUpContext&, std::vector<Remark>& remarks) {
-  std::size_t rooms = 0;
+void check_enough_left(LogTable& table, const CleanUpContext& context, std::vector<Remark>& remarks) {
+  std::size_t rooms = 0, shown = 0;
   const std::size_t rows = table.time.size();
   for (LogColumn& column : table.columns) {
     const std::size_t left = count_finite(column.value);
@@ -268,14 +268,20 @@ void check_enough_left(LogTable& table, const CleanUpContext&, std::vector<Remar
              fmt::format("{} of {} values are left; the column was left out", left, rows), remarks);
     }
     if (column.role == Role::room && 2 * left >= rows) ++rooms;
-    const bool needed = column.role == Role::outdoor || column.role == Role::setpoint;
+    if (!column.facts().status && 2 * left >= rows) ++shown;
+    const bool needed = !context.partial && (column.role == Role::outdoor || column.role == Role::setpoint);
     if (needed && 2 * left < rows) {
       remarks.push_back({Defect::too_little, Action::refused, column.name, table.time.front(), table.time.back(), rows,
                          fmt::format("{} of {} values that can be used", left, rows), "more than half of them",
                          "give a log in which this column is right; see the remarks on it"});
     }
   }
-  if (rooms == 0) {
+  if (context.partial && shown == 0) {
+    remarks.push_back({Defect::too_little, Action::refused, "", table.time.front(), table.time.back(), rows,
+                       "no column that can be used", "one channel or more with values in half of the rows",
+                       "give a log in which they are right; see the remarks on them"});
+  }
+  if (rooms == 0 && !context.partial) {
     remarks.push_back({Defect::too_little, Action::refused, "", table.time.front(), table.time.back(), rows,
                        "no room temperature that can be used", "one room or more",
                        "give a log with room temperatures; see the remarks on them"});

@@ -114,6 +114,7 @@ class ExperimentSearch {
   void try_plans() {
     for (TestPlan& plan : test_plans(engine_.channels(), members_, rules_)) {
       if (!engine_.plays_commands() && (plan.vav_command || plan.fcu_command)) continue;
+      if (!engine_.plays_setpoint() && (plan.setpoint_degc || plan.turns_with_degc)) continue;
       auto test = test_recording(window_.recording, plan, rules_);
       const auto same = [&test](const TriedTest& other) {
         return std::equal(test->recording.rows.begin(), test->recording.rows.end(), other.test.recording.rows.begin(),

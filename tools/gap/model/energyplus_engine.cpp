@@ -1,5 +1,6 @@
 #include "tools/gap/model/energyplus_engine.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "sim/energyplus/adopted/model_index.hpp"
@@ -45,6 +46,16 @@ std::string EnergyPlusEngine::why_not(const sim::EffectAt& at) const {
         return "the same zone as room " + std::to_string(i + 1);
     }
   }
+  const auto& changes = at.effect->common;
+  const auto any = [](const std::vector<sim::EffectOp>& ops, sim::EffectOp::On on, const char* field) {
+    return std::any_of(ops.begin(), ops.end(),
+                       [&](const sim::EffectOp& op) { return op.on == on && (*field == 0 || op.field == field); });
+  };
+  if (!twin_.own->outdoor_measured && any(changes, sim::EffectOp::On::weather, "outdoor_temp"))
+    return "the log has no outdoor temperature";
+  if (!plays_setpoint() &&
+      (any(at.effect->any_model, sim::EffectOp::On::loop, "") || any(changes, sim::EffectOp::On::command, "setpoint")))
+    return "no recorded supply setpoint is played";
   return why_not_applicable(twin_.model, *twin_.own, at);
 }
 

@@ -18,6 +18,10 @@ class EnergyPlusEngine final : public Engine {
   bool can(const sim::Effect& e) const override { return twin_.own ? e.on_any_model : e.on_energyplus; }
   std::string why_not(const sim::EffectAt& at) const override;
   bool plays_commands() const override { return !twin_.own; }
+  bool plays_setpoint() const override { return !twin_.names.supply_setpoint_schedule.empty(); }
+  std::vector<std::string> played_schedules() const override {
+    return twin_.own ? twin_.own->commands : std::vector<std::string>{};
+  }
   bool doubts(const sim::Effect& e) const override { return e.prior_sd > 0 && e.prior_on_energyplus; }
   bool only_shows(const sim::Effect& e) const override {
     return (twin_.own ? e.any_model : e.energyplus).empty() && only_on_sensors(e.common);

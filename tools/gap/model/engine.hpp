@@ -37,6 +37,10 @@ class Engine {
   virtual std::string why_not(const sim::EffectAt& /*at*/) const { return {}; }
   /// Whether recorded commands of boxes and fan coils are played; else the model's own control has them.
   virtual bool plays_commands() const { return true; }
+  /// Whether a recorded supply setpoint is played.
+  virtual bool plays_setpoint() const { return true; }
+  /// Further schedules that follow recorded commands.
+  virtual std::vector<std::string> played_schedules() const { return {}; }
   /// Whether the effect is also a parameter that this model does not know exactly.
   virtual bool doubts(const sim::Effect& effect) const { return effect.prior_sd > 0; }
   /// Whether the effect changes what sensors show and nothing else: the run is that of the model as it is, and

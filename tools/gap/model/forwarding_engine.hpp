@@ -19,6 +19,8 @@ class ForwardingEngine : public Engine {
   bool can(const sim::Effect& effect) const override { return engine_.can(effect); }
   std::string why_not(const sim::EffectAt& at) const override { return engine_.why_not(at); }
   bool plays_commands() const override { return engine_.plays_commands(); }
+  bool plays_setpoint() const override { return engine_.plays_setpoint(); }
+  std::vector<std::string> played_schedules() const override { return engine_.played_schedules(); }
   bool doubts(const sim::Effect& effect) const override { return engine_.doubts(effect); }
   bool only_shows(const sim::Effect& effect) const override { return engine_.only_shows(effect); }
   bool spares_runs() const override { return engine_.spares_runs(); }

@@ -40,11 +40,22 @@ void take_sides(const hal::LogRow& row, const hal::TopologyCounts& site, const s
   }
 }
 
+/// The first that is known of each: before it nothing else is.
+std::vector<double> first_commands(std::span<const hal::LogRow> rows, std::size_t behind, std::size_t count) {
+  std::vector<double> first(count, 0.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto known = std::find_if(rows.begin(), rows.end(),
+                                    [&](const hal::LogRow& row) { return std::isfinite(row.side[behind + k]); });
+    if (known != rows.end()) first[k] = known->side[behind + k];
+  }
+  return first;
+}
+
 }  // namespace
 
 Window window_of(std::span<const hal::LogRow> rows, const sim::Channels& channels,
-                 std::shared_ptr<const sim::Weather> station, const std::string& place,
-                 const hal::TopologyCounts& site) {
+                 std::shared_ptr<const sim::Weather> station, const std::string& place, const hal::TopologyCounts& site,
+                 std::size_t commands) {
   constexpr std::int64_t day = 86400;
   const auto refuse = [&place](const std::string& found) {
     throw hal::InputError(place, found, "at least two whole days of 6-min rows, midnight to midnight",
@@ -66,6 +77,7 @@ Window window_of(std::span<const hal::LogRow> rows, const sim::Channels& channel
   now.fcu_on.assign(static_cast<std::size_t>(channels.fcus), 0);
   now.outdoor_temp_degc = now.rain = std::numeric_limits<double>::quiet_NaN();
   now.setpoint_degc = rows.front().setpoint_degc;
+  now.commands = first_commands(rows, site.sides.size(), commands);
   std::size_t next = 0;
   std::int64_t last_seen = from;
   for (std::size_t i = 0; i < count; ++i) {
@@ -97,6 +109,8 @@ Window window_of(std::span<const hal::LogRow> rows, const sim::Channels& channel
       table(static_cast<Eigen::Index>(i), channels.mau_temp()) = value(at.mau);
       table(static_cast<Eigen::Index>(i), channels.supply_temp()) = row.supply_temp_degc;
       take_sides(row, site, channels, table.row(static_cast<Eigen::Index>(i)));
+      for (std::size_t k = 0; k < commands; ++k)
+        now.commands[k] = held(row.side[site.sides.size() + k], now.commands[k]);
       now.outdoor_temp_degc = held(value(at.outdoor), now.outdoor_temp_degc);
       now.rain = held(value(at.rain), now.rain);
     } else if (t - last_seen > day) {

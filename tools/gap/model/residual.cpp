@@ -16,6 +16,8 @@ std::size_t block_of(Eigen::Index bin) {
 
 /// Smallest believable innovation: rounding to two decimals and the mean of five samples.
 double floor_of(const sim::Channels& channels, int column) {
+  if (!channels.grain.empty() && channels.grain[static_cast<std::size_t>(column)].floor > 0)
+    return channels.grain[static_cast<std::size_t>(column)].floor;
   const bool power = column >= channels.power() && column < channels.fcu_duty();
   const bool duty = column >= channels.fcu_duty();
   if (column == channels.supply_temp()) return 0.05;
@@ -44,19 +46,29 @@ double root_mean_square(const Eigen::VectorXd& x) {
   return std::sqrt(square / std::max(1, count));
 }
 
+/// Bins of a channel's value.
+std::vector<Eigen::Index> steps_of(const sim::Channels& channels, Eigen::Index duty_bins) {
+  constexpr int bin_min = 24 * 60 / bins_per_day;
+  std::vector<Eigen::Index> steps(static_cast<std::size_t>(channels.count()), 1);
+  std::fill(steps.begin() + channels.fcu_duty(), steps.end(), duty_bins);
+  for (std::size_t c = 0; c < channels.grain.size(); ++c)
+    if (channels.grain[c].mean_min > bin_min) steps[c] = channels.grain[c].mean_min / bin_min;
+  return steps;
+}
+
 /// NaN where nothing was measured.
 Eigen::MatrixXd known(const Eigen::MatrixXd& x, const Eigen::MatrixXd& measured) {
   return (measured.array().isFinite()).select(x, std::numeric_limits<double>::quiet_NaN());
 }
 
-/// Of innovations, shrunk towards none: few days, many channels. `duties`: the channel where they begin.
-Eigen::MatrixXd innovation_correlation(const Eigen::MatrixXd& innovation, Eigen::Index duties) {
+/// Of innovations, shrunk towards none: few days, many channels.
+Eigen::MatrixXd innovation_correlation(const Eigen::MatrixXd& innovation, const std::vector<Eigen::Index>& steps) {
   const Eigen::Index n = innovation.rows(), width = innovation.cols();
   Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(width, width);
   for (Eigen::Index i = 0; i < width; ++i) {
     for (Eigen::Index j = 0; j < i; ++j) {
-      // A duty's means are rare; what the other channels say at other times must not be counted twice.
-      if ((i < duties) != (j < duties)) continue;
+      // Means of several bins are rare; what the other channels say at other times must not be counted twice.
+      if (steps[static_cast<std::size_t>(i)] != steps[static_cast<std::size_t>(j)]) continue;
       double sum = 0;
       int count = 0;
       for (Eigen::Index t = NoiseModel::order; t < n; ++t) {
@@ -94,7 +106,7 @@ Eigen::MatrixXd binned(const sim::ChannelTable& table) {
 NoiseModel NoiseModel::fit(const Eigen::MatrixXd& all, const sim::Channels& channels) {
   const Eigen::Index n = all.rows(), width = all.cols();
   NoiseModel model;
-  model.duties_ = channels.fcu_duty();
+  model.steps_ = steps_of(channels, duty_bins);
   model.phi_ = Eigen::MatrixXd::Zero(width, order);
   model.spread_ = Eigen::VectorXd::Zero(width);
   const Eigen::MatrixXd residual = model.comparable(all);
@@ -118,7 +130,10 @@ NoiseModel NoiseModel::fit(const Eigen::MatrixXd& all, const sim::Channels& chan
     }
     const double lowest = floor_of(channels, static_cast<int>(c));
     model.spread_(c) = std::max(lowest, root_mean_square(all.col(c)));
-    if (count < 20) continue;
+    if (count < 20) {
+      if (step > duty_bins) innovation.col(c) = x;  // means of many hours: too few for a memory
+      continue;
+    }
     // A little ridge: a channel without noise must not get a pole at one.
     const double ridge = count * lowest * lowest;
     Eigen::Vector2d phi = (a + ridge * Eigen::Matrix2d::Identity()).ldlt().solve(b);
@@ -150,7 +165,7 @@ NoiseModel NoiseModel::fit(const Eigen::MatrixXd& all, const sim::Channels& chan
     for (Eigen::Index t = order; t < n; ++t)
       innovation(t, c) /= model.scale_(c, static_cast<Eigen::Index>(block_of(t)));
   }
-  Eigen::MatrixXd correlation = innovation_correlation(innovation, model.duties_);
+  Eigen::MatrixXd correlation = innovation_correlation(innovation, model.steps_);
   correlation.diagonal().array() += 0.02;
   Eigen::LLT<Eigen::MatrixXd> factor(correlation);
   if (factor.info() != Eigen::Success) factor.compute(Eigen::MatrixXd::Identity(width, width));
@@ -160,18 +175,20 @@ NoiseModel NoiseModel::fit(const Eigen::MatrixXd& all, const sim::Channels& chan
 }
 
 Eigen::MatrixXd NoiseModel::comparable(Eigen::MatrixXd x) const {
-  for (Eigen::Index c = duties_; c < x.cols(); ++c) {
+  for (Eigen::Index c = 0; c < x.cols(); ++c) {
+    const Eigen::Index step = step_of(c);
+    if (step == 1) continue;
     const Eigen::VectorXd bins = x.col(c);
     x.col(c).setConstant(std::numeric_limits<double>::quiet_NaN());
-    for (Eigen::Index end = duty_bins; end <= x.rows(); end += duty_bins) {
+    for (Eigen::Index end = step; end <= x.rows(); end += step) {
       double sum = 0;
       int count = 0;
-      for (Eigen::Index t = end - duty_bins; t < end; ++t) {
+      for (Eigen::Index t = end - step; t < end; ++t) {
         if (!std::isfinite(bins(t))) continue;
         sum += bins(t);
         ++count;
       }
-      if (count > duty_bins / 2) x(end - 1, c) = sum / count;
+      if (count > step / 2) x(end - 1, c) = sum / count;
     }
   }
   return x;

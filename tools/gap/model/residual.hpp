@@ -18,7 +18,8 @@ Eigen::MatrixXd binned(const sim::ChannelTable& table);
 /// How the residual of a right model behaves, channel by channel: x_t = sum_i phi_i x_{t-i} + e_t, with innovations e
 /// that are correlated across channels and larger at the hours at which people come, go and move.
 /// A thermostat's duty is compared in means of 3 h: when within them a fan coil ran is a matter of chance, and a sum of
-/// squares of chance differs by more from one run to the next than effects gain.
+/// squares of chance differs by more from one run to the next than effects gain. So is a channel whose log has means
+/// over more than half an hour: it is compared as it was measured.
 /// Source: docs/gap-workflow.md, "3. Reference period".
 class NoiseModel {
  public:
@@ -40,14 +41,14 @@ class NoiseModel {
   static constexpr int duty_bins = 6;        ///< a duty's mean
   static constexpr double memory_bins = 24;  ///< longest: a room forgets within half a day
 
-  Eigen::Index step_of(Eigen::Index channel) const { return channel < duties_ ? 1 : duty_bins; }
-  /// Duties as means, each in the last of its bins, NaN in the others.
+  Eigen::Index step_of(Eigen::Index channel) const { return steps_[static_cast<std::size_t>(channel)]; }
+  /// Channels of several bins as means, each in the last of its bins, NaN in the others.
   Eigen::MatrixXd comparable(Eigen::MatrixXd x) const;
 
-  Eigen::MatrixXd phi_;      // channels x order
-  Eigen::MatrixXd scale_;    // channels x blocks, sd of the innovations
-  Eigen::Index duties_ = 0;  // first channel of them
-  Eigen::MatrixXd unit_;     // inverse Cholesky factor of the scaled innovations' correlation
+  Eigen::MatrixXd phi_;              // channels x order
+  Eigen::MatrixXd scale_;            // channels x blocks, sd of the innovations
+  std::vector<Eigen::Index> steps_;  // channel; bins of a value
+  Eigen::MatrixXd unit_;             // inverse Cholesky factor of the scaled innovations' correlation
   Eigen::VectorXd spread_;
 };
 

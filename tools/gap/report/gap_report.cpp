@@ -67,6 +67,8 @@ std::string date_text(CivilTime t) { return hal::civil_text(t).substr(0, 10); }
 
 /// "room 1", "FCU room 2", "power 1": what people call a channel.
 std::string channel_title(const sim::Channels& at, int c) {
+  if (!at.grain.empty() && !at.grain[static_cast<std::size_t>(c)].title.empty())
+    return at.grain[static_cast<std::size_t>(c)].title;
   if (c < at.fcu_temp()) return fmt::format("room {}", c + 1);
   if (c < at.mau_temp()) return fmt::format("FCU room {}", c - at.fcu_temp() + 1);
   if (c == at.mau_temp()) return "MAU outlet";

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tools/gap/map/mapping.hpp"
 #include "tools/gap/report/gap_page.hpp"
 #include "tools/gap/run/detectable.hpp"
 
@@ -12,8 +13,10 @@ namespace airside::tools {
 void add_model(const GapPage& page, ReportInput& input) {
   const gap::Engine& engine = *page.run.loaded.engine;
   if (!engine.plays_commands()) {
-    input.blocks.push_back(ReportNote{"The model's own control", {gap::own_control_text()}});
+    input.blocks.push_back(ReportNote{"The model's own control", {gap::own_control_text(engine)}});
   }
+  if (const std::string& map = page.run.request.source.map; !map.empty())
+    input.blocks.push_back(ReportNote{"Columns of the log", gap::lines_of(gap::read_mapping(map))});
   ReportTable table;
   table.title = "What these sensors could show";
   table.note =

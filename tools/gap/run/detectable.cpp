@@ -34,13 +34,15 @@ std::string invisible_text(const std::vector<Detectable>& sizes) {
   return text;
 }
 
-std::string own_control_text() {
-  return "The recorded supply setpoint is all that is played. Thermostats, dampers, fan coils, people and plant run "
-         "under "
-         "the model's own control and schedules. What a thermostat makes good does not show in its room: such an "
-         "effect "
-         "shows in meters and dampers alone, later and less clearly than with recorded commands, and a control that "
-         "differs from the model's looks like a load.";
+std::string own_control_text(const Engine& engine) {
+  std::vector<std::string> played = engine.played_schedules();
+  if (engine.plays_setpoint()) played.insert(played.begin(), "the supply setpoint");
+  return (played.empty() ? std::string("No recorded command is played.")
+                         : fmt::format("What is played of the record: {}.", fmt::join(played, ", "))) +
+         " Thermostats, dampers, fan coils, people and plant run under the model's own control and schedules where "
+         "they are not in it. What a thermostat makes good does not show in its room: such an effect shows in meters "
+         "and dampers alone, later and less clearly than with recorded commands, and a control that differs from the "
+         "model's looks like a load.";
 }
 
 }  // namespace airside::tools::gap

@@ -25,6 +25,6 @@ std::vector<Detectable> detectable_sizes(const GapRun& run);
 std::string invisible_text(const std::vector<Detectable>& sizes);
 
 /// What is played of the record where a model controls its rooms itself, and what that costs.
-std::string own_control_text();
+std::string own_control_text(const Engine& engine);
 
 }  // namespace airside::tools::gap

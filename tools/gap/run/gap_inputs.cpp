@@ -84,6 +84,7 @@ GapRequest request_of(const std::string& report, const json& inputs) {
   c.topology = inputs.at("topology");
   c.duties = inputs.at("duties");
   if (inputs.contains("site_file")) c.site = unchanged(report, "site file", inputs.at("site_file"));
+  if (inputs.contains("map_file")) c.map = unchanged(report, "mapping file", inputs.at("map_file"));
   c.reference_days = inputs.at("reference_days");
   read_model(report, inputs.at("model"), c);
   c.weather = unchanged(report, "weather file", inputs.at("weather"));
@@ -111,6 +112,7 @@ json inputs_json(const GapRequest& r) {
           {"topology", c.topology},
           {"duties", c.duties},
           {"site_file", input_json(c.site)},
+          {"map_file", input_json(c.map)},
           {"model",
            {{"engine", c.engine},
             {"name", file ? fs::absolute(c.model).lexically_normal().string() : c.model},

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "hal/text/civil_text.hpp"
+#include "tools/gap/map/mapping.hpp"
 #include "tools/gap/model/stretches.hpp"
 #include "tools/gap/run/detectable.hpp"
 #include "tools/gap/run/gap_inputs.hpp"
@@ -214,7 +215,8 @@ json json_of(const GapRun& run) {
   for (std::size_t i = 0; i < run.energy.size(); ++i)
     j["energy"].push_back(json_of(run.energy[i], run.verdict.findings[i], at, run.request.price));
   j["after_curve"] = after_curve_json(run);
-  j["own_control"] = run.loaded.engine->plays_commands() ? json() : json(own_control_text());
+  j["own_control"] = run.loaded.engine->plays_commands() ? json() : json(own_control_text(*run.loaded.engine));
+  if (!run.request.source.map.empty()) j["map"] = json_of(read_mapping(run.request.source.map));
   j["not_applicable"] = json::array();
   for (const NotApplicable& n : run.not_applicable) j["not_applicable"].push_back({{"id", n.id}, {"why", n.why}});
   j["detectable"] = detectable_json(run);

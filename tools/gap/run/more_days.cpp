@@ -8,7 +8,6 @@
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
-#include "tools/gap/model/log_window.hpp"
 #include "tools/gap/model/stretches.hpp"
 #include "tools/run/site.hpp"
 
@@ -85,19 +84,16 @@ void apply_test(AddedDays& more, const TestPlan& plan, const sim::Channels& chan
 
 AddedDays read_days(const GapRun& run, const MoreDays& from, const std::vector<sim::Effect>& effects) {
   CleanUpContext context;
-  context.place = from.log;
   context.counts = run.loaded.counts;
   context.station = run.loaded.data.test.recording.station;
-  if (!run.request.source.site.empty()) context.largest_zone_kw = std::numeric_limits<double>::infinity();
   AddedDays more;
   more.test = from.test;
   const sim::Channels channels = run.channels();
   try {
-    more.log = read_dirty_log(from.log, context);
-    more.log.place = from.log;
+    more.log = read_log_of(run.request.source, from.log, context);
     same_room(run.loaded.logs.measured, more.log, context);
     more.log.require_usable();
-    more.window = window_of(more.log.rows, channels, context.station, from.log, context.counts);
+    more.window = window_of_log(run.request.source, more.log.rows, channels, context.station, from.log, context.counts);
   } catch (const hal::InputError& reason) {
     throw RefusedLog(reason, {{}, more.log});
   }
@@ -136,8 +132,8 @@ void add_more_days(GapRun& run, const std::vector<sim::Effect>& effects) {
     }
   }
   for (const std::vector<hal::LogRow>& rows : passive)
-    windows.push_back(
-        window_of(rows, channels, first.recording.station, run.loaded.logs.measured.place, run.loaded.counts));
+    windows.push_back(window_of_log(run.request.source, rows, channels, first.recording.station,
+                                    run.loaded.logs.measured.place, run.loaded.counts));
   for (const Window& w : windows) bins += w.measured.rows();
   run.loaded.data.test = stacked_windows(windows);
   run.rules.locked_share *= static_cast<double>(bins - bins_of_tests) / static_cast<double>(bins);

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
-#include "tools/gap/model/log_window.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/gap/verdict/workflow.hpp"
 #include "tools/run/site.hpp"
@@ -22,6 +20,7 @@ class NightJudge {
   NightJudge(const GapRequest& request, const std::vector<sim::Effect>& effects)
       : jobs_(request.jobs),
         buildings_(request.buildings),
+        source_(request.source),
         loaded_(load_case(request.source, request.site, request.cache)),
         library_(library_of(*loaded_.engine, effects)),
         reference_(responses_in(loaded_.data.reference)) {}
@@ -36,8 +35,8 @@ class NightJudge {
     }
     try {
       CaseData data = loaded_.data;
-      data.test =
-          window_of(rows, loaded_.engine->channels(), data.reference.recording.station, log.place, loaded_.counts);
+      data.test = window_of_log(source_, rows, loaded_.engine->channels(), data.reference.recording.station, log.place,
+                                loaded_.counts);
       Rules rules;
       rules.buildings = buildings_;
       const Verdict verdict = analyse(*loaded_.engine, data, {reference_, responses_in(data.test)}, rules, jobs_);
@@ -56,6 +55,7 @@ class NightJudge {
   }
 
   int jobs_, buildings_;
+  CaseDescription source_;
   LoadedCase loaded_;
   Library library_;
   Responses reference_;
@@ -81,12 +81,9 @@ std::vector<Night> judge_nights(const GapRequest& request, const std::string& lo
                                 const std::function<void()>& done) {
   const NightJudge judge(request, effects);
   CleanUpContext context;
-  context.place = logs;
   context.counts = judge.loaded().counts;
   context.station = judge.loaded().data.reference.recording.station;
-  if (!request.source.site.empty()) context.largest_zone_kw = std::numeric_limits<double>::infinity();
-  CleanLog log = read_dirty_log(logs, context);
-  log.place = logs;
+  CleanLog log = read_log_of(request.source, logs, context);
   same_room(judge.loaded().logs.reference, log, context);
   log.require_usable();
   const std::int64_t last = midnight_s(log.rows.back().time.seconds + row_s), length = rules.days * seconds_per_day;
