@@ -13,7 +13,7 @@ class EnergyPlusEngine final : public Engine {
   EnergyPlusEngine(sim::EnergyPlusTwin twin, std::string name, std::filesystem::path cache, bool duties)
       : twin_(std::move(twin)), name_(std::move(name)), cache_(std::move(cache)), duties_(duties) {}
   sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override;
-  /// About the model that is asked for, numbers differ by 0.3 of what they do in buildings: a reference period has told
+  /// About the model that is asked for, numbers differ by 0.3 of what they do in buildings: a reference period fits
   /// the rest.  Empty for a model with controls of its own.
   sim::ChannelTable simulate_differing(std::uint64_t seed, const Changes& changes,
                                        const sim::Recording& recording) const override;
