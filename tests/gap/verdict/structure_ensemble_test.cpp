@@ -123,6 +123,11 @@ TEST(StructureEnsemble, TakesTheBuildingsThatResponsesHave) {
   other.draw_buildings();
   EXPECT_EQ(runs, 2 * 4 + 2);
   EXPECT_EQ(other.ensemble.rooms, 4);
+
+  rules.buildings = 1;
+  FittedCase alone(room.engine, room.data, with, rules, 2);
+  alone.draw_buildings();
+  EXPECT_EQ(alone.ensemble.adds, alone.ensemble.adds_alone) << "there are no others";
 }
 
 TEST(StructureEnsemble, IsEmptyWhereNoBuildingIsDrawn) {

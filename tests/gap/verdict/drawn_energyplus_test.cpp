@@ -108,6 +108,14 @@ TEST(DrawnEnergyPlus, AreDrawnOnceForTheCasesOfAWindow) {
   const Responses borrowed = shared.borrowed(engine, warmer).responses;
   ASSERT_EQ(borrowed.buildings.size(), 2U);
   EXPECT_EQ(borrowed.buildings.front().rows(), 2 * bins_per_day);
+
+  const CaseData data{window, window};
+  const SharedWindows windows(engine, {}, data, 1, {}, 2);
+  const WindowResponses of = windows.of(engine, data, {}, 1);
+  EXPECT_EQ(of.reference.buildings.size(), 2U);
+  ASSERT_EQ(of.test.buildings.size(), 2U);
+  const Eigen::Index shown = engine.channels().fcu_duty();  // without duties
+  EXPECT_TRUE(of.test.buildings.front().leftCols(shown).isApprox(of.reference.buildings.front().leftCols(shown)));
 }
 
 TEST(DrawnEnergyPlus, AreNoneOfAModelThatControlsItself) {
