@@ -75,6 +75,26 @@ TEST(BlindEnergyPlus, EveryHiddenThingMakesAModelThatTheEngineKnows) {
   }
 }
 
+TEST(BlindEnergyPlus, LivesOnFromTheDaysThatItWasMeasured) {
+  AIRSIDE_NEEDS_ENGINE();
+  const hal::TestFolder folder("blind_ep_on");
+  const fs::path weather = folder.file("w.epw");
+  sim::write_epw(weather.string(), *sim::synthetic_weather(5), 2021);
+  for (const bool feedback : {false, true}) {
+    MeasuredRun run{sim::civil_midnight(2021, 7, 6), 3, 4, feedback, 0};
+    const std::vector<hal::LogRow> measured = measure(room(feedback), weather, run);
+    run.passive_days = run.days;
+    run.days = 5;
+    const std::vector<hal::LogRow> longer = measure(room(feedback), weather, run);
+    ASSERT_EQ(longer.size(), 5U * rows_per_day);
+    std::size_t differ = 0;
+    for (std::size_t row = 0; row < measured.size(); ++row) {
+      if (measured[row].value != longer[row].value) ++differ;
+    }
+    EXPECT_EQ(differ, 0U) << "of " << measured.size() << (feedback ? " with feedback" : " rows");
+  }
+}
+
 TEST(BlindEnergyPlus, SameEffectByOtherObjects) {
   AIRSIDE_NEEDS_ENGINE();
   const auto model_with = [](const Hidden& h) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/rc/rc_room_file.hpp"
+#include "tools/gap/model/forwarding_engine.hpp"
 #include "tools/gap/run/gap_stages.hpp"
 #include "tools/run/progress/stage_clock.hpp"
 #include "tools/run/progress/staged_progress.hpp"
@@ -159,6 +160,29 @@ TEST(GapStages, PredictTheTimeOfTheWholeWorkflow) {
       EXPECT_LT(shown[i].left_s, 2 * shown[i - 1].left_s) << run.name << " at " << shown[i].now_s;
     }
   }
+}
+
+/// Of one stage.
+double weighed(const Stage& stage) { return stage.steps * stage.weight; }
+
+TEST(GapStages, CountDrawnBuildingsWhereThereAreSome) {
+  const auto effects = sim::load_effects(sim::find_effects());
+  const gap::RcEngine engine(sim::load_room("301"));
+  const gap::Library library = gap::library_of(engine, effects);
+  const Stage none = gap::GapStages(engine, library, 8, 2).stages().at(gap::GapStage::fitting),
+              some = gap::GapStages(engine, library, 8, 2, 96).stages().at(gap::GapStage::fitting);
+  EXPECT_EQ(some.steps, none.steps + 2 * 96) << "each lives through both periods";
+  EXPECT_NEAR(weighed(some), weighed(none) + 96, 1e-9) << "on two threads";
+
+  struct NoBuildings : gap::ForwardingEngine {
+    using ForwardingEngine::ForwardingEngine;
+    sim::ChannelTable simulate(const gap::Changes& c, const sim::Recording& r) const override {
+      return engine().simulate(c, r);
+    }
+    bool draws_buildings() const override { return false; }
+  };
+  const NoBuildings other(engine);
+  EXPECT_EQ(gap::GapStages(other, library, 8, 2, 96).stages().at(gap::GapStage::fitting).steps, none.steps);
 }
 
 TEST(StageClock, EndsWhereAStageOutrunsItsPlan) {

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/blind/blind.hpp"
 #include "tools/gap/inference/structure_ensemble.hpp"
+#include "tools/gap/model/counted_engine.hpp"
 #include "tools/gap/model/log_window.hpp"
 #include "tools/gap/model/stretches.hpp"
 #include "tools/gap/verdict/fitted_case.hpp"
@@ -88,6 +90,63 @@ TEST(StructureEnsemble, DoesNotDependOnTheNumberOfThreads) {
   for (std::size_t k = 0; k < one.ensemble.directions.size(); ++k) {
     EXPECT_EQ(one.ensemble.directions[k], two.ensemble.directions[k]);
   }
+}
+
+TEST(StructureEnsemble, TakesTheBuildingsThatResponsesHave) {
+  const OtherRoom room(8);
+  Rules rules;
+  rules.buildings = 5;
+  WindowResponses with = room.responses;
+  std::atomic<int> drawn = 0;
+  const auto draw = [&](Responses& responses, const Window& window) {
+    responses.buildings =
+        drawn_buildings(room.engine, {}, responses.base, window.recording, rules.buildings, 2, [&drawn] { ++drawn; });
+  };
+  draw(with.reference, room.data.reference);
+  draw(with.test, room.data.test);
+  EXPECT_EQ(drawn, 10);
+  std::atomic<int> runs = 0;
+  const CountedEngine counted(room.engine, [&runs] { ++runs; });
+  FittedCase c(counted, room.data, with, rules, 2);
+  runs = 0;
+  c.draw_buildings();
+  EXPECT_EQ(runs, 0) << "no simulation";
+  EXPECT_EQ(c.ensemble.rooms, 5);
+  EXPECT_GT(c.ensemble.adds, 0);
+  EXPECT_LT(c.ensemble.adds, c.ensemble.adds_alone);
+  EXPECT_FALSE(c.ensemble.directions.empty());
+
+  // Another number of them is drawn anew, about the fitted model; its own runs are counted too.
+  rules.buildings = 4;
+  FittedCase other(counted, room.data, with, rules, 2);
+  runs = 0;
+  other.draw_buildings();
+  EXPECT_EQ(runs, 2 * 4 + 2);
+  EXPECT_EQ(other.ensemble.rooms, 4);
+
+  rules.buildings = 1;
+  FittedCase alone(room.engine, room.data, with, rules, 2);
+  alone.draw_buildings();
+  EXPECT_EQ(alone.ensemble.adds, alone.ensemble.adds_alone) << "there are no others";
+}
+
+TEST(StructureEnsemble, IsEmptyWhereNoBuildingIsDrawn) {
+  const OtherRoom room(9);
+  class NoBuildings final : public ForwardingEngine {
+   public:
+    using ForwardingEngine::ForwardingEngine;
+    sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override {
+      return engine().simulate(changes, recording);
+    }
+    bool draws_buildings() const override { return false; }
+  };
+  const NoBuildings engine(room.engine);
+  Rules rules;
+  rules.buildings = 5;
+  FittedCase c(engine, room.data, room.responses, rules, 2);
+  c.draw_buildings();
+  EXPECT_EQ(c.ensemble.rooms, 0);
+  EXPECT_TRUE(c.ensemble.directions.empty());
 }
 
 TEST(StructureEnsemble, LivesThroughEachStretchOnItsOwn) {

@@ -80,11 +80,15 @@ struct RunCasesCommand : GapOptions {
     }
   }
 
-  void judge(const fs::path& path, const gap::LoadedCase& c, const gap::WindowResponses& responses,
-             const Done& done) const {
+  gap::Rules rules() const {
     gap::Rules rules;
     rules.buildings = buildings;
-    const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses, rules);
+    return rules;
+  }
+
+  void judge(const fs::path& path, const gap::LoadedCase& c, const gap::WindowResponses& responses,
+             const Done& done) const {
+    const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses, rules());
     nlohmann::json j = gap::json_of(verdict, c.name, responses.test, c.engine->channels());
     if (propose && gap::proposes_tests(verdict)) {
       j["experiments"] = gap::proposals_json(gap::proposed_tests(*c.engine, c.data.test, verdict, responses.test, 1));
@@ -105,12 +109,14 @@ struct RunCasesCommand : GapOptions {
     for (const auto& [path, c] : cases) data.push_back(&c.data);
     const gap::LoadedCase& usual = cases[gap::most_usual(data)].second;
     const gap::Library library = gap::library_of(*usual.engine, list);
-    Progress bar("responses of " + usual.engine->description(), 2 * gap::runs_of(library, true));
-    const gap::SharedWindows shared(*usual.engine, library, usual.data, jobs, [&bar] { bar.advance(); });
+    Progress bar("responses of " + usual.engine->description(),
+                 2 * (gap::runs_of(library, true) + static_cast<std::size_t>(buildings)));
+    const gap::SharedWindows shared(
+        *usual.engine, library, usual.data, jobs, [&bar] { bar.advance(); }, buildings);
     bar.finish();
     gap::in_parallel(cases.size(), jobs, [&](std::size_t i) {
       const auto& [path, c] = cases[i];
-      if (!before.contains(path)) judge(path, c, shared.of(*c.engine, c.data, {}, 1), done);
+      if (!before.contains(path)) judge(path, c, shared.of(*c.engine, c.data, rules(), 1), done);
     });
   }
 

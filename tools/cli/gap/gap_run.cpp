@@ -314,8 +314,8 @@ void add_gap_buildings(CLI::App& command, int& buildings) {
   command
       .add_option(
           "--buildings", buildings,
-          "RC rooms drawn for how far a right model may be off in the measured days (96 is plenty, and takes as "
-          "long again); 0: the reference period alone says it")
+          "buildings drawn for how far a right model may be off in the measured days (96 RC rooms are plenty, and take "
+          "as long again); 0: the reference period alone says it")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
 }

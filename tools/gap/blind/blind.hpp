@@ -45,6 +45,7 @@ struct MeasuredRun {
   /// no feedback makes them.
   std::optional<std::uint64_t> command_seed = std::nullopt;
   std::shared_ptr<const TestCommands> tests = nullptr;  ///< done in its last days; none: operated as ever
+  int passive_days = 0;                                 ///< of its days, those before the tests; 0: all
   std::uint64_t commands() const { return command_seed.value_or(seed); }
 };
 

@@ -7,11 +7,12 @@
 #include <functional>
 #include <stdexcept>
 
+#include "sim/energyplus/differing/other_numbers.hpp"
+#include "sim/energyplus/differing/other_objects.hpp"
 #include "sim/energyplus/plant.hpp"
 #include "sim/energyplus/replay/replay.hpp"
 #include "sim/json/merge_patch.hpp"
 #include "sim/stateless_draw.hpp"
-#include "tools/gap/blind/blind_energyplus_objects.hpp"
 #include "tools/gap/blind/test_commands.hpp"
 
 namespace airside::tools::gap {
@@ -23,19 +24,6 @@ using Json = nlohmann::json;
 enum BuiltDraw : std::uint64_t { draw_power_noise = 731, draw_door, draw_box_off, draw_fan_coil, draw_mau };
 
 constexpr double power_noise_share = 0.01;
-
-void perturb_numbers(sim::EnergyPlusOptions& options, std::uint64_t seed) {
-  Lots lots(seed ^ 0x10095, draw_built);
-  sim::RoomLoopOptions& loops = options.rooms;
-  for (double& damper : loops.dampers) damper = std::min(1.0, damper * lots.factor(0.06));
-  loops.supply_lag_s *= lots.uniform(1.1, 1.8);
-  loops.supply_bias_k += lots.shift(0.4);
-  loops.occupancy_scale *= lots.factor(0.1);
-  loops.occupancy_shift_min += lots.shift(20);
-  loops.fcu_setpoint_degc += lots.shift(0.3);
-  options.weather_change.dry_bulb_offset_k = lots.shift(0.5);
-  options.weather_change.solar_factor = lots.factor(0.06);
-}
 
 /// The merge patch that makes `target` of `base`.
 Json patch_between(const Json& base, const Json& target) {
@@ -187,6 +175,14 @@ void wander_mau(Json& model, std::uint64_t seed, CivilTime begin, CivilTime to) 
   model["Schedule:Compact"][schedule]["schedule_type_limits_name"] = limits;
 }
 
+/// The engine takes the sun's path as constant for 20 days or to the end of its run, whichever comes first, as its mean
+/// over them. A run that lasts longer has the path of the shorter one in the days of both, if that is at most 20 days.
+void keep_sun_of(Json& model, int days_of_shorter_run) {
+  constexpr int usual_days = 20;
+  model["ShadowCalculation"]["Built Sun"] = {
+      {"shading_calculation_update_frequency", std::min(usual_days, days_of_shorter_run)}};
+}
+
 std::string zone_at(const sim::ModelNames& names, int place) {
   const int interior = static_cast<int>(names.interior_zones.size());
   return place < interior ? names.interior_zones.at(static_cast<std::size_t>(place))
@@ -228,9 +224,9 @@ bool hide_outside(EnergyPlusRoom& room, const Hidden& h, std::uint64_t seed) {
         compact_schedule({"Through: 12/31", "For: AllDays", "Until: 01:30", 1,
                           fmt::format("Until: {:02}:{:02}", until / 60, until % 60), 0, "Until: 24:00", 1});
   } else if (h.effect == "pump_power") {
-    each_object(model, "Pump:ConstantSpeed", [m](const auto&, Json& pump) {
-      scale_field(pump, "design_power_consumption", m);
-      scale_field(pump, "design_pump_head", m);
+    sim::each_object(model, "Pump:ConstantSpeed", [m](const auto&, Json& pump) {
+      sim::scale_field(pump, "design_power_consumption", m);
+      sim::scale_field(pump, "design_pump_head", m);
     });
   } else {
     return false;
@@ -278,10 +274,12 @@ EnergyPlusRoom energyplus_measured_room(const std::string& twin, std::uint64_t s
   room.options.name = "built room " + twin;
   room.seed = seed;
   room.twin = room.nominal = sim::twin_of(room.options).model;
-  perturb_numbers(room.nominal, seed);
-  perturb_numbers(room.options, seed);
+  sim::perturb_numbers(room.nominal, seed);
+  const sim::WeatherChange weather = sim::perturb_loops(room.options.rooms, seed);
+  room.options.weather_change.dry_bulb_offset_k = weather.dry_bulb_offset_k;
+  room.options.weather_change.solar_factor = weather.solar_factor;
   room.hidden = room.nominal;
-  if (feedback) room.modulation_per_k = Lots(seed ^ 0x4D0D, draw_built).uniform(0.02, 0.06);
+  if (feedback) room.modulation_per_k = sim::modulation_of(seed);
   return room;
 }
 
@@ -326,23 +324,32 @@ bool WindowCommands::fan_coil_on(int fcu, CivilTime t) const {
          sim::draw_uniform(seed_, draw_fan_coil, static_cast<std::uint64_t>(fcu), 24 * t.day() + hour) < 0.54;
 }
 
+nlohmann::json built_model(const EnergyPlusRoom& room, sim::RoomLoopOptions& loops) {
+  return sim::other_objects(room.hidden, room.nominal, room.options.names, loops, {room.seed, room.modulation_per_k});
+}
+
 std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesystem::path& weather,
                                  const MeasuredRun& run) {
   // A clock that runs ahead shows what was there before; rows stay on the log's grid.
   const std::int64_t ahead_s = row_s * std::llround(3600 * room.clock_ahead_h / row_s);
   const CivilTime from{run.start.seconds - ahead_s}, to{from.seconds + run.days * seconds_per_day};
   const CivilTime begin{(from.day() - measured_lead_days) * seconds_per_day};
+  const auto days_to = [&](int logged) {
+    return static_cast<int>((from.seconds + logged * seconds_per_day - 1) / seconds_per_day - begin.day()) + 1;
+  };
   sim::EnergyPlusOptions options = room.options;
   options.weather = weather;
-  options.seed = sim::draw_bits(room.seed, draw_built, 999, static_cast<std::int64_t>(run.seed)) >> 16;
+  options.seed = sim::draw_bits(room.seed, sim::draw_built, 999, static_cast<std::int64_t>(run.seed)) >> 16;
   options.rooms.vav_off_per_day = 0;  // the window's commands say when
   const int fcus = static_cast<int>(options.names.perimeter_zones.size());
   if (run.tests && run.feedback) options.rooms.switched = switched_by_tests(*run.tests, fcus, ahead_s);
   Json built = built_model(room, options.rooms);
   follow_window(built, options.names, run, begin, to, ahead_s);
   wander_mau(built, run.seed, begin, to);
+  constexpr int plant_lead_days = 1;
+  if (run.passive_days > 0) keep_sun_of(built, plant_lead_days + days_to(run.passive_days));
   options.patches.push_back({"built room", patch_between(room.twin, built)});
-  options.days = static_cast<int>((to.seconds - 1) / seconds_per_day - begin.day()) + 1;
+  options.days = days_to(run.days);
   const std::string date = sim::text_of(begin);
   options.start_month = std::stoi(date.substr(5, 2));
   options.start_day = std::stoi(date.substr(8, 2));

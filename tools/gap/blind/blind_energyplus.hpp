@@ -34,9 +34,7 @@ bool energyplus_can_hide(const sim::Effect& effect);
 EnergyPlusRoom hide(EnergyPlusRoom room, const std::vector<Hidden>& hidden, const std::vector<sim::Effect>& effects,
                     std::uint64_t seed);
 
-/// The model in other objects: air mixes by ZoneCrossMixing, façades leak by EffectiveLeakageArea or ventilation, heat
-/// comes from ElectricEquipment instead of OtherEquipment and the reverse, insulation is thinner instead of more
-/// conductive, furniture heavier instead of more, boxes open less instead of being smaller, windows lie under eaves.
+/// What is hidden and the room itself by sim::other_objects().
 nlohmann::json built_model(const EnergyPlusRoom& room, sim::RoomLoopOptions& loops);
 
 /// What no thermostat commands, by the log's clock and the run's command seed alone, so that cases of one window are

@@ -28,6 +28,7 @@ MeasuredRun run_after(MeasuredRun run) {
 }
 
 MeasuredRun with_tests(MeasuredRun run, int days, std::shared_ptr<const TestCommands> tests) {
+  run.passive_days = run.days;
   run.days = days;
   run.tests = std::move(tests);
   return run;

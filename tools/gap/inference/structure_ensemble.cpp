@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include "tools/gap/inference/selection.hpp"
 #include "tools/gap/model/parallel.hpp"
@@ -13,27 +14,55 @@ namespace {
 constexpr std::uint64_t first_seed = 0x5eed0000;  // no case has one of these
 constexpr double least_variance = 1;              // whitened: a direction below is less than the noise of one value
 
+/// Buildings of a window: those that are known, else about the model as it is, else about the fitted one.
+std::vector<Eigen::MatrixXd> buildings_of(const Engine& engine, const ReferenceFit& fit, const Responses& responses,
+                                          const sim::Recording& recording, int rooms, int jobs) {
+  if (std::ssize(responses.buildings) == rooms) return responses.buildings;
+  if (engine.spares_runs()) return drawn_buildings(engine, {}, responses.base, recording, rooms, jobs);
+  const Changes at = fit.changes();
+  return drawn_buildings(engine, at, binned(engine.simulate(at, recording)), recording, rooms, jobs);
+}
+
+/// e_i' (I + C_-i)^-1 e_i of each building, the mean; C_-i of all others. By their inner products alone:
+///   e_i' e_i - g' ((n - 1) I + G)^-1 g
+double mean_left_by_others(const Eigen::MatrixXd& inner) {
+  const Eigen::Index n = inner.rows(), last = n - 1;
+  if (n < 2) return inner.trace();
+  double sum = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    Eigen::MatrixXd g = inner;
+    g.row(i).swap(g.row(last));
+    g.col(i).swap(g.col(last));
+    Eigen::MatrixXd others = g.topLeftCorner(last, last);
+    others.diagonal().array() += static_cast<double>(last);
+    sum += g(last, last) - g.col(last).head(last).dot(others.ldlt().solve(g.col(last).head(last)));
+  }
+  return sum / static_cast<double>(n);
+}
+
 }  // namespace
+
+std::vector<Eigen::MatrixXd> drawn_buildings(const Engine& engine, const Changes& at, const Eigen::MatrixXd& shown,
+                                             const sim::Recording& recording, int rooms, int jobs,
+                                             const std::function<void()>& done) {
+  if (!engine.draws_buildings()) return {};
+  std::vector<Eigen::MatrixXd> buildings(static_cast<std::size_t>(rooms));
+  std::mutex mutex;
+  in_parallel(buildings.size(), jobs, [&](std::size_t i) {
+    buildings[i] = binned(engine.simulate_differing(first_seed + i, at, recording)) - shown;
+    const std::lock_guard lock(mutex);
+    if (done) done();
+  });
+  return buildings;
+}
 
 StructureEnsemble structure_ensemble(const Engine& engine, const ReferenceFit& fit, const Window& reference,
                                      const Window& test, const WindowResponses& responses,
                                      const std::vector<Parameter>& about, int rooms, int jobs) {
   StructureEnsemble out;
-  const Changes at = fit.changes();
-  const Eigen::MatrixXd shown_reference = binned(engine.simulate(at, reference.recording)),
-                        shown_test = binned(engine.simulate(at, test.recording));
-  std::vector<Eigen::MatrixXd> of_reference(static_cast<std::size_t>(rooms)), of_test(of_reference.size());
-  in_parallel(2 * of_test.size(), jobs, [&](std::size_t n) {
-    const std::size_t i = n / 2;
-    const Window& window = n % 2 == 0 ? reference : test;
-    const sim::ChannelTable table = engine.simulate_differing(first_seed + i, at, window.recording);
-    if (table.size() == 0) return;
-    if (n % 2 == 0)
-      of_reference[i] = binned(table) - shown_reference;
-    else
-      of_test[i] = binned(table) - shown_test;
-  });
-  if (of_test.empty() || of_test.front().size() == 0) return out;
+  const auto of_reference = buildings_of(engine, fit, responses.reference, reference.recording, rooms, jobs);
+  if (of_reference.empty()) return out;
+  auto of_test = buildings_of(engine, fit, responses.test, test.recording, rooms, jobs);
 
   const auto kept = counted_bins(reference.measured.rows());
   const NuisanceResponses j_r =
@@ -54,7 +83,8 @@ StructureEnsemble structure_ensemble(const Engine& engine, const ReferenceFit& f
   for (Eigen::Index i = 0; i < e.cols(); ++i) {
     e.col(i) = fit.noise.whiten(of_test[static_cast<std::size_t>(i)], all, test.measured);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(e.transpose() * e / rooms);
+  const Eigen::MatrixXd products = e.transpose() * e;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(products / rooms);
   for (Eigen::Index k = e.cols() - 1; k >= 0 && eigen.eigenvalues()(k) > least_variance; --k) {
     Eigen::MatrixXd direction = Eigen::MatrixXd::Zero(test.measured.rows(), test.measured.cols());
     for (std::size_t i = 0; i < of_test.size(); ++i) {
@@ -63,6 +93,9 @@ StructureEnsemble structure_ensemble(const Engine& engine, const ReferenceFit& f
     out.directions.push_back(std::move(direction));
   }
   out.rooms = rooms;
+  const double values = std::max(1.0, static_cast<double>((e.array() != 0).rowwise().any().count()));
+  out.adds_alone = products.trace() / rooms / values;
+  out.adds = mean_left_by_others(products) / values;
   return out;
 }
 

@@ -19,6 +19,13 @@ class CountedEngine final : public ForwardingEngine {
     return table;
   }
 
+  sim::ChannelTable simulate_differing(std::uint64_t seed, const Changes& changes,
+                                       const sim::Recording& recording) const override {
+    sim::ChannelTable table = engine().simulate_differing(seed, changes, recording);
+    if (done_) done_();
+    return table;
+  }
+
  private:
   std::function<void()> done_;
 };

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "sim/energyplus/adopted/model_index.hpp"
+#include "sim/energyplus/differing/differing_twin.hpp"
 #include "sim/json/merge_patch.hpp"
 #include "tools/gap/any_model/effect_patch.hpp"
 #include "tools/gap/any_model/model_graph.hpp"
@@ -12,15 +13,26 @@
 namespace airside::tools::gap {
 
 sim::ChannelTable EnergyPlusEngine::simulate(const Changes& changes, const sim::Recording& recording) const {
-  const sim::EnergyPlusTwin twin = changed_twin(changes);
+  return shown_by(changed_twin(changes), changes, recording, &memory_);
+}
+
+sim::ChannelTable EnergyPlusEngine::simulate_differing(std::uint64_t seed, const Changes& changes,
+                                                       const sim::Recording& recording) const {
+  if (twin_.own) return {};
+  constexpr double numbers_share = 0.3;
+  return shown_by(sim::differing_twin(changed_twin(changes), seed, numbers_share), changes, recording, nullptr);
+}
+
+sim::ChannelTable EnergyPlusEngine::shown_by(const sim::EnergyPlusTwin& twin, const Changes& changes,
+                                             const sim::Recording& recording, sim::ReplayMemory* memory) const {
   sim::Recording lived = sim::changed_recording(recording, changes);
   if (twin.own) lived.from.seconds -= lived.from.seconds % twin.step_s;  // a clock may run ahead by half a step
   const sim::Channels at = channels();
-  sim::ChannelTable table = sim::replay_energyplus(twin, lived, {.cache = cache_, .memory = &memory_});
+  sim::ChannelTable table = sim::replay_energyplus(twin, lived, {.cache = cache_, .memory = memory});
   if (twin.own) {
     if (!duties_) table.middleCols(at.fcu_duty(), at.fcus).setConstant(std::numeric_limits<double>::quiet_NaN());
   } else if (duties_) {
-    const auto free = sim::replay_energyplus(twin, lived, {.thermostats = true, .cache = cache_, .memory = &memory_});
+    const auto free = sim::replay_energyplus(twin, lived, {.thermostats = true, .cache = cache_, .memory = memory});
     table.rightCols(at.fcus) = free.rightCols(at.fcus);
   } else {
     table.rightCols(at.fcus).setConstant(std::numeric_limits<double>::quiet_NaN());

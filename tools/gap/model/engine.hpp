@@ -30,6 +30,8 @@ class Engine {
                                                const sim::Recording& /*recording*/) const {
     return {};
   }
+  /// Whether simulate_differing() can.
+  virtual bool draws_buildings() const { return false; }
   virtual sim::Channels channels() const = 0;
   virtual std::array<bool, sim::facades> has_facade() const = 0;
   virtual bool can(const sim::Effect& effect) const = 0;
@@ -58,6 +60,7 @@ class RcEngine final : public Engine {
   sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override;
   sim::ChannelTable simulate_differing(std::uint64_t seed, const Changes& changes,
                                        const sim::Recording& recording) const override;
+  bool draws_buildings() const override { return true; }
   sim::Channels channels() const override { return {room_.vavs, room_.fcus, room_.powers}; }
   std::array<bool, sim::facades> has_facade() const override;
   bool can(const sim::Effect& effect) const override { return effect.on_rc; }

@@ -14,6 +14,7 @@ class ForwardingEngine : public Engine {
                                        const sim::Recording& recording) const override {
     return engine_.simulate_differing(seed, changes, recording);
   }
+  bool draws_buildings() const override { return engine_.draws_buildings(); }
   sim::Channels channels() const override { return engine_.channels(); }
   std::array<bool, sim::facades> has_facade() const override { return engine_.has_facade(); }
   bool can(const sim::Effect& effect) const override { return engine_.can(effect); }

@@ -39,6 +39,8 @@ struct Responses {
   Eigen::MatrixXd base;  ///< bins x channels; the model as it is
   std::vector<Parameter> parameters;
   std::vector<Candidate> candidates;  ///< empty where only parameters were asked for
+  /// What buildings that differ show, less `base`; empty: none were drawn about the model as it is.
+  std::vector<Eigen::MatrixXd> buildings = {};
 };
 
 /// Both periods of a case.

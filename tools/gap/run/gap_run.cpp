@@ -129,7 +129,8 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   const CaseData& data = run.loaded.data;
   const Library library = library_of(engine, effects);
   run.not_applicable = library.not_applicable;
-  const GapStages stages(engine, library, static_cast<int>(data.test.measured.rows() / bins_per_day), request.jobs);
+  const GapStages stages(engine, library, static_cast<int>(data.test.measured.rows() / bins_per_day), request.jobs,
+                         request.buildings);
   progress.start("comparing the log with " + engine.description(), stages.stages());
   const auto responses = [&](const Window& window) {
     return simulate_responses(engine, library, window.recording, true, request.jobs);

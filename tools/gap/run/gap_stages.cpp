@@ -23,16 +23,17 @@ constexpr double search_share = 0.7, test_share = 0.3;
 
 }  // namespace
 
-GapStages::GapStages(const Engine& engine, const Library& library, int days, int jobs)
+GapStages::GapStages(const Engine& engine, const Library& library, int days, int jobs, int buildings)
     : responses_(2.0 * static_cast<double>(simulated_runs(engine, library))),
       parameters_(engine.spares_runs() ? 0.0 : static_cast<double>(library.parameters.size())),
       zones_(engine.channels().mau_temp()),
       jobs_(std::max(1, jobs)),
+      buildings_(engine.draws_buildings() ? 2.0 * buildings : 0.0),
       days_(std::max(1, days)),
       spares_(engine.spares_runs()) {}
 
 std::vector<Stage> GapStages::stages() const {
-  const double fit_parallel = 3 * parameters_, fit_steps = serial_fit + fit_parallel;
+  const double fit_parallel = 3 * parameters_ + buildings_, fit_steps = serial_fit + fit_parallel;
   const double fit_cost = serial_fit + fit_parallel / jobs_ + (spares_ ? 0 : fit_algebra);
   return {{"simulating every effect", responses_, 1.0 / jobs_},
           {"fitting", fit_steps, fit_cost / fit_steps},

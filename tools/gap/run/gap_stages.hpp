@@ -20,8 +20,8 @@ struct GapStage {
 /// Refitter, propose_experiments(), reconstruct_heat(), each with typical numbers of iterations.
 class GapStages {
  public:
-  /// `days`: of the measured window.
-  GapStages(const Engine& engine, const Library& library, int days, int jobs);
+  /// `days`: of the measured window; `buildings`: as Rules::buildings.
+  GapStages(const Engine& engine, const Library& library, int days, int jobs, int buildings = 0);
 
   /// Before anything is known: something will be found or not.
   std::vector<Stage> stages() const;
@@ -41,6 +41,7 @@ class GapStages {
 
   double responses_ = 0, parameters_ = 0;
   int zones_ = 0, jobs_ = 1;
+  double buildings_ = 0;  ///< simulations of drawn buildings
   double days_ = 1;
   bool spares_ = false;
 };

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "hal/storage/digest64.hpp"
+#include "tools/gap/inference/structure_ensemble.hpp"
 
 namespace airside::tools::gap {
 
@@ -84,6 +85,12 @@ SharedResponses::SharedResponses(const Engine& engine, Library library, const si
       responses_(simulate_responses(engine, library_, recording, true, jobs, done)),
       commands_(command_digest(recording)),
       all_(recording_digest(recording)) {}
+
+void SharedResponses::draw_buildings(const Engine& engine, const sim::Recording& recording, int buildings, int jobs,
+                                     const std::function<void()>& done) {
+  if (buildings > 0)
+    responses_.buildings = drawn_buildings(engine, {}, responses_.base, recording, buildings, jobs, done);
+}
 
 SharedResponses::Borrowed SharedResponses::borrowed(const Engine& engine, const sim::Recording& recording) const {
   Borrowed out{responses_, command_digest(recording) == commands_};

@@ -29,6 +29,11 @@ class SharedResponses {
   SharedResponses(const Engine& engine, Library library, const sim::Recording& recording, int jobs,
                   const std::function<void()>& done = {});
 
+  /// Draws buildings about the model as it is; whoever borrows then has them, under the recording's commands.
+  /// Cost: as drawn_buildings().
+  void draw_buildings(const Engine& engine, const sim::Recording& recording, int buildings, int jobs,
+                      const std::function<void()>& done = {});
+
   struct Borrowed {
     Responses responses;
     bool own_commands = true;  ///< false: a first screen
@@ -53,10 +58,14 @@ constexpr int shortlist_places = 10;
 /// What cases of one model share: both windows.
 class SharedWindows {
  public:
+  /// `buildings`: as Rules::buildings; drawn once, under the usual case's commands, for all cases.
   SharedWindows(const Engine& engine, const Library& library, const CaseData& usual, int jobs,
-                const std::function<void()>& done = {})
+                const std::function<void()>& done = {}, int buildings = 0)
       : reference_(engine, library, usual.reference.recording, jobs, done),
-        test_(engine, library, usual.test.recording, jobs, done) {}
+        test_(engine, library, usual.test.recording, jobs, done) {
+    reference_.draw_buildings(engine, usual.reference.recording, buildings, jobs, done);
+    test_.draw_buildings(engine, usual.test.recording, buildings, jobs, done);
+  }
 
   /// The case's responses. Where its commands are not those of the usual case, candidates are ranked by borrowed
   /// responses, under which its own base and all that only sensors show are its own already, and the first

@@ -46,6 +46,8 @@ struct Verdict {
   double log_likelihood_limit = 0;       ///< of the first finding, without one of that single effect
   double residual_ratio = 0;             ///< after the findings, over the reference's
   double residual_ratio_limit = 0;       ///< above which something else must be missing
+  int buildings = 0;                     ///< drawn ones that count; what they add: as StructureEnsemble
+  double buildings_add_alone = 0, buildings_add = 0;
   LockedDays locked;
   std::vector<Alternatives> alternatives;           ///< one a finding of the search; one where it found none
   std::vector<Posterior> posteriors;                ///< of these; none on an engine that spares runs

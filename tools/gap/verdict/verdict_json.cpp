@@ -33,6 +33,11 @@ double margin_over_limit(const Finding& f, const Rules& rules) {
   return least;
 }
 
+json buildings_json(const Verdict& v) {
+  if (v.buildings == 0) return nullptr;
+  return {{"drawn", v.buildings}, {"add_alone", v.buildings_add_alone}, {"add", v.buildings_add}};
+}
+
 json finding_json(const Finding& f, const Rules& rules) {
   json alike = json::array();
   for (const sim::EffectAt& at : f.cannot_tell_from) alike.push_back(at.id());
@@ -158,6 +163,7 @@ json json_of(const Verdict& v, const std::string& name, const Responses& respons
           {"best_gain", v.best_log_likelihood_ratio},
           {"gain_limit", v.log_likelihood_limit},
           {"leftover", finite_json(v.residual_ratio)},
+          {"buildings", buildings_json(v)},
           {"thresholds",
            {{"gain", v.log_likelihood_limit},
             {"gain_anywhere", rules.log_likelihood_limit},

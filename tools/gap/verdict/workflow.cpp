@@ -25,6 +25,9 @@ class Analysis {
   Verdict run(const std::function<void(const Outlook&)>& look) {
     v_.fit = c_.fit;
     v_.nulls = c_.nulls;
+    v_.buildings = c_.ensemble.rooms;
+    v_.buildings_add_alone = c_.ensemble.adds_alone;
+    v_.buildings_add = c_.ensemble.adds;
     v_.residual_before = v_.residual_after = c_.refitter.unmoved_residual({});
     v_.ranking = Selection(now_.tangent->evidence()).scores(c_.refitter.effective(now_));
     if (!v_.ranking.empty()) {

@@ -1,4 +1,4 @@
-#include "tools/gap/blind/blind_energyplus_objects.hpp"
+#include "sim/energyplus/differing/other_objects.hpp"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "tools/gap/blind/blind_energyplus.hpp"
+#include "sim/energyplus/differing/other_numbers.hpp"
 
-namespace airside::tools::gap {
+namespace airside::sim {
 
 namespace {
 
@@ -164,7 +164,7 @@ void other_building(Json& model, const Json& nominal, Lots& lots) {
 }
 
 /// Boxes open less or more instead of being smaller or larger.
-void other_boxes(Json& model, const Json& nominal, const sim::ModelNames& names, sim::RoomLoopOptions& loops) {
+void other_boxes(Json& model, const Json& nominal, const ModelNames& names, RoomLoopOptions& loops) {
   const char* type = "AirTerminal:SingleDuct:VAV:NoReheat";
   for (std::size_t i = 0; i < names.interior_zones.size(); ++i) {
     const std::string name = names.interior_zones[i] + " VAV";
@@ -176,7 +176,7 @@ void other_boxes(Json& model, const Json& nominal, const sim::ModelNames& names,
   }
 }
 
-std::string at_place(std::string pattern, std::size_t place) {
+std::string placed_name(std::string pattern, std::size_t place) {
   const auto mark = pattern.find('#');
   if (mark != std::string::npos) pattern.replace(mark, 1, std::to_string(place + 1));
   return pattern;
@@ -184,13 +184,13 @@ std::string at_place(std::string pattern, std::size_t place) {
 
 /// Dampers that open with the room's temperature, as a program of the engine: the plant's own loops only know fixed
 /// ones, and it runs after them.
-void modulate(Json& model, const sim::ModelNames& names, const sim::RoomLoopOptions& loops, double per_k) {
+void modulate(Json& model, const ModelNames& names, const RoomLoopOptions& loops, double per_k) {
   const std::string ems = "EnergyManagementSystem:";
   Json lines = Json::array();
   const auto say = [&lines](const std::string& line) { lines.push_back({{"program_line", line}}); };
   for (std::size_t i = 0; i < names.interior_zones.size(); ++i) {
     const std::string temp = fmt::format("Built_Temp_{}", i + 1), damper = fmt::format("Built_Damper_{}", i + 1);
-    const std::string schedule = at_place(names.vav_damper_schedule, i);
+    const std::string schedule = placed_name(names.vav_damper_schedule, i);
     if (!model["Schedule:Constant"].contains(schedule)) continue;
     model[ems + "Sensor"][temp] = {{"output_variable_or_output_meter_index_key_name", names.interior_zones[i]},
                                    {"output_variable_or_output_meter_name", "Zone Mean Air Temperature"}};
@@ -210,57 +210,16 @@ void modulate(Json& model, const sim::ModelNames& names, const sim::RoomLoopOpti
 
 }  // namespace
 
-void scale_field(Json& object, const char* field, double factor) {
-  if (object.contains(field) && object[field].is_number()) object[field] = object[field].get<double>() * factor;
-}
-
-void perturb_numbers(Json& model, std::uint64_t seed) {
-  Lots lots(seed, draw_built);
-  const double glass_u = lots.factor(0.2), insulation = lots.factor(0.2), capacity = lots.factor(0.2);
-  const double furniture = lots.factor(0.2), all_gain = lots.factor(0.12), all_flow = lots.factor(0.1);
-  const double leak = lots.factor(0.2), all_sun = lots.factor(0.15), all_mixing = lots.factor(0.2);
-  each_object(model, "WindowMaterial:SimpleGlazingSystem", [&](const auto&, Json& glass) {
-    scale_field(glass, "u_factor", glass_u);
-    scale_field(glass, "solar_heat_gain_coefficient", all_sun * lots.factor(0.08));
-  });
-  if (model.contains("Material")) scale_field(model["Material"]["Insulation"], "thickness", insulation);
-  each_object(model, "ZoneCapacitanceMultiplier:ResearchSpecial",
-              [&](const auto&, Json& o) { scale_field(o, "temperature_capacity_multiplier", capacity); });
-  each_object(model, "InternalMass",
-              [&](const auto&, Json& o) { scale_field(o, "surface_area", furniture * lots.factor(0.1)); });
-  for (const char* type : {"ElectricEquipment", "Lights"}) {
-    each_object(model, type, [&](const auto&, Json& o) {
-      scale_field(o, "watts_per_floor_area", all_gain * lots.factor(0.08));
-      o["fraction_radiant"] = lots.uniform(0.15, 0.45);
-    });
-  }
-  each_object(model, "AirTerminal:SingleDuct:VAV:NoReheat",
-              [&](const auto&, Json& o) { scale_field(o, "maximum_air_flow_rate", all_flow * lots.factor(0.08)); });
-  each_object(model, "ZoneHVAC:FourPipeFanCoil",
-              [&](const auto&, Json& o) { scale_field(o, "maximum_cold_water_flow_rate", lots.factor(0.15)); });
-  each_object(model, "ZoneInfiltration:DesignFlowRate",
-              [&](const auto&, Json& o) { scale_field(o, "air_changes_per_hour", leak * lots.factor(0.15)); });
-  each_object(model, "ZoneMixing", [&](const auto&, Json& o) { scale_field(o, "design_flow_rate", all_mixing); });
-  each_object(model, "Chiller:Electric:EIR",
-              [&](const auto&, Json& o) { scale_field(o, "reference_cop", lots.factor(0.08)); });
-  each_object(model, "Fan:VariableVolume",
-              [&](const auto&, Json& o) { scale_field(o, "pressure_rise", lots.factor(0.08)); });
-  if (model.contains("Schedule:Constant") && model["Schedule:Constant"].contains("MAU Setpoint")) {
-    Json& value = model["Schedule:Constant"]["MAU Setpoint"]["hourly_value"];
-    value = value.get<double>() + lots.shift(0.4);
-  }
-}
-
-nlohmann::json built_model(const EnergyPlusRoom& room, sim::RoomLoopOptions& loops) {
-  Json model = room.hidden;
-  Lots lots(room.seed ^ 0x0B7EC75, draw_built);
-  other_leaks(model, room.nominal, lots);
+Json other_objects(Json model, const Json& nominal, const ModelNames& names, RoomLoopOptions& loops,
+                   const OtherObjects& how) {
+  Lots lots(how.seed ^ 0x0B7EC75, draw_built);
+  other_leaks(model, nominal, lots);
   other_mixing(model);
-  other_equipment(model, room.nominal, lots);
-  other_building(model, room.nominal, lots);
-  other_boxes(model, room.nominal, room.options.names, loops);
-  if (room.modulation_per_k > 0) modulate(model, room.options.names, loops, room.modulation_per_k);
+  other_equipment(model, nominal, lots);
+  other_building(model, nominal, lots);
+  other_boxes(model, nominal, names, loops);
+  if (how.modulation_per_k > 0) modulate(model, names, loops, how.modulation_per_k);
   return model;
 }
 
-}  // namespace airside::tools::gap
+}  // namespace airside::sim
