@@ -18,7 +18,7 @@
 namespace airside::tools::gap {
 namespace {
 
-constexpr const char* head = "[model]\nfile = \"a.idf\"\n[weather]\nfile = \"a.epw\"\n";
+constexpr const char* files_of_both = "[model]\nfile = \"a.idf\"\n[weather]\nfile = \"a.epw\"\n";
 
 /// Two whole days of two rooms and a meter, by the hour; the meter's energy is that of the hour before.
 std::string hourly(const std::function<double(int)>& kwh) {
@@ -30,7 +30,7 @@ std::string hourly(const std::function<double(int)>& kwh) {
   return text;
 }
 
-const std::string hourly_map = std::string(head) + R"([log]
+const std::string hourly_map = std::string(files_of_both) + R"([log]
 time = "when"
 step_min = 60
 [[channel]]
@@ -119,7 +119,7 @@ TEST(MappedLog, DenseRowsAreAveraged) {
     text +=
         fmt::format("{};{};{};{}\n", 1625097600 - 8 * 3600 + i * 60, number, 286 + i / 1440, i % 120 < 60 ? 100 : 0);
   }
-  const std::string map = std::string(head) + R"([log]
+  const std::string map = std::string(files_of_both) + R"([log]
 time = "when"
 format = "unix"
 separator = ";"
@@ -207,7 +207,7 @@ TEST(MappedLog, WhatCannotBeReadIsSaid) {
 }
 
 TEST(MappedLog, ALogMayHaveNoRoomAndNoSetpointButNotNothing) {
-  std::string map = std::string(head) + "[log]\ntime = \"when\"\nstep_min = 60\n";
+  std::string map = std::string(files_of_both) + "[log]\ntime = \"when\"\nstep_min = 60\n";
   map.insert(map.find("[weather]"), "zones = [\"Core_ZN\"]\n");
   map += "[[channel]]\ncolumn = \"meter\"\nkind = \"power\"\nmeter = \"M\"\nunit = \"kWh\"\n";
   const CleanLog log = read(hourly([](int h) { return 2.0 + h % 3; }), map);

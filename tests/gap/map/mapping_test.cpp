@@ -50,7 +50,7 @@ kind = "supply_setpoint"
 unit = "K"
 )";
 
-std::string with(std::string text, const std::string& old, const std::string& now) {
+std::string changed_text(std::string text, const std::string& old, const std::string& now) {
   const auto at = text.find(old);
   EXPECT_NE(at, std::string::npos) << old;
   return text.replace(at, old.size(), now);
@@ -65,7 +65,9 @@ std::string complaint(const std::string& text) {
   return "";
 }
 
-std::string complaint_with(const std::string& old, const std::string& now) { return complaint(with(whole, old, now)); }
+std::string complaint_with(const std::string& old, const std::string& now) {
+  return complaint(changed_text(whole, old, now));
+}
 
 TEST(Mapping, SaysWhichColumnIsWhat) {
   const Mapping m = parse_mapping(whole, "m/map.toml");
