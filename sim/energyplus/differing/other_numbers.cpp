@@ -4,45 +4,47 @@
 
 namespace airside::sim {
 
-using Json = nlohmann::json;
-
-void scale_field(Json& object, const char* field, double factor) {
+void scale_field(nlohmann::json& object, const char* field, double factor) {
   if (object.contains(field) && object[field].is_number()) object[field] = object[field].get<double>() * factor;
 }
 
-void perturb_numbers(Json& model, std::uint64_t seed, double share) {
+void perturb_numbers(nlohmann::json& model, std::uint64_t seed, double share) {
   Lots lots(seed, draw_built, share);
   const double glass_u = lots.factor(0.2), insulation = lots.factor(0.2), capacity = lots.factor(0.2);
   const double furniture = lots.factor(0.2), all_gain = lots.factor(0.12), all_flow = lots.factor(0.1);
   const double leak = lots.factor(0.2), all_sun = lots.factor(0.15), all_mixing = lots.factor(0.2);
-  each_object(model, "WindowMaterial:SimpleGlazingSystem", [&](const auto&, Json& glass) {
+  each_object(model, "WindowMaterial:SimpleGlazingSystem", [&](const auto&, nlohmann::json& glass) {
     scale_field(glass, "u_factor", glass_u);
     scale_field(glass, "solar_heat_gain_coefficient", all_sun * lots.factor(0.08));
   });
   if (model.contains("Material")) scale_field(model["Material"]["Insulation"], "thickness", insulation);
   each_object(model, "ZoneCapacitanceMultiplier:ResearchSpecial",
-              [&](const auto&, Json& o) { scale_field(o, "temperature_capacity_multiplier", capacity); });
+              [&](const auto&, nlohmann::json& o) { scale_field(o, "temperature_capacity_multiplier", capacity); });
   each_object(model, "InternalMass",
-              [&](const auto&, Json& o) { scale_field(o, "surface_area", furniture * lots.factor(0.1)); });
+              [&](const auto&, nlohmann::json& o) { scale_field(o, "surface_area", furniture * lots.factor(0.1)); });
   for (const char* type : {"ElectricEquipment", "Lights"}) {
-    each_object(model, type, [&](const auto&, Json& o) {
+    each_object(model, type, [&](const auto&, nlohmann::json& o) {
       scale_field(o, "watts_per_floor_area", all_gain * lots.factor(0.08));
       o["fraction_radiant"] = lots.uniform(0.15, 0.45);
     });
   }
-  each_object(model, "AirTerminal:SingleDuct:VAV:NoReheat",
-              [&](const auto&, Json& o) { scale_field(o, "maximum_air_flow_rate", all_flow * lots.factor(0.08)); });
-  each_object(model, "ZoneHVAC:FourPipeFanCoil",
-              [&](const auto&, Json& o) { scale_field(o, "maximum_cold_water_flow_rate", lots.factor(0.15)); });
-  each_object(model, "ZoneInfiltration:DesignFlowRate",
-              [&](const auto&, Json& o) { scale_field(o, "air_changes_per_hour", leak * lots.factor(0.15)); });
-  each_object(model, "ZoneMixing", [&](const auto&, Json& o) { scale_field(o, "design_flow_rate", all_mixing); });
+  each_object(model, "AirTerminal:SingleDuct:VAV:NoReheat", [&](const auto&, nlohmann::json& o) {
+    scale_field(o, "maximum_air_flow_rate", all_flow * lots.factor(0.08));
+  });
+  each_object(model, "ZoneHVAC:FourPipeFanCoil", [&](const auto&, nlohmann::json& o) {
+    scale_field(o, "maximum_cold_water_flow_rate", lots.factor(0.15));
+  });
+  each_object(model, "ZoneInfiltration:DesignFlowRate", [&](const auto&, nlohmann::json& o) {
+    scale_field(o, "air_changes_per_hour", leak * lots.factor(0.15));
+  });
+  each_object(model, "ZoneMixing",
+              [&](const auto&, nlohmann::json& o) { scale_field(o, "design_flow_rate", all_mixing); });
   each_object(model, "Chiller:Electric:EIR",
-              [&](const auto&, Json& o) { scale_field(o, "reference_cop", lots.factor(0.08)); });
+              [&](const auto&, nlohmann::json& o) { scale_field(o, "reference_cop", lots.factor(0.08)); });
   each_object(model, "Fan:VariableVolume",
-              [&](const auto&, Json& o) { scale_field(o, "pressure_rise", lots.factor(0.08)); });
+              [&](const auto&, nlohmann::json& o) { scale_field(o, "pressure_rise", lots.factor(0.08)); });
   if (model.contains("Schedule:Constant") && model["Schedule:Constant"].contains("MAU Setpoint")) {
-    Json& value = model["Schedule:Constant"]["MAU Setpoint"]["hourly_value"];
+    nlohmann::json& value = model["Schedule:Constant"]["MAU Setpoint"]["hourly_value"];
     value = value.get<double>() + lots.shift(0.4);
   }
 }
