@@ -94,7 +94,7 @@ class OwnersDesk {
     return run_program("airside",
                        {"gap", "--map", "map.toml", "--measured", log, "--reference", "reference.csv", "--effects",
                         "effects", "--out", "out", "--cache", "runs", "--jobs", "1"},
-                       folder_.path(), scratch_.path(), 500);
+                       folder_.path(), scratch_.path(), 1500);
   }
 
  private:
@@ -151,7 +151,12 @@ TEST(MappedModel, ThreeTemperaturesAndOneMeterByTheHourFindAWornFan) {
   for (const json& n : found["not_applicable"]) absent[n["id"]] = n["why"];
   EXPECT_EQ(absent["outdoor_sensor_bias"], "the log has no outdoor temperature");
   EXPECT_EQ(absent["setpoint_lag"], "no recorded supply setpoint is played");
+}
 
+TEST(MappedModel, ALogInWhichNothingIsHiddenGetsNoName) {
+  AIRSIDE_NEEDS_FOREIGN_MODELS();
+  const OwnersDesk desk;
+  desk.simulate(desk.model(), 5, 1, "reference.csv");
   desk.simulate(desk.model(), 14, 3, "quiet.csv");
   const Outcome nothing = desk.gap("quiet.csv");
   ASSERT_EQ(nothing.code, 0) << nothing.err;

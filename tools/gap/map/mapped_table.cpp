@@ -64,7 +64,8 @@ std::optional<double> taken_offset(std::string& text) {
   int value = 0;
   const auto end = digits.data() + digits.size();
   if (digits.size() != 4 || std::from_chars(digits.data(), end, value).ptr != end) return std::nullopt;
-  const double hours = value / 100 + value % 100 / 60.0;
+  const int whole_h = value / 100;
+  const double hours = whole_h + value % 100 / 60.0;
   const double offset = text[sign] == '-' ? -hours : hours;
   text.resize(sign);
   return offset;
