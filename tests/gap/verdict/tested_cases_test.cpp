@@ -224,7 +224,7 @@ TEST(TestedCases, RefuseMissingAndForeignKeysAndCasesThatWereNotJudged) {
   for (const BadTests& b : std::vector<BadTests>{
            {"test-cases cases --verdicts open.json --key no.json", "no.json", ""},
            {"test-cases cases --verdicts open.json --key open.json", "--key", "an answer key"},
-           {"test-cases cases --verdicts open.json --key other.json", "case-0001", "not those of the measured log"},
+           {"test-cases cases --verdicts open.json --key other.json", "case-000", "not those of the measured log"},
            {"test-cases cases --verdicts open.json --key fewer.json", "case-0002", "no such case"},
            {"test-cases cases --verdicts some.json --key key.json", "case-0002", "run-cases --propose --continue"},
            {"test-cases cases --verdicts closed.json --key key.json", "case-0001", "run-cases --propose"},
