@@ -143,7 +143,7 @@ TEST(MappedModel, ThreeTemperaturesAndOneMeterByTheHourFindAWornFan) {
   EXPECT_NE(found["verdict"], "none") << found["sentence"];
   ASSERT_FALSE(found["effects"].empty()) << found["sentence"];
   EXPECT_EQ(found["effects"][0]["id"], "fan_power") << found["sentence"];
-  EXPECT_NEAR(found["effects"][0]["magnitude"].get<double>(), worse, 0.2);
+  EXPECT_NEAR(found["effects"][0]["magnitude"].get<double>(), worse, 0.1);
   EXPECT_EQ(found["own_control"].get<std::string>().rfind("No recorded command is played.", 0), 0U);
   EXPECT_EQ(found["map"]["channels"].size(), 4U);
   EXPECT_NE(done.out.find("power 1: column \"kWh\", meter Electricity:HVAC"), std::string::npos) << done.out;

@@ -10,9 +10,8 @@ namespace airside::tools::gap {
 
 /// The model as epJSON of the engine's version with the sizes that the engine finds, so that no effect resizes the
 /// equipment; a file in `cache`, which is made when model, weather or mapping has changed.
-/// Errors: hal::InputError as read_foreign_model(); for a zone, node, terminal, loop, schedule, meter or output
-/// variable
-///   that the model has not, with the nearest that it has; for a model that does not run.
+/// Errors: hal::InputError as read_foreign_model(); for a zone, node, terminal, loop, schedule, meter or output that
+/// the model has not, with the nearest that it has; for a model that does not run.
 /// Cost: one run of a day, 1 to 20 s; from the cache 50 ms.
 std::filesystem::path prepare_mapped_model(const Mapping& mapping, const std::filesystem::path& cache);
 
