@@ -72,7 +72,7 @@ class Weather {
   Sky sky_at(CivilTime t) const;
 
   /// Computes sky_at() of each record's end once, for a table that is lived through often; the values stay the same.
-  /// Cost: 100 bytes and two of sky_at() a record.
+  /// Cost: 96 bytes and one sky_at() a record.
   void keep_skies();
 
   /// Throws hal::InputError unless every instant from `from` to `to` is covered.
