@@ -98,8 +98,7 @@ TEST(NightCooling, WhereNoNightWasFourKelvinColderAllHeatThatIsLeftHasItsPrice) 
   night.outdoor_degc = 21;
   night.row(false, 26);
   EXPECT_TRUE(night.cooling.is_hot(24));
-  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 22, 24), 1)
-      << "by night and day, whether or not the fan cycled";
+  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 22, 24), 1) << "by night and day, whether or not the fan cycled";
   EXPECT_FALSE(night.cooling.is_hot(25.1));
   EXPECT_EQ(night.cooling.stored_heat_share(night.time, 34, 25.1), 0);
 }
