@@ -82,13 +82,28 @@ TEST(NightCooling, AFanThatStartsFarFromTheSetpointOrUnderColdAirIsNone) {
 
 TEST(NightCooling, HeatLeftInTheRoomsHasItsPriceWhereSuchANightWasSeen) {
   Night night;
+  night.outdoor_degc = 18;
   night.row(false, 27);
-  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 8), 0) << "no night is known";
+  night.outdoor_degc = 25;
+  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 32, 24), 0) << "no night is known";
   night.cycle(28);
-  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 8), 1);
-  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 4), 0.5);
-  EXPECT_EQ(night.cooling.stored_heat_share(night.time, -1), 0) << "outdoor air takes it";
-  EXPECT_EQ(night.cooling.stored_heat_share({night.time.seconds + 49 * hour_s}, 8), 0);
+  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 32, 24), 1);
+  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 28, 24), 0.5);
+  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 23, 24), 0) << "outdoor air takes it";
+  EXPECT_EQ(night.cooling.stored_heat_share({night.time.seconds + 49 * hour_s}, 32, 24), 0);
+}
+
+TEST(NightCooling, WhereNoNightWasFourKelvinColderAllHeatThatIsLeftHasItsPrice) {
+  Night night;
+  night.outdoor_degc = 24;
+  night.row(false, 27);
+  EXPECT_TRUE(night.cooling.is_hot(26));
+  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 34, 26), 0) << "nobody paid for it at night";
+  night.cycle(28);
+  EXPECT_TRUE(night.cooling.is_hot(26));
+  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 25, 26), 1) << "by night, too";
+  EXPECT_FALSE(night.cooling.is_hot(30));
+  EXPECT_EQ(night.cooling.stored_heat_share(night.time, 34, 30), 0.5);
 }
 
 TEST(NightCooling, AfterSuchANightTheObjectiveLeavesNoHeatInTheRoomsOfAHotDay) {

@@ -67,7 +67,7 @@ class BandObjective {
     f.setpoint_degc = setpoint_degc;
     f.power_kw = power_.power_kw(x) + s.heat_worth * power_.heating_kw(x);
     f.most_open = there.most_open;
-    const double stored = night_.stored_heat_share(at.time, at.outdoor_degc - there.air.room_degc);
+    const double stored = night_.stored_heat_share(at.time, at.outdoor_degc, there.air.room_degc);
     f.cost_kw = f.power_kw + stored * power_.cooling_kw(x0.lift - x.lift, at.outdoor_degc) +
                 s.caution * power_.difference_sd_kw(x, x0) + scale * (there.penalty + s.move_cost * move * move);
     return f;
@@ -159,9 +159,7 @@ class BandObjective {
     return o;
   }
 
-  bool is_hot(const DemandReading& at) const {
-    return night_.is_hot(at.outdoor_degc, mean_of_seen(at.zones, at.zones.temp_degc));
-  }
+  bool is_hot(const DemandReading& at) const { return night_.is_hot(mean_of_seen(at.zones, at.zones.temp_degc)); }
   /// What doubt counts against leaving: the schedule; where it is hot the coldest air, since nothing but the plant
   /// cools.
   double trusted_degc(const DemandReading& at, const DemandChoice& c) const {

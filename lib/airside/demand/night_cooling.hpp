@@ -53,17 +53,15 @@ class NightCooling {
     return std::clamp((room_degc - coldest_outdoors_degc()) / colder_outdoors_k, 0.0, 1.0);
   }
 
-  /// Warmer outdoors than in the rooms, and no night of late that cools: colder air loses no saving, so it is not held
-  /// back.
-  bool is_hot(double outdoor_degc, double room_degc) const {
-    return outdoor_degc > room_degc && free_cooling_share(room_degc) < 0.5;
-  }
+  /// No night of late was 4 K colder than the rooms: little but the plant cools them.
+  bool is_hot(double room_degc) const { return free_cooling_share(room_degc) < 1; }
   double coldest_outdoors_degc() const { return static_cast<double>(coldest_degc_); }
 
   /// Which share of the heat that warmer air leaves in the rooms is cooled out later: none where the fan did not cycle
-  /// for that of late, or outdoor air is colder than the rooms.  0..1.
-  double stored_heat_share(CivilTime t, double outdoors_warmer_k) const {
-    return is_remembered(t) ? std::clamp(outdoors_warmer_k / hot_k, 0.0, 1.0) : 0.0;
+  /// for that of late; else all where it is hot, and none where outdoor air is colder than the rooms.  0..1.
+  double stored_heat_share(CivilTime t, double outdoor_degc, double room_degc) const {
+    if (!is_remembered(t)) return 0;
+    return is_hot(room_degc) ? 1.0 : std::clamp((outdoor_degc - room_degc) / hot_k, 0.0, 1.0);
   }
 
  private:
