@@ -56,9 +56,10 @@ constexpr int lead_days = 4;
 
 /// How a log shows a column otherwise than rows of 6 min do.
 struct ChannelGrain {
-  int mean_min = 0;   ///< its values are means over so long; 0: of half an hour or less
-  double floor = 0;   ///< least standard deviation of the noise, K or kW; 0: the usual one
-  std::string title;  ///< what its owner calls it; empty: as usual
+  int step_min = 0;       ///< a value each so long; 0: each half an hour or less
+  bool instants = false;  ///< values are those of an instant at the step's begin, not means of the step
+  double floor = 0;       ///< least standard deviation of the noise, K or kW; 0: the usual one
+  std::string title;      ///< what its owner calls it; empty: as usual
 };
 
 /// The columns of a replay. Order: room temperatures, FCU temperatures, MAU outlet, supply, powers, FCU duties,

@@ -89,7 +89,7 @@ const char* text_of(Shown shown) {
 
 /// Duties are 0 or 1 in a row, and say something as means only.
 ChannelTable response_of(const ChannelTable& table, const ChannelTable& base) {
-  return tools::gap::binned(table) - tools::gap::binned(base);
+  return tools::gap::binned(table, {}) - tools::gap::binned(base, {});
 }
 
 void expect_shown(const ExpectedSign& expected, double probe, const ChannelTable& response, const Channels& at) {

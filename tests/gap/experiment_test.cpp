@@ -90,7 +90,7 @@ struct AlikeCase {
     const auto kept = counted_bins(test.measured.rows());
     const Metric metric(nuisance_directions(fit, at_test, kept, test.measured, nuisance));
     const auto whiten = [&](const Eigen::MatrixXd& x) { return fit.noise.whiten(x, kept, test.measured); };
-    const Eigen::MatrixXd base = binned(engine.simulate(fitted, test.recording));
+    const Eigen::MatrixXd base = binned(engine.simulate(fitted, test.recording), engine.channels());
     const Eigen::MatrixXd residual = test.measured - base - fit.structural(at_test);
     double best = -1, magnitude = 0;
     for (const Candidate& c : at_test.candidates) {
@@ -99,7 +99,8 @@ struct AlikeCase {
       for (int i = 0; i < 2; ++i) {
         Changes changes = fitted;
         changes.push_back({at, m});
-        const Eigen::VectorXd z = whiten(binned(engine.simulate(changes, test.recording)) - base), r = whiten(residual);
+        const Eigen::VectorXd z = whiten(binned(engine.simulate(changes, test.recording), engine.channels()) - base),
+                              r = whiten(residual);
         const double zz = metric.dot(z, z), zr = metric.dot(z, r), log_likelihood_ratio = zr > 0 ? zr * zr / zz : 0;
         if (log_likelihood_ratio > best) {
           best = log_likelihood_ratio;
@@ -158,7 +159,7 @@ struct AlikeCase {
       }
       plant.advance_to({t.seconds + row_s});
     }
-    done.measured = binned(table);
+    done.measured = binned(table, engine.channels());
     const Responses at_done = simulate_responses(engine, library, done.recording, true, 1);
     const ExperimentOutcome outcome =
         judge_experiment(engine, test, done, commands->first_row, fit, at_test, at_done, members, fitted, nuisance);

@@ -57,7 +57,7 @@ TEST(ParameterFit, FindsLineWithPriorAndSaysWhatWasTold) {
   };
   const std::vector<FitParameter> parameters{
       {"a", "K", 0, 5, false, -100, 100}, {"b", "K", 1, 1, true, 0.01, 100}, {"c", "K", 2, 1, false, -10, 10}};
-  Eigen::MatrixXd measured = binned(model(Eigen::Vector3d(2, 3, 0)));
+  Eigen::MatrixXd measured = binned(model(Eigen::Vector3d(2, 3, 0)), {});
   std::srand(7);
   measured += 0.1 * Eigen::MatrixXd::Random(measured.rows(), measured.cols());
   const ParameterFit fit =

@@ -141,11 +141,11 @@ TEST(SharedResponses, OnlyWhatSensorsShowIsTakenFromTheBase) {
   const int before = engine.runs;
   const Responses responses = simulate_responses(engine, cases().all, recording, true, 2);
   int free = 0;
-  const Eigen::MatrixXd base = binned(engine.simulate({}, recording));
+  const Eigen::MatrixXd base = binned(engine.simulate({}, recording), engine.channels());
   for (const Candidate& c : responses.candidates) {
     if (!engine.only_shows(*c.at.effect)) continue;
     ++free;
-    EXPECT_EQ(c.response, binned(engine.simulate({{c.at, c.probe}}, recording)) - base) << c.at.id();
+    EXPECT_EQ(c.response, binned(engine.simulate({{c.at, c.probe}}, recording), engine.channels()) - base) << c.at.id();
   }
   EXPECT_EQ(free, 2 * (5 + 5 + 10)) << "lag, bias, swapped";
   EXPECT_LT(engine.runs - before - free - 1, static_cast<int>(runs_of(cases().all, true)) - free);

@@ -45,12 +45,26 @@ Eigen::MatrixXd as_table(const Eigen::VectorXd& stacked, Eigen::Index channels) 
 TEST(Binned, IsAMeanOfFiveRowsAndMissingWithLessThanThree) {
   sim::ChannelTable table(10, 1);
   table << 1, 2, 3, 4, 5, 1, missing_value, missing_value, missing_value, 2;
-  const Eigen::MatrixXd bins = binned(table);
+  const Eigen::MatrixXd bins = binned(table, {});
   ASSERT_EQ(bins.rows(), 2);
   EXPECT_DOUBLE_EQ(bins(0, 0), 3);
   EXPECT_TRUE(std::isnan(bins(1, 0)));
   table(6, 0) = 3;
-  EXPECT_DOUBLE_EQ(binned(table)(1, 0), 2);
+  EXPECT_DOUBLE_EQ(binned(table, {})(1, 0), 2);
+}
+
+TEST(Binned, HoldsInstantsOfAnHourUntilTheNextAndComparesNothingBetweenThem) {
+  sim::Channels channels{1, 0, 1};
+  channels.grain.resize(static_cast<std::size_t>(channels.count()));
+  channels.grain[0] = {60, true, 0, ""};
+  channels.grain[static_cast<std::size_t>(channels.power())] = {60, false, 0, ""};
+  sim::ChannelTable table = sim::ChannelTable::Zero(20, channels.count());
+  for (Eigen::Index c = 0; c < table.cols(); ++c) table.col(c) = Eigen::VectorXd::LinSpaced(20, 0, 19);
+  const Eigen::MatrixXd bins = binned(table, channels);
+  EXPECT_EQ(bins.col(0), Eigen::Vector4d(0, 0, 10, 10));
+  EXPECT_EQ(bins.col(channels.power()), Eigen::Vector4d(2, 7, 12, 17)) << "means of an hour are those of its rows";
+  table(10, 0) = missing_value;
+  EXPECT_TRUE(std::isnan(binned(table, channels)(2, 0))) << "what lies between two instants stands for neither";
 }
 
 TEST(NoiseModel, MakesInnovationsWhiteOfUnitVarianceAndIndependentAcrossChannels) {

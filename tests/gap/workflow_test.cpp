@@ -237,8 +237,8 @@ TEST(Refit, FollowsParametersThatMoveAndMagnitudesThatBend) {
   Changes truth = fit.changes(moved);
   truth.push_back({candidates[box].at, 0.7});
   Window test = s.data.test;
-  test.measured =
-      binned(s.engine.simulate(truth, test.recording)) + fit.structural(s.responses.test);  // as the model expects it
+  test.measured = binned(s.engine.simulate(truth, test.recording), s.engine.channels()) +
+                  fit.structural(s.responses.test);  // as the model expects it
 
   auto kept = counted_bins(test.measured.rows());
   std::fill(kept.end() - 5 * bins_per_day, kept.end(), false);

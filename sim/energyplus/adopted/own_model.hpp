@@ -8,15 +8,13 @@
 
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/adopted/model_index.hpp"
+#include "sim/weather/recording.hpp"
 
 namespace airside::sim {
 
 /// What a log shows in the place of a channel's usual output.
 struct OwnOutput {
   std::string key, variable;  ///< of an output in degC, W or, where the name ends in "Energy", J; empty: the usual one
-  int mean_min = 0;           ///< the log's values are means over so long; 0: of half an hour or less
-  std::string title;          ///< the log's column
-  double noise_floor = 0;     ///< least standard deviation that is believed, K or kW; 0: the usual one
 };
 
 /// The names by which such a model offers what its points show. An empty text or list is not there; so is "" within
@@ -34,6 +32,7 @@ struct OwnNames {
 
   std::vector<OwnOutput> room_outputs, power_outputs;  ///< one a room and a power, or none
   std::vector<std::string> commands;                   ///< schedules that follow the record's commands
+  std::vector<ChannelGrain> grain;                     ///< one a column of a replay, or none
   bool every_air_loop = false;   ///< equipment is that of all loops with these zones, not of supply_air_node's alone
   bool outdoor_measured = true;  ///< else the weather file's temperature is all there is
 };

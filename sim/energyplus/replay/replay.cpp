@@ -209,16 +209,7 @@ Channels channels_of(const EnergyPlusTwin& twin) {
   const auto& terminals = twin.own->terminals;
   if (std::any_of(terminals.begin(), terminals.end(), [](const std::string& name) { return !name.empty(); }))
     channels.dampers = channels.rooms;
-  const OwnNames& own = *twin.own;
-  if (own.room_outputs.empty() && own.power_outputs.empty()) return channels;
-  channels.grain.resize(static_cast<std::size_t>(channels.count()));
-  const auto take = [&channels](int first, const std::vector<OwnOutput>& outputs) {
-    for (std::size_t i = 0; i < outputs.size(); ++i)
-      channels.grain[static_cast<std::size_t>(first) + i] = {outputs[i].mean_min, outputs[i].noise_floor,
-                                                             outputs[i].title};
-  };
-  take(0, own.room_outputs);
-  take(channels.power(), own.power_outputs);
+  channels.grain = twin.own->grain;
   return channels;
 }
 

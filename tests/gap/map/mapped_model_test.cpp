@@ -85,9 +85,6 @@ TEST(MappedNames, AreSpelledAsInTheModel) {
   EXPECT_EQ(own.mau_outlet_node, "Node 4");
   EXPECT_TRUE(own.every_air_loop);
   EXPECT_TRUE(own.outdoor_measured);
-  EXPECT_EQ(own.power_outputs[0].mean_min, 60);
-  EXPECT_EQ(own.room_outputs[0].mean_min, 0) << "an instant";
-  EXPECT_EQ(own.room_outputs[0].noise_floor, 0.2);
 }
 
 TEST(MappedNames, ThatAreNotThereAreRefusedWithTheNearest) {
@@ -122,8 +119,16 @@ TEST(MappedNames, GiveEachChannelItsOutputAndItsGrain) {
   const sim::Channels at = sim::channels_of(twin);
   EXPECT_EQ(at.powers, 2);
   EXPECT_EQ(at.dampers, 2);
-  EXPECT_EQ(at.grain[static_cast<std::size_t>(at.power())].mean_min, 60);
-  EXPECT_EQ(at.grain[0].title, "T");
+  const auto grain = [&at](int column) { return at.grain[static_cast<std::size_t>(column)]; };
+  EXPECT_EQ(grain(at.power()).step_min, 60);
+  EXPECT_FALSE(grain(at.power()).instants);
+  for (const int column : {0, at.supply_temp(), at.mau_temp(), at.damper()}) {
+    EXPECT_EQ(grain(column).step_min, 60) << at.name(column);
+    EXPECT_TRUE(grain(column).instants) << at.name(column);
+  }
+  EXPECT_EQ(grain(1).step_min, 0) << "a room that the log does not show";
+  EXPECT_EQ(grain(0).floor, 0.2);
+  EXPECT_EQ(grain(0).title, "T");
   std::map<int, std::string> series;
   std::map<int, double> factor;
   for (const sim::ChannelOutput& output : sim::own_outputs(twin)) {

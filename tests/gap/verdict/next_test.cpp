@@ -229,7 +229,7 @@ TEST(Stretches, AreLivedThroughOneByOneAndSensorsDriftOnThroughAll) {
   const StretchedEngine engine(rc);
   const auto window = [&](std::size_t first_day, std::size_t days) {
     Window w{part_of(whole, first_day * rows_per_day, days * rows_per_day), {}};
-    w.measured = binned(rc.simulate({}, w.recording));
+    w.measured = binned(rc.simulate({}, w.recording), rc.channels());
     return w;
   };
   const Window late = window(5, 3), early = window(0, 2);

@@ -128,7 +128,7 @@ class RcSite final : public BlindSite {
       // Rooms that no case has: noise and commands are like theirs.
       p.room = built(setup_.seed + 77, w.feedback);
       p.reference = reference_of(p.room, w, setup_.seed + 77);
-      p.base = binned(engine_.simulate({}, p.reference.recording));
+      p.base = binned(engine_.simulate({}, p.reference.recording), engine_.channels());
       p.own = sim::replay_rc(p.room, p.reference.recording);
       p.noise = setup_.noise.contains(w.feedback) ? setup_.noise.at(w.feedback)
                 : setup_.rough                    ? rough_noise(engine_.channels())
@@ -146,10 +146,10 @@ class RcSite final : public BlindSite {
           sim::changed_sensors(sim::replay_rc(sim::changed_room(twin_, change),
                                               sim::changed_recording(p.reference.recording, change), false, false),
                                engine_.channels(), change);
-      return shown_most(binned(with) - p.base, p.noise, engine_.channels(), false);
+      return shown_most(binned(with, engine_.channels()) - p.base, p.noise, engine_.channels(), false);
     }
     const sim::ChannelTable with = sim::replay_rc(hide(p.room, {h}, *setup_.effects), p.reference.recording);
-    return shown_most(binned(with - p.own), p.noise, engine_.channels(), true);
+    return shown_most(binned(with - p.own, engine_.channels()), p.noise, engine_.channels(), true);
   }
 
   int outside_places(const std::string& kind) const override {
@@ -237,7 +237,7 @@ class EnergyPlusSite final : public BlindSite {
       p.room = energyplus_measured_room(setup_.twin, room_seed(w), w.feedback);
       p.rows = measure(p.room, weather_file(w), commanded(w, room_seed(w)));
       p.reference = window_of(p.rows, engine_.channels(), weather_[static_cast<std::size_t>(w.number)], "blind");
-      p.base = binned(engine_.simulate({}, p.reference.recording));
+      p.base = binned(engine_.simulate({}, p.reference.recording), engine_.channels());
     });
     // A fit costs as much as a window's cases together, and noise depends on control more than on the window.
     std::map<bool, Eigen::VectorXd> noise;
@@ -256,8 +256,8 @@ class EnergyPlusSite final : public BlindSite {
     const sim::Effect* effect = find_effect(*setup_.effects, h.effect);
     if (effect == nullptr) return {std::numeric_limits<double>::quiet_NaN(), ""};
     const Changes change{{{effect, h.place}, h.magnitude}};
-    return shown_most(binned(engine_.simulate(change, p.reference.recording)) - p.base, p.noise, engine_.channels(),
-                      false);
+    return shown_most(binned(engine_.simulate(change, p.reference.recording), engine_.channels()) - p.base, p.noise,
+                      engine_.channels(), false);
   }
 
   int outside_places(const std::string& kind) const override {

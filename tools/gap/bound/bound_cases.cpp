@@ -157,7 +157,7 @@ Eigen::MatrixXd bound_table(const Engine& engine, const Window& window) {
   const sim::Channels channels = engine.channels();
   const sim::Recording& recording = window.recording;
   Eigen::MatrixXd table(window.measured.rows(), std::ssize(bound_columns(channels).names));
-  table.leftCols(channels.count()) = window.measured - binned(engine.simulate({}, recording));
+  table.leftCols(channels.count()) = window.measured - binned(engine.simulate({}, recording), channels);
   for (Eigen::Index b = 0; b < table.rows(); ++b) {
     const auto mean = [&](auto&& value) { return mean_of_bin(recording, b, value); };
     const CivilTime middle{recording.time(static_cast<std::size_t>(b * rows_per_bin)).seconds +

@@ -99,10 +99,10 @@ class ExperimentSearch {
     for (const sim::EffectChange& m : members_) tasks.push_back({with_member(fitted_, m), &window_.recording});
     const auto tables = simulate_all(engine_, tasks, jobs_);
     const auto kept = counted_bins(window_.measured.rows());
-    const Eigen::MatrixXd base = binned(tables[0]);
+    const Eigen::MatrixXd base = binned(tables[0], engine_.channels());
     std::vector<Eigen::VectorXd> z;
     for (std::size_t i = 1; i < tables.size(); ++i)
-      z.push_back(fit_.noise.whiten(binned(tables[i]) - base, kept, window_.measured));
+      z.push_back(fit_.noise.whiten(binned(tables[i], engine_.channels()) - base, kept, window_.measured));
     const Eigen::MatrixXd j = nuisance_directions(fit_, responses_, kept, window_.measured, rules_.nuisance);
     for (const Parameter& parameter : responses_.parameters)
       parameter_size_.push_back(fit_.noise.whiten(parameter.response, kept, window_.measured).norm());
@@ -202,19 +202,19 @@ class ExperimentSearch {
       sign.push_back(way);
     }
     const auto tables = simulate_all(engine_, tasks, jobs_);
-    const Eigen::MatrixXd base = binned(tried.tables[0]);
+    const Eigen::MatrixXd base = binned(tried.tables[0], engine_.channels());
     for (std::size_t k = 0; k < chosen.size(); ++k)
-      r.parameters[chosen[k]].response = sign[k] * (binned(tables[k]) - base);
+      r.parameters[chosen[k]].response = sign[k] * (binned(tables[k], engine_.channels()) - base);
     return r;
   }
 
   void evaluate(TriedTest& tried, bool parameters) const {
-    const Eigen::MatrixXd base = binned(tried.tables[0]);
+    const Eigen::MatrixXd base = binned(tried.tables[0], engine_.channels());
     std::vector<Eigen::MatrixXd> members;
     std::vector<Eigen::VectorXd> z;
     const auto whiten = [&](const Eigen::MatrixXd& x) { return fit_.noise.whiten(x, tried.kept, tried.missing); };
     for (std::size_t i = 1; i < tried.tables.size(); ++i) {
-      members.push_back(binned(tried.tables[i]) - base);
+      members.push_back(binned(tried.tables[i], engine_.channels()) - base);
       z.push_back(whiten(members.back()));
     }
     const Responses r = responses_in(tried, members, parameters);

@@ -26,11 +26,12 @@ ExperimentOutcome judge_experiment(const Engine& engine, const Window& window, c
   const Eigen::Index shared = std::ssize(responses.parameters) + fit.structural_scale.size();
   const auto count = static_cast<Eigen::Index>(members.size()) + 1;
   const auto stacked = [&](const Window& w, const Responses& r, const std::vector<bool>& kept) {
-    const Eigen::MatrixXd base = binned(engine.simulate(fitted_parameters, w.recording));
+    const Eigen::MatrixXd base = binned(engine.simulate(fitted_parameters, w.recording), engine.channels());
     const auto whiten = [&](const Eigen::MatrixXd& x) { return fit.noise.whiten(x, kept, w.measured); };
     std::vector<Eigen::VectorXd> columns;
     for (const sim::EffectChange& m : members) {
-      columns.push_back(whiten(binned(engine.simulate(with_member(fitted_parameters, m), w.recording)) - base));
+      columns.push_back(
+          whiten(binned(engine.simulate(with_member(fitted_parameters, m), w.recording), engine.channels()) - base));
     }
     columns.push_back(whiten(w.measured - base - fit.structural(r)));
     const Eigen::MatrixXd j = nuisance_directions(fit, r, kept, w.measured, nuisance);

@@ -95,7 +95,8 @@ class HeatInversion {
     for (int i = 0; i < rules_.refinements; ++i) {
       // What the pulses' sum does not know: slow masses, fan coils that switch, boxes that close, the days before.
       const MatrixXd heat = as_bins(solution_);
-      const MatrixXd real = binned(engine_.simulate(fitted_, heated(window_.recording, heat))) - base_;
+      const MatrixXd real =
+          binned(engine_.simulate(fitted_, heated(window_.recording, heat)), engine_.channels()) - base_;
       MatrixXd corrected = residual;
       corrected.leftCols(temps_) -= real.leftCols(temps_);
       solve(whitened(corrected) + response_to(solution_));
@@ -139,13 +140,13 @@ class HeatInversion {
     std::vector<Task> tasks{{fitted_, &window_.recording}};
     for (const sim::Recording& recording : recordings) tasks.push_back({fitted_, &recording});
     const auto tables = simulate_all(engine_, tasks, jobs_);
-    base_ = binned(tables[0]);
+    base_ = binned(tables[0], engine_.channels());
     std::size_t next = 1;
     pulses_.resize(rules_.pulse_hours.size());
     for (std::size_t phase = 0; phase < pulses_.size(); ++phase) {
       const Index first = bin_of_pulse(phase);
       for (Index zone = 0; zone < temps_; ++zone) {
-        const MatrixXd table = binned(tables[next++]);
+        const MatrixXd table = binned(tables[next++], engine_.channels());
         const Index n = std::min<Index>(memory_bins, table.rows() - first);
         MatrixXd response = MatrixXd::Zero(memory_bins, temps_);
         response.topRows(n) = (table.block(first, 0, n, temps_) - base_.block(first, 0, n, temps_)) / rules_.pulse_kw;

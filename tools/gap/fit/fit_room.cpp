@@ -155,7 +155,7 @@ std::vector<FittedParameter> fit_dials(sim::RcRoom& room, const Window& window, 
     for (Task& task : tasks) task.recording = &window.recording;
     for (std::size_t i = 0; i < 3; ++i) {
       const RcEngine engine(rooms[i]);
-      duty[i] = daily_duty(binned(simulate_all(engine, {tasks[i]}, jobs).front()), channels, first_day, days);
+      duty[i] = daily_duty(binned(simulate_all(engine, {tasks[i]}, jobs).front(), channels), channels, first_day, days);
     }
     runs += 6;
     for (std::size_t f = 0; f < n; ++f) {
@@ -355,7 +355,7 @@ RoomFit fit_room(const sim::RcRoom& start, const Window& window, const std::stri
   if (settings.progress) settings.progress(1);
 
   const auto residual_of = [&](const sim::RcRoom& room) -> Eigen::MatrixXd {
-    return window.measured - binned(sim::replay_rc(room, window.recording, channels.fcus > 0));
+    return window.measured - binned(sim::replay_rc(room, window.recording, channels.fcus > 0), channels);
   };
   const Eigen::MatrixXd before = residual_of(start), after = residual_of(out.room);
   const Eigen::Index first = bins_per_day, count = (fitted - 1) * bins_per_day, lock = fitted * bins_per_day;

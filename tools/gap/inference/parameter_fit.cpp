@@ -97,7 +97,7 @@ class FitEvaluator final : public ceres::EvaluationCallback {
   Eigen::MatrixXd run(const Eigen::VectorXd& at) const {
     Eigen::VectorXd values(at.size());
     for (Eigen::Index i = 0; i < at.size(); ++i) values(i) = parameter(i).value(at(i));
-    return binned(model_(values));
+    return binned(model_(values), channels_);
   }
 
   void count_run() {

@@ -80,7 +80,8 @@ std::vector<Parameter> parameters_about(const Engine& engine, const sim::Recordi
     steps.push_back((to - from) / sd);
   }
   const std::vector<sim::ChannelTable> tables = simulate_all(engine, tasks, jobs);
-  for (std::size_t i = 0; i < parameters.size(); ++i) parameters[i].response = (binned(tables[i]) - shown) / steps[i];
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    parameters[i].response = (binned(tables[i], engine.channels()) - shown) / steps[i];
   return parameters;
 }
 
@@ -128,7 +129,8 @@ ReferenceFit fit_reference(const Engine& engine, const Responses& responses, con
     // The step from where the residual stands, drawn to the prior's mean, not to the last estimate.
     fit.estimate = (fit.estimate + normal.solve(j.transpose() * r - fit.estimate)).cwiseMax(-8.0).cwiseMin(8.0);
     fit.covariance = normal.solve(Eigen::MatrixXd::Identity(count, count));
-    shown = binned(engine.simulate(changes_of(responses.parameters, fit.estimate), window.recording));
+    shown =
+        binned(engine.simulate(changes_of(responses.parameters, fit.estimate), window.recording), engine.channels());
     residual = window.measured - shown - fit.structural(responses);
   }
   fit.noise = noise_of(residual);

@@ -118,7 +118,7 @@ std::shared_ptr<const Tangent> Refitter::tangent_with(std::vector<Parameter> par
 }
 
 std::vector<Parameter> Refitter::parameters_at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const {
-  const Eigen::MatrixXd shown = binned(engine_.simulate(changes(chosen, moved), window_.recording));
+  const Eigen::MatrixXd shown = binned(engine_.simulate(changes(chosen, moved), window_.recording), engine_.channels());
   return parameters_about(engine_, window_.recording, responses_.parameters, fit_.estimate.head(moved.size()) + moved,
                           changes_of(chosen), shown, jobs_);
 }
@@ -148,7 +148,8 @@ Changes Refitter::changes_of(const std::vector<Chosen>& chosen) const {
 }
 
 Eigen::MatrixXd Refitter::residual_of(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const {
-  return window_.measured - binned(engine_.simulate(changes(chosen, moved), window_.recording)) - structural_;
+  return window_.measured - binned(engine_.simulate(changes(chosen, moved), window_.recording), engine_.channels()) -
+         structural_;
 }
 
 Eigen::MatrixXd Refitter::unmoved_residual(const std::vector<Chosen>& chosen) const {

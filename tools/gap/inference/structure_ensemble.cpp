@@ -20,7 +20,7 @@ std::vector<Eigen::MatrixXd> buildings_of(const Engine& engine, const ReferenceF
   if (std::ssize(responses.buildings) == rooms) return responses.buildings;
   if (engine.spares_runs()) return drawn_buildings(engine, {}, responses.base, recording, rooms, jobs);
   const Changes at = fit.changes();
-  return drawn_buildings(engine, at, binned(engine.simulate(at, recording)), recording, rooms, jobs);
+  return drawn_buildings(engine, at, binned(engine.simulate(at, recording), engine.channels()), recording, rooms, jobs);
 }
 
 /// e_i' (I + C_-i)^-1 e_i of each building, the mean; C_-i of all others. By their inner products alone:
@@ -49,7 +49,7 @@ std::vector<Eigen::MatrixXd> drawn_buildings(const Engine& engine, const Changes
   std::vector<Eigen::MatrixXd> buildings(static_cast<std::size_t>(rooms));
   std::mutex mutex;
   in_parallel(buildings.size(), jobs, [&](std::size_t i) {
-    buildings[i] = binned(engine.simulate_differing(first_seed + i, at, recording)) - shown;
+    buildings[i] = binned(engine.simulate_differing(first_seed + i, at, recording), engine.channels()) - shown;
     const std::lock_guard lock(mutex);
     if (done) done();
   });

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "hal/storage/digest64.hpp"
 #include "hal/text/input_error.hpp"
@@ -103,16 +104,36 @@ void find_own_objects(const Mapping& m, const NameFinder& find, sim::OwnNames& o
   }
 }
 
-void set_grain(const Mapping& m, sim::OwnNames& own) {
-  constexpr int bin_min = 30;
-  for (const MappedChannel& c : m.channels) {
-    const bool room = c.kind == MappedKind::room_temperature;
-    if (!room && c.kind != MappedKind::power) continue;
-    sim::OwnOutput& output = (room ? own.room_outputs : own.power_outputs)[m.place_of(c)];
-    output.title = c.column;
-    output.noise_floor = c.noise_floor;
-    if (c.mean && m.log.step_min > bin_min) output.mean_min = m.log.step_min;
+/// The column of a replay that a channel is compared with; none of outdoor air.
+std::optional<int> column_of(const Mapping& m, const MappedChannel& c, const sim::Channels& at) {
+  const int place = static_cast<int>(m.place_of(c));
+  switch (c.kind) {
+    case MappedKind::room_temperature: return place;
+    case MappedKind::preheated_temperature: return at.mau_temp();
+    case MappedKind::supply_temperature: return at.supply_temp();
+    case MappedKind::power: return at.power() + place;
+    case MappedKind::damper: return at.damper() + place;
+    case MappedKind::outdoor_temperature: break;
   }
+  return std::nullopt;
+}
+
+std::vector<sim::ChannelGrain> grain_of(const Mapping& m, const sim::OwnNames& own) {
+  constexpr int bin_min = 30;
+  sim::Channels at;
+  at.rooms = static_cast<int>(own.zones.size());
+  at.powers = static_cast<int>(own.powers.size());
+  at.dampers = static_cast<int>(own.terminals.size());
+  std::vector<sim::ChannelGrain> grain(static_cast<std::size_t>(at.count()));
+  for (const MappedChannel& c : m.channels) {
+    const auto column = column_of(m, c, at);
+    if (!column) continue;
+    sim::ChannelGrain& g = grain[static_cast<std::size_t>(*column)];
+    g.floor = c.noise_floor;
+    if (c.kind == MappedKind::room_temperature || c.kind == MappedKind::power) g.title = c.column;
+    if (m.log.step_min > bin_min) g.step_min = m.log.step_min, g.instants = !c.mean;
+  }
+  return grain;
 }
 
 }  // namespace
@@ -131,7 +152,7 @@ sim::OwnNames own_names_of(const Mapping& m, const json& model) {
   own.outdoor_measured = false;
   own.every_air_loop = m.air_loops.empty();
   find_own_objects(m, find, own);
-  set_grain(m, own);
+  own.grain = grain_of(m, own);
   if (!own.every_air_loop && own.supply_air_node.empty()) own.supply_air_node = outlet_of(m, model);
   if (const MappedCommand* setpoint = m.supply_setpoint()) own.supply_setpoint_schedule = find.schedule(*setpoint);
   for (const MappedCommand* command : m.further_commands()) own.commands.push_back(find.schedule(*command));

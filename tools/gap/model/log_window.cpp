@@ -118,7 +118,7 @@ Window window_of(std::span<const hal::LogRow> rows, const sim::Channels& channel
     }
     window.recording.rows.push_back(now);
   }
-  window.measured = binned(table);
+  window.measured = binned(table, channels);
   return window;
 }
 

@@ -52,8 +52,15 @@ std::vector<Eigen::Index> steps_of(const sim::Channels& channels, Eigen::Index d
   std::vector<Eigen::Index> steps(static_cast<std::size_t>(channels.count()), 1);
   std::fill(steps.begin() + channels.fcu_duty(), steps.end(), duty_bins);
   for (std::size_t c = 0; c < channels.grain.size(); ++c)
-    if (channels.grain[c].mean_min > bin_min) steps[c] = channels.grain[c].mean_min / bin_min;
+    if (channels.grain[c].step_min > bin_min) steps[c] = channels.grain[c].step_min / bin_min;
   return steps;
+}
+
+/// Rows that an instant of a channel stands for.
+Eigen::Index rows_held(const sim::Channels& channels, Eigen::Index column) {
+  if (channels.grain.empty()) return 1;
+  const sim::ChannelGrain& grain = channels.grain[static_cast<std::size_t>(column)];
+  return grain.instants ? std::max<Eigen::Index>(1, grain.step_min * 60LL / row_s) : 1;
 }
 
 /// NaN where nothing was measured.
@@ -85,16 +92,18 @@ Eigen::MatrixXd innovation_correlation(const Eigen::MatrixXd& innovation, const 
 
 }  // namespace
 
-Eigen::MatrixXd binned(const sim::ChannelTable& table) {
+Eigen::MatrixXd binned(const sim::ChannelTable& table, const sim::Channels& channels) {
   const Eigen::Index bins = table.rows() / rows_per_bin;
   Eigen::MatrixXd out = Eigen::MatrixXd::Constant(bins, table.cols(), std::numeric_limits<double>::quiet_NaN());
   for (Eigen::Index c = 0; c < table.cols(); ++c) {
+    const Eigen::Index held = rows_held(channels, c);
     for (Eigen::Index b = 0; b < bins; ++b) {
       double sum = 0;
       int count = 0;
       for (Eigen::Index r = b * rows_per_bin; r < (b + 1) * rows_per_bin; ++r) {
-        if (!std::isfinite(table(r, c))) continue;
-        sum += table(r, c);
+        const double x = table(r - r % held, c);
+        if (!std::isfinite(x)) continue;
+        sum += x;
         ++count;
       }
       if (count >= 3) out(b, c) = sum / count;

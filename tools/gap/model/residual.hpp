@@ -12,14 +12,16 @@ namespace airside::tools::gap {
 constexpr int rows_per_bin = 5;  ///< 30 min
 constexpr int bins_per_day = rows_per_day / rows_per_bin;
 
-/// Means of successive bins.  Shape: bins x channels.  NaN where fewer than three rows of a bin are numbers.
-Eigen::MatrixXd binned(const sim::ChannelTable& table);
+/// Means of successive bins. A channel whose log has instants more than half an hour apart holds each until the next:
+/// what lies between them was not measured.
+/// Shape: bins x channels. Row 0 is a midnight.  NaN where fewer than three rows of a bin are numbers.
+Eigen::MatrixXd binned(const sim::ChannelTable& table, const sim::Channels& channels);
 
 /// How the residual of a right model behaves, channel by channel: x_t = sum_i phi_i x_{t-i} + e_t, with innovations e
 /// that are correlated across channels and larger at the hours at which people come, go and move.
 /// A thermostat's duty is compared in means of 3 h: when within them a fan coil ran is a matter of chance, and a sum of
-/// squares of chance differs by more from one run to the next than effects gain. So is a channel whose log has means
-/// over more than half an hour: it is compared as it was measured.
+/// squares of chance differs by more from one run to the next than effects gain. So is a channel whose log has values
+/// more than half an hour apart: it is compared as it was measured.
 /// Source: docs/gap-workflow.md, "3. Reference period".
 class NoiseModel {
  public:

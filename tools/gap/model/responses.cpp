@@ -95,7 +95,8 @@ std::size_t simulated_runs(const Engine& engine, const Library& library) {
 }
 
 Eigen::MatrixXd shown_response(const Engine& engine, const sim::ChannelTable& base, const sim::EffectChange& change) {
-  return binned(sim::changed_sensors(base, engine.channels(), std::span(&change, 1))) - binned(base);
+  return binned(sim::changed_sensors(base, engine.channels(), std::span(&change, 1)), engine.channels()) -
+         binned(base, engine.channels());
 }
 
 Eigen::MatrixXd response_between_probes(const Library& library, const sim::EffectAt& at,
@@ -110,7 +111,7 @@ Responses simulate_responses(const Engine& engine, const Library& library, const
   const sim::ChannelTable base = engine.simulate({}, recording);
   if (done) done();
   Responses out;
-  out.base = binned(base);
+  out.base = binned(base, engine.channels());
   // Each change is either known from the base or a task; responses are put where they belong as tasks end.
   std::vector<Task> tasks;
   std::vector<Eigen::MatrixXd*> places;
@@ -125,7 +126,7 @@ Responses simulate_responses(const Engine& engine, const Library& library, const
   };
   const auto simulate = [&] {
     const std::vector<sim::ChannelTable> tables = simulate_all(engine, tasks, jobs, done);
-    for (std::size_t i = 0; i < tables.size(); ++i) *places[i] = binned(tables[i]) - out.base;
+    for (std::size_t i = 0; i < tables.size(); ++i) *places[i] = binned(tables[i], engine.channels()) - out.base;
     tasks.clear();
     places.clear();
   };

@@ -58,7 +58,7 @@ void weigh_energy(GapRun& run, const Engine& engine, const Eigen::MatrixXd& simu
     Changes fewer = run.after;
     fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(run.before.size() + i));
     const Eigen::MatrixXd without =
-        findings.size() == 1 ? simulated_before : binned(engine.simulate(fewer, test.recording));
+        findings.size() == 1 ? simulated_before : binned(engine.simulate(fewer, test.recording), engine.channels());
     run.energy.push_back(energy_of(findings[i], run.simulated_after, without, engine.channels()));
   }
 }
@@ -73,7 +73,8 @@ void simulate_curves(GapRun& run, const Engine& engine) {
   run.after = run.before;
   for (const Finding& f : run.verdict.findings) run.after.push_back({f.at, f.magnitude});
   const auto curve_of = [&](const Changes& changes) -> Eigen::MatrixXd {
-    return changes.empty() ? run.responses.test.base : binned(engine.simulate(changes, test.recording));
+    return changes.empty() ? run.responses.test.base
+                           : binned(engine.simulate(changes, test.recording), engine.channels());
   };
   const Eigen::MatrixXd simulated_before = curve_of(run.before);
   run.simulated_after = run.verdict.findings.empty() ? simulated_before : curve_of(run.after);
@@ -89,7 +90,7 @@ void simulate_suspicions(GapRun& run, const Engine& engine) {
   for (Suspicion& s : run.suspicions) {
     Changes changes = run.before;
     changes.push_back(s.tried.asked);
-    s.residual = test.measured - binned(engine.simulate(changes, test.recording));
+    s.residual = test.measured - binned(engine.simulate(changes, test.recording), engine.channels());
   }
 }
 
@@ -105,7 +106,8 @@ void explain(GapRun& run, const Engine& engine) {
     rules.nuisance = v.nulls.nuisance;
     rules.model_share = run.rules.magnitude_share;
     run.heat = reconstruct_heat(engine, test, v.fit, run.responses.test, fitted, run.request.jobs, rules);
-    const Eigen::MatrixXd with_heat = binned(engine.simulate(fitted, heated(test.recording, run.heat->heat_kw)));
+    const Eigen::MatrixXd with_heat =
+        binned(engine.simulate(fitted, heated(test.recording, run.heat->heat_kw)), engine.channels());
     run.meter_offsets = meter_offsets(test.measured - with_heat - v.fit.structural(run.responses.test), test.recording,
                                       engine.channels());
   }

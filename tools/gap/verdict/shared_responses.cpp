@@ -96,8 +96,9 @@ SharedResponses::Borrowed SharedResponses::borrowed(const Engine& engine, const 
   Borrowed out{responses_, command_digest(recording) == commands_};
   if (recording_digest(recording) == all_) return out;
   const sim::ChannelTable base = engine.simulate({}, recording);
-  if (binned(base).rows() != responses_.base.rows()) throw std::invalid_argument("responses of a window as long");
-  out.responses.base = binned(base);
+  if (binned(base, engine.channels()).rows() != responses_.base.rows())
+    throw std::invalid_argument("responses of a window as long");
+  out.responses.base = binned(base, engine.channels());
   for (Parameter& p : out.responses.parameters) {
     if (engine.only_shows(*p.at.effect))
       p.response = shown_response(engine, base, {p.at, p.at.effect->null_value + p.prior_sd});
@@ -120,7 +121,7 @@ void SharedResponses::again(const Engine& engine, const sim::Recording& recordin
   }
   const auto tables = simulate_all(engine, tasks, jobs);
   for (std::size_t k = 0; k < chosen.size(); ++k)
-    responses.candidates[chosen[k]].response = binned(tables[k]) - responses.base;
+    responses.candidates[chosen[k]].response = binned(tables[k], engine.channels()) - responses.base;
   for (Parameter& p : responses.parameters) {
     if (std::find(places.begin(), places.end(), p.at.id()) == places.end() || !engine.spares_runs()) continue;
     const Eigen::MatrixXd between = response_between_probes(library_, p.at, responses.candidates, engine.channels());
