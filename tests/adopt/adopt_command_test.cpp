@@ -49,8 +49,8 @@ TEST_F(AdoptCommand, WritesASiteAndLeavesItToItsOwner) {
       << "the loop is weak, and the coldest air holds its rooms best: " << said["advice"];
   EXPECT_EQ(said["autumn"]["constants"].size(), 4U);
   const auto names = names_in(folder_.path() / "site");
-  EXPECT_EQ(names, (std::set<std::string>{"site.toml", "points.csv", "model.epJSON", "twin.patch.json", "adopt.md",
-                                          said["weather"].get<std::string>()}));
+  EXPECT_EQ(names, (std::set<std::string>{"site.toml", "points.csv", "model.epJSON", "twin.patch.json", "map.toml",
+                                          "adopt.md", said["weather"].get<std::string>()}));
   std::ofstream(folder_.path() / "site" / "adopt.md") << "mine";
   const Outcome second = adopt(template_model);
   EXPECT_EQ(second.code, 1);

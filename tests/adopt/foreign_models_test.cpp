@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "adopt/foreign_models.hpp"
@@ -16,6 +17,7 @@
 #include "tools/adopt/adoption.hpp"
 #include "tools/adopt/advice.hpp"
 #include "tools/adopt/model/foreign_file.hpp"
+#include "tools/gap/map/mapped_model.hpp"
 #include "tools/run/site.hpp"
 
 namespace airside::tools {
@@ -50,7 +52,7 @@ const Building buildings[] = {
 
 /// The written files, read as the programs read them.
 void check_site(const Adoption& a, const std::filesystem::path& folder) {
-  for (const char* file : {"site.toml", "points.csv", "model.epJSON", "twin.patch.json", "adopt.md"})
+  for (const char* file : {"site.toml", "points.csv", "model.epJSON", "twin.patch.json", "map.toml", "adopt.md"})
     EXPECT_TRUE(std::filesystem::is_regular_file(folder / file)) << file;
   EXPECT_TRUE(std::filesystem::is_regular_file(folder / a.weather_name));
   const auto points = hal::PointMap::load((folder / "points.csv").string());
@@ -59,6 +61,11 @@ void check_site(const Adoption& a, const std::filesystem::path& folder) {
                                         sim::read_json(folder / "twin.patch.json"), "twin.patch.json");
   EXPECT_TRUE(sim::epjson_complaints(model, sim::find_energyplus().schema, {"model"}).empty());
   EXPECT_TRUE(model["Schedule:Constant"].contains(a.setpoint.schedule));
+  const gap::Mapping map = gap::read_mapping((folder / "map.toml").string());
+  const sim::OwnNames named = gap::own_names_of(map, model);
+  EXPECT_EQ(named.supply_setpoint_schedule, a.setpoint.schedule);
+  EXPECT_EQ(named.powers, a.choices.powers);
+  EXPECT_EQ(named.zones.size(), std::max(a.loop.terminals.size(), a.loop.fcu_zones.size()));
   const Site site = load_site((folder / "site.toml").string());
   EXPECT_EQ(site.counts.name, a.topology());
   const bool band = site.settings.objective == Objective::band;

@@ -221,6 +221,7 @@ void write_site(const Adoption& a, const json& model, const json& patch, const f
   write_text(staged.path() / "model.epJSON", model.dump(1) + "\n");
   write_text(staged.path() / "twin.patch.json", patch.dump(1) + "\n");
   write_text(staged.path() / "points.csv", adopted_points_text(a));
+  write_text(staged.path() / "map.toml", adopted_map_text(a));
   write_text(staged.path() / "adopt.md", adoption_page(a));
   std::error_code failed;
   fs::copy_file(weather, staged.path() / a.weather_name, fs::copy_options::overwrite_existing, failed);

@@ -48,8 +48,8 @@ struct Adoption {
   std::string topology() const;  ///< "5vav-0fcu-2power"
 };
 
-/// Adopts a model: model.epJSON, twin.patch.json, site.toml, points.csv, adopt.md and the weather appear in the folder,
-/// all or none.
+/// Adopts a model: model.epJSON, twin.patch.json, site.toml, points.csv, map.toml, adopt.md and the weather appear in
+/// the folder, all or none.
 /// Errors: hal::InputError for a model that cannot be adopted, a folder that has files already, weather that is absent
 ///   or not of a whole year.
 /// Cost: six runs of some days, 10 to 60 s; seven where the engine refuses hard sizes.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/log/log_csv.hpp"
 #include "hal/points/point_row.hpp"
 #include "tools/adopt/advice.hpp"
 
@@ -160,6 +161,47 @@ std::string adopted_site_text(const Adoption& a) {
       "control = \"own\"          # the model's own thermostats and terminals run\nstep_min = 6\n",
       quoted(a.weather_name));
   return text + names_table(a);
+}
+
+std::string adopted_map_text(const Adoption& a) {
+  std::string text = fmt::format(
+      "# First mapping of a log to the air loop {} of {}, written by `airside adopt`:\n"
+      "#   airside gap --map map.toml --measured log.csv --reference ref.csv -o gap-report\n"
+      "# The columns are those of the controller's own log. For another log name its columns, units and steps, and\n"
+      "# remove what it has not.\n",
+      site_name(a.loop.name), a.model_name);
+  text += fmt::format("\n[model]\nfile = \"model.epJSON\"\npatches = [\"twin.patch.json\"]\nair_loops = {}\n",
+                      list_of({a.loop.name}));
+  text += fmt::format("\n[weather]\nfile = {}\n\n[log]\ntime = \"time\"\nstep_min = 6\n", quoted(a.weather_name));
+  const auto channel = [&text](const std::string& column, const char* kind, const std::string& rest) {
+    text += fmt::format("\n[[channel]]\ncolumn = \"{}\"\nkind = \"{}\"\n{}", column, kind, rest);
+  };
+  const auto add = [&](SignalKind kind, std::size_t n, const char* word, const std::string& rest) {
+    channel(hal::column_of({kind, static_cast<int>(n)}), word, rest);
+  };
+  const auto& terminals = a.loop.terminals;
+  const auto zone_of = [](const std::string& zone) { return "zone = " + quoted(zone) + "\n"; };
+  for (std::size_t n = 0; n < terminals.size(); ++n)
+    add(SignalKind::room_temp, n + 1, "room_temperature", zone_of(terminals[n].zone));
+  for (std::size_t n = 0; n < a.loop.fcu_zones.size(); ++n) {
+    const std::string& zone = a.loop.fcu_zones[n];
+    if (std::ranges::none_of(terminals, [&zone](const LoopTerminal& t) { return t.zone == zone; }))
+      add(SignalKind::fcu_temp, n + 1, "room_temperature", zone_of(zone));
+  }
+  channel("supply_temp_degc", "supply_temperature", "key = " + quoted(a.loop.supply_outlet) + "\n");
+  if (a.loop.outdoor_air_treated)
+    add(SignalKind::mau_temp, 0, "preheated_temperature", "key = " + quoted(a.loop.outdoor_stream_node) + "\n");
+  add(SignalKind::outdoor_temp, 0, "outdoor_temperature", "");
+  for (std::size_t n = 0; n < a.choices.powers.size(); ++n)
+    add(SignalKind::power, n + 1, "power", "meter = " + quoted(a.choices.powers[n]) + "\n");
+  for (std::size_t n = 0; n < terminals.size(); ++n) {
+    if (terminals[n].damper)
+      channel(hal::column_of(hal::SideColumn{hal::SideSignal::damper, static_cast<int>(n) + 1}), "damper",
+              zone_of(terminals[n].zone) + "key = " + quoted(terminals[n].name) + "\n");
+  }
+  text += fmt::format("\n[[command]]\ncolumn = \"setpoint_degc\"\nkind = \"supply_setpoint\"\nschedule = {}\n",
+                      quoted(a.setpoint.schedule));
+  return text;
 }
 
 std::string adopted_points_text(const Adoption& a) {

@@ -13,6 +13,7 @@ namespace {
 
 const std::string whole = R"([model]
 file = "office.idf"
+patches = ["twin.patch.json"]
 zones = ["Perimeter_ZN_2"]
 [weather]
 file = "/weather/site.epw"
@@ -72,6 +73,7 @@ std::string complaint_with(const std::string& old, const std::string& now) {
 TEST(Mapping, SaysWhichColumnIsWhat) {
   const Mapping m = parse_mapping(whole, "m/map.toml");
   EXPECT_EQ(m.model, "m/office.idf");
+  EXPECT_EQ(m.patches, (std::vector<std::string>{"m/twin.patch.json"}));
   EXPECT_EQ(m.weather, "/weather/site.epw");
   EXPECT_EQ(m.zones, (std::vector<std::string>{"Core_ZN", "Perimeter_ZN_2"}));
   ASSERT_EQ(m.channels.size(), 4U);
@@ -104,7 +106,7 @@ TEST(Mapping, ComplaintsNameTheLineAndTheNearest) {
                 .find("did you mean \"supply_temperature\"?"),
             std::string::npos);
   const std::string unit = complaint_with("unit = \"degF\"", "unit = \"F\"");
-  EXPECT_EQ(unit.rfind("m/map.toml:12:1: channel[1].unit", 0), 0U) << unit;
+  EXPECT_EQ(unit.rfind("m/map.toml:13:1: channel[1].unit", 0), 0U) << unit;
   EXPECT_NE(unit.find("degC, degF, K"), std::string::npos) << unit;
   EXPECT_NE(complaint_with("noise_floor", "noise_flor").find("did you mean `noise_floor`?"), std::string::npos);
   EXPECT_NE(complaint("[model]\nfile = ").find("not TOML"), std::string::npos);

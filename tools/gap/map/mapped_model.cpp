@@ -12,6 +12,7 @@
 #include "sim/energyplus/adopted/model_index.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/rooms.hpp"
+#include "sim/json/json_file.hpp"
 #include "sim/json/merge_patch.hpp"
 #include "tools/adopt/loop/air_loop.hpp"
 #include "tools/adopt/model/foreign_file.hpp"
@@ -173,7 +174,9 @@ sim::EnergyPlusOptions mapped_options(const Mapping& m, const fs::path& model) {
 
 fs::path prepare_mapped_model(const Mapping& m, const fs::path& cache) {
   const sim::EnergyPlusInstall install = sim::find_energyplus();
-  const json content = read_foreign_model(m.model, install).content;
+  json content = read_foreign_model(m.model, install).content;
+  for (const std::string& patch : m.patches)
+    content = sim::merge_patched(std::move(content), sim::read_json(patch), patch);
   const std::string all = content.dump() + hal::read_text_file(m.path, "a mapping file in TOML") +
                           hal::read_text_file(m.weather, "an EPW file") + sim::version_of(install);
   const fs::path made =

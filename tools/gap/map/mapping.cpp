@@ -260,6 +260,7 @@ Mapping parse_mapping(std::string_view text, const std::string& path) {
   hal::TomlSection model = root.section("model");
   m.place = model.place("");
   m.model = seen_from(path, model.required_text("file", "office.idf"));
+  for (const std::string& patch : model.text_list("patches")) m.patches.push_back(seen_from(path, patch));
   const std::vector<std::string> further = model.text_list("zones");
   m.air_loops = model.text_list("air_loops");
   m.step_min = static_cast<int>(model.whole("step_min", 6, 3, 6));

@@ -65,6 +65,7 @@ struct MappedLog {
 struct Mapping {
   std::string path;  ///< of the file itself
   std::string model, weather, place;
+  std::vector<std::string> patches;    ///< merge patches on the model, in order
   std::vector<std::string> zones;      ///< that effects may be in, those with a room temperature first
   std::vector<std::string> air_loops;  ///< whose equipment they may change; empty: those of the zones
   int step_min = 6;                    ///< of the simulation
