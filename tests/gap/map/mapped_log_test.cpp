@@ -220,7 +220,7 @@ TEST(MappedLog, ALogMayHaveNoRoomAndNoSetpointButNotNothing) {
 TEST(NoiseModel, AnHourlyMeterIsComparedByTheHour) {
   sim::Channels channels{1, 0, 1};
   channels.grain.resize(static_cast<std::size_t>(channels.count()));
-  channels.grain[static_cast<std::size_t>(channels.power())] = {60, 0.3, "meter"};
+  channels.grain[static_cast<std::size_t>(channels.power())] = {60, false, 0.3, "meter"};
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(20 * bins_per_day, channels.count());
   for (Eigen::Index t = 0; t < x.rows(); ++t) {
     x(t, 0) = 0.1 * std::sin(static_cast<double>(t * t));
