@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,7 @@
 #include "adopt/template_model.hpp"
 #include "support/complaint.hpp"
 #include "support/program.hpp"
+#include "tools/gap/map/mapped_model.hpp"
 
 namespace airside::tools {
 namespace {
@@ -51,6 +53,9 @@ TEST_F(AdoptCommand, WritesASiteAndLeavesItToItsOwner) {
   const auto names = names_in(folder_.path() / "site");
   EXPECT_EQ(names, (std::set<std::string>{"site.toml", "points.csv", "model.epJSON", "twin.patch.json", "map.toml",
                                           "adopt.md", said["weather"].get<std::string>()}));
+  const gap::Mapping map = gap::read_mapping((folder_.path() / "site" / "map.toml").string());
+  EXPECT_TRUE(std::filesystem::exists(gap::prepare_mapped_model(map, scratch_.path() / "runs")))
+      << "the engine shows what the first mapping names";
   std::ofstream(folder_.path() / "site" / "adopt.md") << "mine";
   const Outcome second = adopt(template_model);
   EXPECT_EQ(second.code, 1);
