@@ -62,7 +62,7 @@ TEST(Binned, HoldsInstantsOfAnHourUntilTheNextAndComparesNothingBetweenThem) {
   for (Eigen::Index c = 0; c < table.cols(); ++c) table.col(c) = Eigen::VectorXd::LinSpaced(20, 0, 19);
   const Eigen::MatrixXd bins = binned(table, channels);
   EXPECT_EQ(bins.col(0), Eigen::Vector4d(0, 0, 10, 10));
-  EXPECT_EQ(bins.col(channels.power()), Eigen::Vector4d(2, 7, 12, 17)) << "means of an hour are those of its rows";
+  EXPECT_EQ(bins.col(channels.power()), Eigen::Vector4d(3, 8, 13, 17.5)) << "the row at 0:30 ends the first half hour";
   table(10, 0) = missing_value;
   EXPECT_TRUE(std::isnan(binned(table, channels)(2, 0))) << "what lies between two instants stands for neither";
 }

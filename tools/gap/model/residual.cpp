@@ -63,6 +63,13 @@ Eigen::Index rows_held(const sim::Channels& channels, Eigen::Index column) {
   return grain.instants ? std::max<Eigen::Index>(1, grain.step_min * 60LL / row_s) : 1;
 }
 
+/// A row shows the 6 min that end at its time, so a mean over an hour begins one row after the hour.
+Eigen::Index rows_late(const sim::Channels& channels, Eigen::Index column) {
+  if (channels.grain.empty()) return 0;
+  const sim::ChannelGrain& grain = channels.grain[static_cast<std::size_t>(column)];
+  return grain.step_min > 0 && !grain.instants ? 1 : 0;
+}
+
 /// NaN where nothing was measured.
 Eigen::MatrixXd known(const Eigen::MatrixXd& x, const Eigen::MatrixXd& measured) {
   return (measured.array().isFinite()).select(x, std::numeric_limits<double>::quiet_NaN());
@@ -96,11 +103,12 @@ Eigen::MatrixXd binned(const sim::ChannelTable& table, const sim::Channels& chan
   const Eigen::Index bins = table.rows() / rows_per_bin;
   Eigen::MatrixXd out = Eigen::MatrixXd::Constant(bins, table.cols(), std::numeric_limits<double>::quiet_NaN());
   for (Eigen::Index c = 0; c < table.cols(); ++c) {
-    const Eigen::Index held = rows_held(channels, c);
+    const Eigen::Index held = rows_held(channels, c), late = rows_late(channels, c);
     for (Eigen::Index b = 0; b < bins; ++b) {
       double sum = 0;
       int count = 0;
-      for (Eigen::Index r = b * rows_per_bin; r < (b + 1) * rows_per_bin; ++r) {
+      const Eigen::Index first = b * rows_per_bin + late;
+      for (Eigen::Index r = first; r < std::min(first + rows_per_bin, table.rows()); ++r) {
         const double x = table(r - r % held, c);
         if (!std::isfinite(x)) continue;
         sum += x;

@@ -13,7 +13,8 @@ constexpr int rows_per_bin = 5;  ///< 30 min
 constexpr int bins_per_day = rows_per_day / rows_per_bin;
 
 /// Means of successive bins. A channel whose log has instants more than half an hour apart holds each until the next:
-/// what lies between them was not measured.
+/// what lies between them was not measured. Of one with means over hours a bin is the half hour itself, the row at its
+/// end included.
 /// Shape: bins x channels. Row 0 is a midnight.  NaN where fewer than three rows of a bin are numbers.
 Eigen::MatrixXd binned(const sim::ChannelTable& table, const sim::Channels& channels);
 
