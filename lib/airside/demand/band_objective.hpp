@@ -160,7 +160,7 @@ class BandObjective {
   }
 
   bool is_hot(const DemandReading& at) const { return night_.is_hot(mean_of_seen(at.zones, at.zones.temp_degc)); }
-  /// What doubt counts against leaving: the schedule; where it is hot the coldest air, since nothing but the plant
+  /// What doubt counts against leaving: the schedule; where it is hot the coldest air, since little but the plant
   /// cools.
   double trusted_degc(const DemandReading& at, const DemandChoice& c) const {
     return is_hot(at) ? c.min_degc : std::clamp(c.schedule_degc, c.min_degc, c.max_degc);
