@@ -78,6 +78,12 @@ RcNetwork::RcNetwork(const RcRoom& room) {
                           "2 s or more", "raise its heat capacity or lower its flows");
   }
   dt_s = static_cast<double>(RcPlant::step_s) / inner_steps;
+  for (Zone& zone : zones) {
+    zone.air_k_w = dt_s / zone.air_j_k;
+    zone.mass_k_w = dt_s / zone.mass_j_k;
+    zone.wall_k_w = dt_s / zone.wall_j_k;
+    zone.deep_k_w = dt_s / zone.deep_j_k;
+  }
   supply_share = 1 - std::exp(-dt_s / room.supply_lag_s);
   const auto share_of = [this](double lag_s) { return lag_s > 0 ? 1 - std::exp(-dt_s / lag_s) : 1; };
   sensor_share = share_of(room.room_sensor_lag_s);

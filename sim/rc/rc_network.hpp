@@ -20,6 +20,7 @@ struct RcNetwork {
   };
   struct Zone {
     double air_j_k, mass_j_k, wall_j_k;
+    double air_k_w, mass_k_w, wall_k_w, deep_k_w;  // an inner step's rise per W
     double mass_w_k, wall_w_k, window_w_k, neighbour_w_k, mau_w_k;
     double infiltration_w_k_ach;  // per air change an hour
     double door_w_k_ach;          // the same of an open door

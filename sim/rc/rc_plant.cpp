@@ -39,6 +39,7 @@ RcPlant::RcPlant(RcRoom room, std::shared_ptr<const Weather> weather, CivilTime 
   wall_degc_.assign(zones, 27.0);
   deep_degc_.assign(zones, 25.0);
   wall_sun_k_.assign(zones, 0.0);
+  sun_w_ = sol_air_k_ = wall_sun_k_;
   sensed_degc_.assign(zones, 25.0);
   flux_w_.assign(zones, 0.0);
   vav_w_k_.assign(static_cast<std::size_t>(room_->vavs), 0.0);
@@ -66,7 +67,7 @@ void RcPlant::update_disturbance() {
   }
   const RcRoom& room = *room_;
   const double outdoor = disturbance_.weather.outdoor_temp_degc;
-  water_drift_k_ = room.chilled_water_drift_k_k * std::max(0.0, outdoor - 26);
+  water_k_ = room.chilled_water_offset_k + room.chilled_water_drift_k_k * std::max(0.0, outdoor - 26);
   const double mau_w_k = room.outdoor_air_m3_s * RcNetwork::air_j_m3k;
   mau_degc_ = std::min(disturbance_.mau_setpoint_degc, outdoor);
   if (mau_w_k <= 0) {
@@ -166,7 +167,9 @@ void RcPlant::cool_supply() {
   double returned = 0;
   for (std::size_t v = 0; v < vavs; ++v) returned += vav_w_k_[v] * air_degc_[v];
   returned /= ahu_w_k_ * (1 - room.duct_leak_share);
-  for (std::size_t v = 0; v < vavs; ++v) returned += room.plenum_gain_share * disturbance_.gain_w[v] / ahu_w_k_;
+  if (room.plenum_gain_share > 0) {
+    for (std::size_t v = 0; v < vavs; ++v) returned += room.plenum_gain_share * disturbance_.gain_w[v] / ahu_w_k_;
+  }
   const double oa_w_k = std::min(ahu_w_k_, room.outdoor_air_m3_s * (1 - room.mau_room_share) * RcNetwork::air_j_m3k);
   const double mixed =
       returned + oa_w_k / ahu_w_k_ * (mau_degc_ - returned) + 1000 * fan_kw_ * room.fan_heat_share / ahu_w_k_;
@@ -175,11 +178,25 @@ void RcPlant::cool_supply() {
   const double latent_kw = room.coil_latent_w_per_gkg_m3s * wet_g_kg * flow_m3_s / 1000;
   const double sensible_kw = std::max(0.1, room.coil_capacity_kw * (1 - room.coil_fouling) - latent_kw);
   const double coldest =
-      std::max(room.chilled_water_degc + room.coil_approach_k + water_drift_k_, mixed - 1000 * sensible_kw / ahu_w_k_);
+      std::max(room.chilled_water_degc + room.coil_approach_k + water_k_, mixed - 1000 * sensible_kw / ahu_w_k_);
   const double wanted = setpoint_degc_ - room.supply_sensor_offset_k;
   const double target = std::min(std::max(wanted, coldest), mixed);
   supply_degc_ += network.supply_share * (target - supply_degc_);
   coil_load_kw_ += (std::max(0.0, ahu_w_k_ * (mixed - supply_degc_) / 1000) + latent_kw) / network.inner_steps;
+}
+
+/// The sun on windows and walls, which is constant over a step.
+void RcPlant::update_sun() {
+  for (std::size_t z = 0; z < network_->zones.size(); ++z) {
+    const RcNetwork::Zone& zone = network_->zones[z];
+    double sun_w = 0, wall_sun_w_m2 = 0;
+    for (std::size_t f = 0; f < facades; ++f) {
+      sun_w += zone.window_m2_shgc[f] * disturbance_.facade_w_m2[f];
+      wall_sun_w_m2 += zone.wall_m2_share[f] * disturbance_.facade_w_m2[f];
+    }
+    sun_w_[z] = sun_w;
+    sol_air_k_[z] = zone.wall_sun_k_m2_w * wall_sun_w_m2;
+  }
 }
 
 /// Flows between zones.
@@ -192,13 +209,14 @@ void RcPlant::mix_zones() {
   }
 }
 
-void RcPlant::inner_step(double dt_s) {
+void RcPlant::inner_step() {
   const RcRoom& room = *room_;
   const RcNetwork& network = *network_;
   const std::size_t zones = air_degc_.size(), vavs = vav_w_k_.size();
   const WeatherRecord& weather = disturbance_.weather;
   const double outdoor = weather.outdoor_temp_degc;
-  const double to_kj = dt_s / 1000;
+  const double to_kj = network.dt_s / 1000;
+  double stored_j = 0;
 
   cool_supply();
   duct_degc_ += network.duct_share * (supply_degc_ - duct_degc_);
@@ -210,11 +228,7 @@ void RcPlant::inner_step(double dt_s) {
     const double air = air_degc_[z];
     const double ach = room.infiltration_ach + room.infiltration_wind_ach_s_m * std::min(30.0, weather.wind_speed_m_s) +
                        room.infiltration_stack_ach_k * std::min(40.0, std::fabs(outdoor - air));
-    double sun_w = 0, wall_sun_w_m2 = 0;
-    for (std::size_t f = 0; f < facades; ++f) {
-      sun_w += zone.window_m2_shgc[f] * disturbance_.facade_w_m2[f];
-      wall_sun_w_m2 += zone.wall_m2_share[f] * disturbance_.facade_w_m2[f];
-    }
+    const double sun_w = sun_w_[z];
     const double plenum_share = z < vavs && ahu_w_k_ > 1 ? room.plenum_gain_share : 0;
     const double gain_w = disturbance_.gain_w[z] * (1 - plenum_share);
     const double heat_w = heat_w_.empty() ? 0 : heat_w_[z];
@@ -225,9 +239,9 @@ void RcPlant::inner_step(double dt_s) {
     const double neighbour_w = zone.neighbour_w_k * (room.neighbour_temp_degc - air);
     const double mau_w = zone.mau_w_k * (mau_degc_ - air);
     const double radiant_w = room.gain_radiant_share * gain_w + room.solar_to_mass_share * sun_w;
-    const double sun_k = zone.wall_sun_k_m2_w * wall_sun_w_m2;
-    wall_sun_k_[z] =
-        network.wall_sun_share < 1 ? wall_sun_k_[z] + network.wall_sun_share * (sun_k - wall_sun_k_[z]) : sun_k;
+    wall_sun_k_[z] = network.wall_sun_share < 1
+                         ? wall_sun_k_[z] + network.wall_sun_share * (sol_air_k_[z] - wall_sun_k_[z])
+                         : sol_air_k_[z];
     const double skin_degc = outdoor + wall_sun_k_[z] - room.rain_wall_drop_k * weather.rain;
     const double skin_w = zone.wall_w_k * (skin_degc - wall_degc_[z]);
     double cooled_w = 0;
@@ -239,7 +253,7 @@ void RcPlant::inner_step(double dt_s) {
       const double runs = room.fcu_forced[f] > 0 ? 1 : room.fcu_forced[f] < 0 ? 0 : fcu_on_[f];
       fcu_cold_[f] = network.fcu_coil_share < 1 ? fcu_cold_[f] + network.fcu_coil_share * (runs - fcu_cold_[f]) : runs;
       cooled_w = -fcu_cold_[f] * room.fcu_flow_m3_s[f] * room.fcu_capacity_factor[f] * RcNetwork::air_j_m3k *
-                 std::max(0.0, air - (room.fcu_supply_degc + water_drift_k_));
+                 std::max(0.0, air - (room.fcu_supply_degc + water_k_));
       fcu_duty_[f] += runs / network.inner_steps;
       fcu_load_kw_ -= cooled_w / 1000 / network.inner_steps;
       energy_.fcu_kj += cooled_w * to_kj;
@@ -250,23 +264,22 @@ void RcPlant::inner_step(double dt_s) {
     energy_.neighbour_kj += neighbour_w * to_kj;
     energy_.mau_kj += mau_w * to_kj;
 
-    const double air_k =
-        dt_s / zone.air_j_k *
-        (flux_w_[z] + mass_w + wall_w + out_w + neighbour_w + mau_w + cooled_w + gain_w + heat_w + sun_w - radiant_w);
+    const double air_k = zone.air_k_w * (flux_w_[z] + mass_w + wall_w + out_w + neighbour_w + mau_w + cooled_w +
+                                         gain_w + heat_w + sun_w - radiant_w);
     const double deep_w = zone.deep_w_k * (deep_degc_[z] - mass_degc_[z]);
-    const double mass_k = dt_s / zone.mass_j_k * (radiant_w - mass_w + deep_w);
-    const double deep_k = -dt_s / zone.deep_j_k * deep_w;
-    const double wall_k = dt_s / zone.wall_j_k * (skin_w - wall_w);
+    const double mass_k = zone.mass_k_w * (radiant_w - mass_w + deep_w);
+    const double deep_k = -zone.deep_k_w * deep_w;
+    const double wall_k = zone.wall_k_w * (skin_w - wall_w);
     air_degc_[z] += air_k;
     mass_degc_[z] += mass_k;
     wall_degc_[z] += wall_k;
     deep_degc_[z] += deep_k;
-    energy_.stored_kj +=
-        (air_k * zone.air_j_k + mass_k * zone.mass_j_k + wall_k * zone.wall_j_k + deep_k * zone.deep_j_k) / 1000;
+    stored_j += air_k * zone.air_j_k + mass_k * zone.mass_j_k + wall_k * zone.wall_j_k + deep_k * zone.deep_j_k;
     const double felt =
         z < vavs ? air_degc_[z] + room.room_sensor_jet_share[z] * (blown_degc - air_degc_[z]) : air_degc_[z];
     sensed_degc_[z] += network.sensor_share * (felt - sensed_degc_[z]);
   }
+  energy_.stored_kj += stored_j / 1000;
 }
 
 void RcPlant::update_power() {
@@ -277,7 +290,7 @@ void RcPlant::update_power() {
   const double load = nominal_w_k > 0 ? ahu_w_k_ / nominal_w_k : 0;
   fan_kw_ = room.ahu_fan_kw * load * load;
   const double fcu_fans_kw = room.fcu_fan_kw * std::accumulate(fcu_duty_.begin(), fcu_duty_.end(), 0.0);
-  const double warm_water = 1 + 0.03 * water_drift_k_;  // a chiller likes warm water, 3 % a K
+  const double warm_water = 1 + 0.03 * water_k_;  // a chiller likes warm water, 3 % a K
   const double cop = warm_water * std::max(1.0, room.chiller_cop + room.chiller_cop_per_k *
                                                                        (disturbance_.weather.outdoor_temp_degc - 30));
   const double cooling_kw = coil_load_kw_ + mau_load_kw_ + fcu_load_kw_;
@@ -334,13 +347,14 @@ void RcPlant::read_sensors() {
 
 void RcPlant::step() {
   coil_load_kw_ = fcu_load_kw_ = 0;
+  update_sun();
   std::fill(fcu_duty_.begin(), fcu_duty_.end(), 0.0);
   for (int i = 0; i < network_->inner_steps; ++i) {
     if (i > 0) {
       update_thermostats();
       obey_commands();
     }
-    inner_step(network_->dt_s);
+    inner_step();
   }
   now_.seconds += step_s;
   update_disturbance();

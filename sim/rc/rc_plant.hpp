@@ -98,8 +98,9 @@ class RcPlant final : public PlantModel {
 
   void step();
   void cool_supply();
+  void update_sun();
   void mix_zones();
-  void inner_step(double dt_s);
+  void inner_step();
   void update_disturbance();
   void obey_recording();
   void obey_commands();
@@ -124,13 +125,14 @@ class RcPlant final : public PlantModel {
 
   std::vector<double> air_degc_, mass_degc_, wall_degc_, deep_degc_, sensed_degc_, flux_w_;
   std::vector<double> wall_sun_k_;                     // what the sun adds to a wall's skin
+  std::vector<double> sun_w_, sol_air_k_;              // through windows; what a skin without inertia has
   std::vector<double> vav_w_k_;                        // capacity flow of each box that reaches its zone
   std::vector<double> heat_w_;                         // zone; of set_zone_heat; empty: none
   std::vector<double> fcu_on_, fcu_duty_, fcu_cold_;   // cold: 0..1, how far its coil is
   std::vector<double> vav_commanded_, fcu_commanded_;  // of command(); empty: none
   double ahu_w_k_ = 0;                                 // capacity flow through the AHU coil
   double setpoint_degc_, supply_degc_, duct_degc_, mau_degc_ = 18;
-  double water_drift_k_ = 0;  // of the chilled water
+  double water_k_ = 0;  // warmer chilled water
   double coil_load_kw_ = 0, mau_load_kw_ = 0, fcu_load_kw_ = 0;
   double fan_kw_ = 0, chiller_kw_ = 0;
   RcEnergy energy_;

@@ -94,6 +94,7 @@ struct RcRoom {
   double coil_fouling = 0;                             ///< share of capacity lost
   double coil_latent_w_per_gkg_m3s = 1500;             ///< latent load: a g/kg of moisture removed and m3/s
   double chilled_water_degc = 7, coil_approach_k = 4;  ///< supply is never below their sum
+  double chilled_water_offset_k = 0;                   ///< warmer by this always; fan coils feel it too
   double chilled_water_drift_k_k = 0;                  ///< warmer a K of outdoors above 26 degC; fan coils feel it too
   double ahu_stop_from_h = 0, ahu_stop_to_h = 0;       ///< the AHU rests between these hours; equal: never
   double outdoor_air_m3_s = 0.36;

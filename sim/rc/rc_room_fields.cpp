@@ -101,6 +101,7 @@ constexpr std::array fields = {
     AIRSIDE_ONCE(coil_latent_w_per_gkg_m3s, 0, 5000),
     AIRSIDE_ONCE(chilled_water_degc, 2, 20),
     AIRSIDE_ONCE(coil_approach_k, 0, 15),
+    AIRSIDE_ONCE(chilled_water_offset_k, -10, 15),
     AIRSIDE_ONCE(chilled_water_drift_k_k, -1, 2),
     AIRSIDE_ONCE(ahu_stop_from_h, 0, 24),
     AIRSIDE_ONCE(ahu_stop_to_h, 0, 24),

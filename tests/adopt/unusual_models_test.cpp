@@ -67,7 +67,7 @@ TEST(UnusualModel, ManagerAtTheOutletIsReplacedAndTheCoilsFollow) {
   EXPECT_EQ(managers_of(model, "MAU Coil Outlet"), std::vector<std::string>{"SetpointManager:Scheduled / MAU Setpoint"})
       << "a preheat or make-up air coil keeps its own setpoint";
   EXPECT_EQ(managers_of(model, "ChW Supply Outlet"),
-            std::vector<std::string>{"SetpointManager:Scheduled / Chilled Water Setpoint"});
+            std::vector<std::string>{"SetpointManager:OutdoorAirReset / "});
 }
 
 TEST(UnusualModel, TwoManagersAtTheOutletAreBothReplaced) {

@@ -32,9 +32,11 @@ const EnergyPlusRoom& room(bool feedback) {
 }
 
 const std::vector<Hidden>& outside() {
-  static const std::vector<Hidden> list{{"fcu_dial", -1, 1.5},        {"odd_heater", 7, 1500},
-                                        {"escape_door", 8, 8},        {"chilled_water_drift", -1, 0.6},
-                                        {"ahu_time_switch", -1, 2.5}, {"pump_power", -1, 2}};
+  static const std::vector<Hidden> list{{"fcu_dial", -1, 1.5},
+                                        {"odd_heater", 7, 1500},
+                                        {"escape_door", 8, 8},
+                                        {"ahu_time_switch", -1, 2.5},
+                                        {"hot_gas_bypass", -1, 0.4}};
   return list;
 }
 

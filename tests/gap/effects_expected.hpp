@@ -52,6 +52,8 @@ struct ExpectedSign {
 
 /// Places are 0-based; façades: 1 east, 2 south, 3 west; zones: 0 interior, 6 perimeter.
 inline constexpr ExpectedSign expected_signs[] = {
+    {"chilled_water", 0, Shown::supply, 1},
+    {"chilled_water_drift", 0, Shown::fcu, 1},
     {"chiller_cop", 0, Shown::chiller, -1},
     {"clock_shift", 0, Shown::fcu, 0},
     {"clock_shift", 0, Shown::room, 0},
@@ -93,6 +95,7 @@ inline constexpr ExpectedSign expected_signs[] = {
     {"occupancy_shift", 0, Shown::room, 0},
     {"outdoor_air_flow", 0, Shown::chiller, 1},
     {"outdoor_sensor_bias", 0, Shown::fcu, -1},
+    {"pump_power", 0, Shown::chiller, 1},
     {"rain_cooling", 0, Shown::fcu, -1},
     {"room_sensor_bias", 2, Shown::room, 1},
     {"room_sensor_drift", 2, Shown::room, 1},

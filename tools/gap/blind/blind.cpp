@@ -62,13 +62,11 @@ bool hide_outside(sim::RcRoom& room, const Hidden& h) {
     entry_at(room.heater_w, h.place) = m;
   else if (h.effect == "escape_door")
     entry_at(room.door_ach, h.place) = m;
-  else if (h.effect == "chilled_water_drift")
-    room.chilled_water_drift_k_k = m;
   else if (h.effect == "ahu_time_switch") {
     room.ahu_stop_from_h = 1.5;
     room.ahu_stop_to_h = 1.5 + m;
-  } else if (h.effect == "pump_power")
-    room.pump_kw *= m;
+  } else if (h.effect == "hot_gas_bypass")
+    room.chiller_min_load_kw = m * room.chiller_full_load_kw;
   else
     return false;
   return true;
@@ -91,8 +89,8 @@ double* shown_value(sim::Sensors& s, const std::string& field) {
 }  // namespace
 
 const std::vector<std::string>& outside_kinds() {
-  static const std::vector<std::string> kinds{"fcu_dial",        "odd_heater", "escape_door", "chilled_water_drift",
-                                              "ahu_time_switch", "pump_power"};
+  static const std::vector<std::string> kinds{"fcu_dial", "odd_heater", "escape_door", "ahu_time_switch",
+                                              "hot_gas_bypass"};
   return kinds;
 }
 

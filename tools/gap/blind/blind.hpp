@@ -29,9 +29,8 @@ struct Hidden {
 ///   fcu_dial              the dial of a fan coil's thermostat, K
 ///   odd_heater            a heater in one zone that switches by itself in the evening and at night, W
 ///   escape_door           a door of one zone to the outside stands open for some hours of some days, 1/h
-///   chilled_water_drift   chilled water gets warmer with outdoor temperature, K a K above 26 degC
 ///   ahu_time_switch       the AHU rests for some hours of every night, h from 1:30 on
-///   pump_power            factor on the chilled-water pump's power
+///   hot_gas_bypass        the chiller takes power as at this share of full load where there is less load
 const std::vector<std::string>& outside_kinds();
 
 /// How the measured room is run.

@@ -147,9 +147,8 @@ class CaseDrawing {
     if (kind == "fcu_dial") h.magnitude = sign * between(1.2, 2.0);
     if (kind == "odd_heater") h.magnitude = between(900, 1800);
     if (kind == "escape_door") h.magnitude = between(5, 10);
-    if (kind == "chilled_water_drift") h.magnitude = between(0.4, 0.8);
     if (kind == "ahu_time_switch") h.magnitude = between(1.5, 3.5);
-    if (kind == "pump_power") h.magnitude = between(1.6, 2.4);
+    if (kind == "hot_gas_bypass") h.magnitude = between(0.3, 0.5);
     return h;
   }
 

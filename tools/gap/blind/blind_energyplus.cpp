@@ -211,23 +211,15 @@ bool hide_outside(EnergyPlusRoom& room, const Hidden& h, std::uint64_t seed) {
         {"design_flow_rate_calculation_method", "AirChanges/Hour"},
         {"air_changes_per_hour", m},
         {"ventilation_type", "Natural"}};
-  } else if (h.effect == "chilled_water_drift") {
-    model["SetpointManager:Scheduled"].erase("Chilled Water Setpoint Manager");
-    model["SetpointManager:OutdoorAirReset"]["Chilled Water Setpoint Manager"] = {
-        {"control_variable", "Temperature"}, {"setpoint_at_outdoor_low_temperature", 7},
-        {"outdoor_low_temperature", 26},     {"setpoint_at_outdoor_high_temperature", 7 + 10 * m},
-        {"outdoor_high_temperature", 36},    {"setpoint_node_or_nodelist_name", "ChW Supply Setpoint Nodes"}};
   } else if (h.effect == "ahu_time_switch") {
     const int until = 90 + 3 * static_cast<int>(std::lround(20 * m));
     model["Schedule:Constant"].erase("AHU On");
     model["Schedule:Compact"]["AHU On"] =
         compact_schedule({"Through: 12/31", "For: AllDays", "Until: 01:30", 1,
                           fmt::format("Until: {:02}:{:02}", until / 60, until % 60), 0, "Until: 24:00", 1});
-  } else if (h.effect == "pump_power") {
-    sim::each_object(model, "Pump:ConstantSpeed", [m](const auto&, Json& pump) {
-      sim::scale_field(pump, "design_power_consumption", m);
-      sim::scale_field(pump, "design_pump_head", m);
-    });
+  } else if (h.effect == "hot_gas_bypass") {
+    sim::each_object(model, "Chiller:Electric:EIR",
+                     [m](const auto&, Json& chiller) { chiller["minimum_unloading_ratio"] = m; });
   } else {
     return false;
   }
