@@ -125,7 +125,7 @@ OwnParts own_parts(const nlohmann::json& model, const OwnNames& names) {
 
 ModelObject find_command_schedule(const nlohmann::json& model, const std::string& name) {
   const ModelIndex index(model);
-  for (const char* type : {"Schedule:Constant", "Schedule:Compact", "Schedule:Year", "Schedule:File"}) {
+  for (const char* type : command_schedule_types) {
     const ModelObject found = index.find(type, name);
     if (found.fields != nullptr) return found;
   }

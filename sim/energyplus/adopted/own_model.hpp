@@ -33,8 +33,9 @@ struct OwnNames {
   std::vector<OwnOutput> room_outputs, power_outputs;  ///< one a room and a power, or none
   std::vector<std::string> commands;                   ///< schedules that follow the record's commands
   std::vector<ChannelGrain> grain;                     ///< one a column of a replay, or none
-  bool every_air_loop = false;   ///< equipment is that of all loops with these zones, not of supply_air_node's alone
-  bool outdoor_measured = true;  ///< else the weather file's temperature is all there is
+  bool every_air_loop = false;  ///< equipment is that of all loops with these zones, not of supply_air_node's alone
+  std::vector<std::string> air_loops;  ///< or of these loops
+  bool outdoor_measured = true;        ///< else the weather file's temperature is all there is
 };
 
 /// What follows from the names and the model.
@@ -51,7 +52,11 @@ std::vector<hal::InputError> missing_own_names(const nlohmann::json& model, cons
 /// Finds the parts; a name that missing_own_names() would refuse has none.
 OwnParts own_parts(const nlohmann::json& model, const OwnNames& names);
 
-/// A schedule of a kind that a record's commands can take the place of, by its name; `fields` is null where the model
+/// Whose place a record's commands can take.
+inline constexpr const char* command_schedule_types[] = {"Schedule:Constant", "Schedule:Compact", "Schedule:Year",
+                                                         "Schedule:File"};
+
+/// A schedule of command_schedule_types, by its name; `fields` is null where the model
 /// has none.
 ModelObject find_command_schedule(const nlohmann::json& model, const std::string& name);
 

@@ -57,7 +57,8 @@ class OwnersDesk {
       const std::string name = zone == logged_zones[0] ? core : zone;
       out << fmt::format("[[channel]]\ncolumn = \"{} F\"\nzone = \"{}\"\nunit = \"degF\"\n", zone, name);
     }
-    out << fmt::format("[[channel]]\ncolumn = \"kWh\"\nkind = \"power\"\nmeter = \"{}\"\nunit = \"kWh\"\n", meter);
+    const std::string object = meter.starts_with('[') ? "meters = " + meter : "meter = \"" + meter + "\"";
+    out << "[[channel]]\ncolumn = \"kWh\"\nkind = \"power\"\nunit = \"kWh\"\n" << object << "\n";
     out << more;
   }
 
@@ -156,12 +157,15 @@ TEST(MappedModel, ThreeTemperaturesAndOneMeterByTheHourFindAWornFan) {
 TEST(MappedModel, ALogInWhichNothingIsHiddenGetsNoName) {
   AIRSIDE_NEEDS_FOREIGN_MODELS();
   const OwnersDesk desk;
+  desk.write_map(R"(["Fans:Electricity", "Cooling:Electricity"])", "Core_ZN");  // in July there is nothing else
   desk.simulate(desk.model(), 5, 1, "reference.csv");
   desk.simulate(desk.model(), 14, 3, "quiet.csv");
   const Outcome nothing = desk.gap("quiet.csv");
   ASSERT_EQ(nothing.code, 0) << nothing.err;
   const json quiet = sim::read_json(desk.path("out") / "gap.json");
   EXPECT_NE(quiet["verdict"], "named") << quiet["sentence"];
+  const double missed_kw = quiet["locked_days"]["given"]["power_rmse_kw"];
+  EXPECT_LT(missed_kw, 0.05) << "the sum of two meters is the log's one";
 }
 
 TEST(MappedModel, NamesThatAreNotThereAreRefusedWithTheNearest) {
@@ -179,6 +183,8 @@ TEST(MappedModel, NamesThatAreNotThereAreRefusedWithTheNearest) {
   EXPECT_TRUE(has(zone, "channel[1].zone: found no \"Core\"") && has(zone, "\"Core_ZN\"")) << zone;
   const std::string meter = said("Electricity:HVACs", "Core_ZN");
   EXPECT_TRUE(has(meter, "channel[4].meter: found no meter") && has(meter, "near it: \"Electricity:HVAC\"")) << meter;
+  const std::string sum = said(R"(["Fans:Electricity", "Cooling:Elektricity"])", "Core_ZN");
+  EXPECT_TRUE(has(sum, "channel[4].meters: found no meter \"Cooling:Elektricity\"")) << sum;
   const std::string schedule =
       said("Electricity:HVAC", "Core_ZN", "[[command]]\ncolumn = \"x\"\nschedule = \"HVACOperationSched\"\n");
   EXPECT_TRUE(has(schedule, "command[1].schedule") && has(schedule, "\"HVACOperationSchd\"")) << schedule;

@@ -100,6 +100,15 @@ TEST(Mapping, SaysWhichColumnIsWhat) {
   EXPECT_EQ(json_of(m)["channels"][3]["object"], "zone Core_ZN, Core box");
 }
 
+TEST(Mapping, SumsMeters) {
+  const Mapping m = parse_mapping(
+      changed_text(whole, "meter = \"Electricity:Facility\"", "meters = [\"Fans:Electricity\", \"Pumps:Electricity\"]"),
+      "m/map.toml");
+  EXPECT_EQ(m.channels[2].summed, (std::vector<std::string>{"Fans:Electricity", "Pumps:Electricity"}));
+  EXPECT_EQ(m.channels[2].meter, "airside sum 3") << "a meter that the model gets";
+  EXPECT_EQ(lines_of(m)[2], "power 1: column \"Meter\", meters Fans:Electricity + Pumps:Electricity");
+}
+
 TEST(Mapping, ComplaintsNameTheLineAndTheNearest) {
   EXPECT_NE(complaint_with("[log]", "[logs]").find("did you mean `log`?"), std::string::npos);
   EXPECT_NE(complaint_with("kind = \"supply_temperature\"", "kind = \"suply_temperature\"")
@@ -123,6 +132,9 @@ TEST(Mapping, RefusesWhatCannotBeRead) {
       {{"key = \"Node 4\"", "key = \"Node 4\"\nmeter = \"M\""}, "a meter for power alone"},
       {{"key = \"Node 4\"", "key = \"Node 4\"\noutput = \"O\""}, "this kind has its own"},
       {{"meter = \"Electricity:Facility\"", ""}, "no meter"},
+      {{"meter = \"Electricity:Facility\"", "meter = \"A\"\nmeters = [\"B\"]"}, "a meter and a list of meters"},
+      {{"meter = \"Electricity:Facility\"", "meters = [\"A\", \"B\", \"A\"]"}, "each meter of the sum once"},
+      {{"key = \"Node 4\"", "key = \"Node 4\"\nmeters = [\"A\"]"}, "a meter for power alone"},
       {{"meter = \"Electricity:Facility\"", "meter = \"M\"\nkey = \"K\"\noutput = \"O\""}, "a meter and an output"},
       {{"unit = \"kWh\"", "unit = \"kW\""}, "a counter of kW"},
       {{"counter = true", "mean = false"}, "mean = false for energy"},

@@ -90,11 +90,7 @@ ModelGraph::ModelGraph(const json& model, const sim::OwnNames& names) : view_(mo
     }
   }
   for (const ModelObject& object : view_.all("AirLoopHVAC")) {
-    const auto nodes = view_.nodes(object.text("supply_side_outlet_node_names"));
-    if (!names.every_air_loop && std::none_of(nodes.begin(), nodes.end(), [&](const std::string& node) {
-          return same_name(node, names.supply_air_node);
-        }))
-      continue;
+    if (!may_be_wanted(object, names)) continue;
     try {
       AirLoop loop = walk_air_loop(view_, object.name);
       if (is_wanted(loop, names)) loops_.push_back(std::move(loop));
@@ -102,6 +98,17 @@ ModelGraph::ModelGraph(const json& model, const sim::OwnNames& names) : view_(mo
       continue;  // its equipment is not applicable then
     }
   }
+}
+
+bool ModelGraph::may_be_wanted(const ModelObject& loop, const sim::OwnNames& names) const {
+  if (!names.air_loops.empty()) {
+    return std::any_of(names.air_loops.begin(), names.air_loops.end(),
+                       [&](const std::string& name) { return same_name(loop.name, name); });
+  }
+  const auto nodes = view_.nodes(loop.text("supply_side_outlet_node_names"));
+  return names.every_air_loop || std::any_of(nodes.begin(), nodes.end(), [&](const std::string& node) {
+           return same_name(node, names.supply_air_node);
+         });
 }
 
 bool ModelGraph::is_wanted(const AirLoop& loop, const sim::OwnNames& names) const {

@@ -51,6 +51,7 @@ class ModelGraph {
   std::array<bool, sim::facades> has_facade() const;
 
  private:
+  bool may_be_wanted(const ModelObject& loop, const sim::OwnNames& names) const;
   bool is_wanted(const AirLoop& loop, const sim::OwnNames& names) const;
   std::vector<ModelObject> equipment() const;
 

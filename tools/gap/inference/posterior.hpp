@@ -12,11 +12,13 @@ namespace airside::tools::gap {
 /// One effect tried in a finding's stead, beside the other findings.
 struct Alternative {
   sim::EffectAt at;
+  std::size_t candidate = 0;  ///< its index in Responses::candidates, in the direction of its magnitude
   double magnitude = 0, sd = 0;
   double log_likelihood_ratio = 0;  ///< 2 ln likelihood that it gains over the model without it
   double of_reference = 0;          ///< the most that it gains in the reference's own blocks
   double residual_ratio = 0;        ///< what it leaves, over the reference's
   int places = 1;                   ///< at which its effect was tried
+  double overlap = 0;               ///< of the channels in which it shows with those of the findings beside it, 0 to 1
   bool simulated = false;           ///< false: linear responses alone
   bool found = false;               ///< it is the model's own finding
   bool locked = false;              ///< the two below are known

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 /// The model for a Monday of July with the outputs, the dictionaries of all others, and the report of sizes.
-json trial_model(const sim::EnergyPlusTwin& twin) {
+json trial_model(const sim::EnergyPlusTwin& twin, const Mapping& mapping) {
   json model = twin.model;
   json& period = model["RunPeriod"];
   period = {{"airside day",
@@ -41,6 +41,10 @@ json trial_model(const sim::EnergyPlusTwin& twin) {
     else  // of every object, so that a wrong key is not taken for a wrong variable
       variables["airside " + output.variable] = {
           {"key_value", "*"}, {"variable_name", output.variable}, {"reporting_frequency", "Timestep"}};
+  }
+  for (const MappedChannel& c : mapping.channels) {
+    for (const std::string& meter : c.summed)
+      meters["airside " + meter] = {{"key_name", meter}, {"reporting_frequency", "Timestep"}};
   }
   json& files = model["OutputControl:Files"] = json::object();
   for (const char* file :
@@ -73,22 +77,24 @@ std::string quoted_near(const std::string& name, const std::vector<std::string>&
 struct AskedOutput {
   std::string key, variable;  ///< of a meter the key alone
   std::string place;
+  bool summed = false;
 };
 
 std::vector<AskedOutput> asked_outputs(const Mapping& m) {
   std::vector<AskedOutput> asked;
   for (const MappedChannel& c : m.channels) {
     const bool node = c.kind == MappedKind::supply_temperature || c.kind == MappedKind::preheated_temperature;
+    for (const std::string& meter : c.summed) asked.push_back({meter, "", c.place, true});
     if (!c.meter.empty())
-      asked.push_back({c.meter, "", c.place});
+      asked.push_back({c.meter, "", c.place, false});
     else if (node)
-      asked.push_back({c.key, "System Node Temperature", c.place});
+      asked.push_back({c.key, "System Node Temperature", c.place, false});
     else if (c.kind == MappedKind::damper)
-      asked.push_back({c.key, "Zone Air Terminal VAV Damper Position", c.place});
+      asked.push_back({c.key, "Zone Air Terminal VAV Damper Position", c.place, false});
     else if (!c.output.empty())
-      asked.push_back({c.key, c.output, c.place});
+      asked.push_back({c.key, c.output, c.place, false});
     else if (c.kind == MappedKind::room_temperature)
-      asked.push_back({c.zone, "Zone Mean Air Temperature", c.place});
+      asked.push_back({c.zone, "Zone Mean Air Temperature", c.place, false});
   }
   return asked;
 }
@@ -99,7 +105,7 @@ void require_output(const AskedOutput& asked, const sim::EsoFile& eso, const fs:
   const std::string name = engine_upper(meter ? asked.key : asked.key + "," + asked.variable);
   if (const auto found = series.find(name); found != series.end() && !found->second.empty()) return;
   if (meter) {
-    throw hal::InputError(asked.place + ".meter",
+    throw hal::InputError(asked.place + (asked.summed ? ".meters" : ".meter"),
                           "no meter \"" + asked.key + "\"" + quoted_near(asked.key, dictionary(out / "eplusout.mdd")),
                           "a meter that the engine has for this model", "correct the name");
   }
@@ -124,7 +130,7 @@ void require_output(const AskedOutput& asked, const sim::EsoFile& eso, const fs:
 
 FoundSizes check_outputs(const sim::EnergyPlusTwin& twin, const Mapping& m, const sim::EnergyPlusInstall& install) {
   const sim::RunFolder folder;
-  write_whole_file(folder.path() / "model.epJSON", trial_model(twin).dump(1) + "\n");
+  write_whole_file(folder.path() / "model.epJSON", trial_model(twin, m).dump(1) + "\n");
   const EngineRun run = run_engine_program(
       install.folder / "energyplus",
       {"-w", fs::absolute(m.weather).string(), "-d", folder.path().string(), "model.epJSON"}, folder.path());

@@ -1,6 +1,7 @@
 #include "tools/gap/map/mapped_model.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <optional>
@@ -47,7 +48,7 @@ class NameFinder {
     const sim::ModelObject found = sim::find_command_schedule(model_, command.schedule);
     if (found.fields != nullptr) return found.name;
     std::vector<std::string> known;
-    for (const char* type : {"Schedule:Constant", "Schedule:Compact", "Schedule:Year", "Schedule:File"}) {
+    for (const char* type : sim::command_schedule_types) {
       const auto names = index_.names_of(type);
       known.insert(known.end(), names.begin(), names.end());
     }
@@ -72,11 +73,23 @@ class NameFinder {
   const json& model_;
 };
 
-/// The one loop that was named, by its outlet.
-std::string outlet_of(const Mapping& m, const json& model) {
+/// The outlet of the one loop that was named.
+std::string outlet_of(const Mapping& m, const json& model, const std::string& loop) {
   const ModelView view(model, m.model);
-  const std::string name = chosen_air_loop(view, m.air_loops.front());
-  return walk_air_loop(view, name).supply_outlet;
+  return walk_air_loop(view, loop).supply_outlet;
+}
+
+/// Meters of the model's own that sum others up.
+void add_sums(const Mapping& m, json& model, const json& schema) {
+  const json& known = schema.at("properties").at("Meter:Custom").at("patternProperties").begin()->at("properties");
+  const char* resource = known.contains("resource_type") ? "resource_type" : "fuel_type";  // its older name
+  for (const MappedChannel& c : m.channels) {
+    if (c.summed.empty()) continue;
+    json parts = json::array();
+    for (const std::string& meter : c.summed)
+      parts.push_back({{"key_name", ""}, {"output_variable_or_meter_name", meter}});
+    model["Meter:Custom"][c.meter] = {{resource, "Generic"}, {"variable_details", parts}};
+  }
 }
 
 void find_own_objects(const Mapping& m, const NameFinder& find, sim::OwnNames& own) {
@@ -154,7 +167,10 @@ sim::OwnNames own_names_of(const Mapping& m, const json& model) {
   own.every_air_loop = m.air_loops.empty();
   find_own_objects(m, find, own);
   own.grain = grain_of(m, own);
-  if (!own.every_air_loop && own.supply_air_node.empty()) own.supply_air_node = outlet_of(m, model);
+  for (const std::string& loop : m.air_loops)
+    own.air_loops.push_back(find.object("AirLoopHVAC", loop, m.place + ".air_loops", "an air loop of the model"));
+  if (own.air_loops.size() == 1 && own.supply_air_node.empty())
+    own.supply_air_node = outlet_of(m, model, own.air_loops.front());
   if (const MappedCommand* setpoint = m.supply_setpoint()) own.supply_setpoint_schedule = find.schedule(*setpoint);
   for (const MappedCommand* command : m.further_commands()) own.commands.push_back(find.schedule(*command));
   return own;
@@ -177,6 +193,8 @@ fs::path prepare_mapped_model(const Mapping& m, const fs::path& cache) {
   json content = read_foreign_model(m.model, install).content;
   for (const std::string& patch : m.patches)
     content = sim::merge_patched(std::move(content), sim::read_json(patch), patch);
+  const bool sums = std::any_of(m.channels.begin(), m.channels.end(), [](const auto& c) { return !c.summed.empty(); });
+  if (sums) add_sums(m, content, sim::read_json(install.schema));
   const std::string all = content.dump() + hal::read_text_file(m.path, "a mapping file in TOML") +
                           hal::read_text_file(m.weather, "an EPW file") + sim::version_of(install);
   const fs::path made =
@@ -184,7 +202,7 @@ fs::path prepare_mapped_model(const Mapping& m, const fs::path& cache) {
   if (fs::exists(made)) return made;
   std::error_code failed;
   fs::create_directories(cache, failed);
-  const fs::path unsized = cache / (made.stem().string() + ".part.epJSON");
+  const fs::path unsized = cache / fmt::format("{}.{}.part.epJSON", made.stem().string(), ::getpid());
   write_whole_file(unsized, content.dump(1) + "\n");
   FoundSizes sizes;
   try {

@@ -83,12 +83,27 @@ class TableList {
   throw hal::InputError(place, found, expected, remedy);
 }
 
+/// A sum of meters is a meter that the model gets.
+void read_summed(hal::TomlSection& table, MappedChannel& c) {
+  c.summed = table.text_list("meters");
+  if (c.summed.empty()) return;
+  const std::string place = table.place("meters");
+  if (!c.meter.empty())
+    refuse_mapping(place, "a meter and a list of meters", "one of both", "put all that are summed into meters");
+  for (std::size_t i = 0; i < c.summed.size(); ++i) {
+    if (std::count(c.summed.begin(), c.summed.end(), c.summed[i]) > 1)
+      refuse_mapping(place, "\"" + c.summed[i] + "\" twice", "each meter of the sum once", "remove one of them");
+  }
+  c.meter = "airside sum";
+}
+
 /// What names the object of a channel, by its kind.
 void read_object(hal::TomlSection& table, MappedChannel& c) {
   c.zone = table.text("zone", "");
   c.key = table.text("key", "");
   c.output = table.text("output", "");
   c.meter = table.text("meter", "");
+  read_summed(table, c);
   const std::string place = table.place("kind");
   const bool has_zone = c.kind == MappedKind::room_temperature || c.kind == MappedKind::damper;
   if (has_zone && c.zone.empty())
@@ -104,7 +119,8 @@ void read_object(hal::TomlSection& table, MappedChannel& c) {
   const bool by_variable = !c.key.empty() && !c.output.empty();
   if (c.kind == MappedKind::power && c.meter.empty() == !by_variable)
     refuse_mapping(place, c.meter.empty() ? "no meter" : "a meter and an output",
-                   "a meter, or an output variable with its key", "add meter = \"Electricity:Facility\"");
+                   "a meter, a list of meters, or an output variable with its key",
+                   "add meter = \"Electricity:Facility\"");
   if (c.kind != MappedKind::power && !c.meter.empty())
     refuse_mapping(table.place("meter"), "a meter for " + kind_names[static_cast<std::size_t>(c.kind)],
                    "a meter for power alone", "remove it, or make it kind = \"power\"");
@@ -272,7 +288,10 @@ Mapping parse_mapping(std::string_view text, const std::string& path) {
   weather.refuse_unknown_keys();
   m.log = read_log_section(root.section("log"));
   TableList channels(table, "channel", path), commands(table, "command", path);
-  for (hal::TomlSection& one : channels.sections()) m.channels.push_back(read_channel(one));
+  for (hal::TomlSection& one : channels.sections()) {
+    m.channels.push_back(read_channel(one));
+    if (!m.channels.back().summed.empty()) m.channels.back().meter += fmt::format(" {}", m.channels.size());
+  }
   for (hal::TomlSection& one : commands.sections()) m.commands.push_back(read_command(one));
   const std::vector<std::string> tables{"model", "weather", "log", "channel", "command"};
   for (const auto& [key, node] : table) {

@@ -33,9 +33,10 @@ struct MappedUnit {
 struct MappedChannel {
   std::string column;
   MappedKind kind{};
-  std::string zone;         ///< of rooms and dampers
-  std::string key, output;  ///< of an output variable; empty: the usual one
-  std::string meter;        ///< of power, instead of both
+  std::string zone;                 ///< of rooms and dampers
+  std::string key, output;          ///< of an output variable; empty: the usual one
+  std::string meter;                ///< of power, instead of both
+  std::vector<std::string> summed;  ///< meters whose sum `meter` is; empty: it is one of the engine's own
   MappedUnit unit;
   double noise_floor = 0;  ///< K or kW; 0: the usual one
   bool mean = false;       ///< a value is the mean of its row's time, not an instant's

@@ -12,6 +12,7 @@ constexpr const char* channel_words[] = {"room {}",  "supply air", "preheated ou
                                          "power {}", "damper {}"};
 
 std::string object_text(const MappedChannel& c) {
+  if (!c.summed.empty()) return fmt::format("meters {}", fmt::join(c.summed, " + "));
   if (!c.meter.empty()) return "meter " + c.meter;
   if (c.kind == MappedKind::outdoor_temperature) return "the weather";
   const std::string at = !c.zone.empty() && c.key == c.zone ? "" : c.key;

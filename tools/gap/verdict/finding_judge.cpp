@@ -23,9 +23,10 @@ class FindingJudge {
     const Refit& others = search_.without(now, i);
     f.log_likelihood_ratio = others.cost - now.cost;
     f.same_sign = same_sign(others.chosen, c.candidate);
+    f.log_likelihood_limit = c_.limit(c.candidate);
+    if (c_.posterior_decides()) return f;
     const double rival = add_rivals(f, now, others, selection, c.candidate);
     f.margin = rival > 0 ? f.log_likelihood_ratio / rival : 1e9;
-    f.log_likelihood_limit = c_.limit(c.candidate);
     if (f.log_likelihood_ratio < f.log_likelihood_limit)
       f.why_not = "its gain is within the noise";
     else if (f.log_likelihood_ratio < rival + c_.rules.margin_log_likelihood)
@@ -55,6 +56,7 @@ class FindingJudge {
       if (c_.already(others, s.candidate) || tried.contains(candidate(s).at.id())) continue;
       Alternative a;
       a.at = candidate(s).at;
+      a.candidate = s.candidate;
       a.log_likelihood_ratio = s.log_likelihood_ratio;
       a.magnitude = c_.refitter.magnitude({s.candidate, s.steps});
       a.sd = s.steps_sd * std::abs(candidate(s).probe - a.at.effect->null_value);
@@ -67,6 +69,7 @@ class FindingJudge {
     int looks = 0;
     for (Alternative& a : all.list) {
       a.places = places_of(*a.at.effect);
+      a.overlap = channel_overlap(*others.tangent, others.chosen, a.candidate);
       if (!a.simulated || ++looks > c_.rules.locked_looks) continue;
       const Predicted p = c_.refitter.predicted(tried.at(a.at.id()).refit, others);
       a.locked = true;
@@ -108,7 +111,7 @@ class FindingJudge {
     int looks = 0;
     for (const Score& s : scores) {
       if (c_.already(others, s.candidate)) continue;
-      if (++looks > c_.rules.alternatives || s.log_likelihood_ratio <= 1) break;
+      if (++looks > c_.alternatives() || s.log_likelihood_ratio <= 1) break;
       if (!tried.contains(candidate(s).at.id())) keep(c_.refitter.add(others, s, others.tangent));
     }
     looks = 0;
@@ -121,6 +124,7 @@ class FindingJudge {
   Alternative alternative(const Tried& t, const Refit& others, const Selection& selection) const {
     Alternative a;
     a.at = c_.candidate(t.chosen).at;
+    a.candidate = t.chosen.candidate;
     a.magnitude = c_.refitter.magnitude(t.chosen);
     a.sd = sd_of(t.chosen, a.magnitude, selection);
     a.log_likelihood_ratio = others.cost - t.refit.cost;

@@ -68,8 +68,7 @@ Selection beside(const Refit& now, std::size_t left_out) {
   return Selection(now.tangent->evidence(), others);
 }
 
-double shape_error(const Rules& rules, const Tangent& tangent, const std::vector<Chosen>& chosen, double explained,
-                   std::size_t candidate) {
+double channel_overlap(const Tangent& tangent, const std::vector<Chosen>& chosen, std::size_t candidate) {
   const Eigen::VectorXd own = channel_norms(tangent, candidate);
   double overlap = 0;
   for (const Chosen& c : chosen) {
@@ -77,6 +76,12 @@ double shape_error(const Rules& rules, const Tangent& tangent, const std::vector
     const double norms = own.norm() * other.norm();
     if (norms > 0) overlap = std::max(overlap, own.dot(other) / norms);
   }
+  return overlap;
+}
+
+double shape_error(const Rules& rules, const Tangent& tangent, const std::vector<Chosen>& chosen, double explained,
+                   std::size_t candidate) {
+  const double overlap = channel_overlap(tangent, chosen, candidate);
   return rules.further_share * overlap * overlap * std::max(0.0, explained);
 }
 

@@ -39,6 +39,10 @@ struct FittedCase {
   bool plausible(const Refit& at) const;
   /// Whether this effect at this place is chosen already, in either direction.
   bool already(const Refit& now, std::size_t candidate) const;
+  /// Posteriors are calibrated where drawn buildings say how far a right model may be off.
+  bool posterior_decides() const { return ensemble.rooms > 0 && rules.most_effects > 0; }
+  /// As Rules::alternatives.
+  int alternatives() const { return engine.spares_runs() ? rules.dear_alternatives : rules.alternatives; }
   /// Values that are fitted, at least 1.
   double samples() const;
   /// What is left by chance scatters the more the fewer days are fitted: the limit of Verdict::residual_ratio without
@@ -48,6 +52,10 @@ struct FittedCase {
 
 /// The chosen effects' magnitudes are free, but for number `left_out`.
 Selection beside(const Refit& now, std::size_t left_out);
+
+/// Whether a candidate shows in the channels in which chosen effects show: the largest cosine of the channels' norms of
+/// whitened responses, 0 to 1; 0 where nothing is chosen.
+double channel_overlap(const Tangent& tangent, const std::vector<Chosen>& chosen, std::size_t candidate);
 
 /// What the wrong shape of chosen effects may look like: a share of the 2 ln likelihood that they explain, as far as
 /// they show in the channels in which the candidate shows.

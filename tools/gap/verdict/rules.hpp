@@ -37,6 +37,7 @@ struct Rules {
                                  ///< channels that move as far count on the locked days
   int buildings = 0;             ///< drawn for StructureEnsemble; 0: how they differ is asked of the reference alone
   int alternatives = 12;         ///< of each finding, for its posterior, by real simulation,
+  int dear_alternatives = 6;     ///< on an engine that spares runs,
   int locked_looks = 5;          ///< and of those, best first, that are held against the locked days
   double contradiction_sd = 2;   ///< standard deviations by which locked days fall short of what was predicted
 };

@@ -109,6 +109,7 @@ json posterior_json(const Posterior& p, const Alternatives& tried) {
                 {"gain", a.log_likelihood_ratio},
                 {"gain_of_reference", a.of_reference},
                 {"places", a.places},
+                {"overlap", a.overlap},
                 {"simulated", a.simulated},
                 {"residual_ratio", a.simulated ? finite_json(a.residual_ratio) : json()},
                 {"locked_gain", a.locked ? finite_json(a.locked_log_likelihood_ratio) : json()},

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "tools/gap/verdict/decision.hpp"
 #include "tools/gap/verdict/finding_judge.hpp"
 #include "tools/gap/verdict/locked_days.hpp"
 
@@ -46,11 +47,14 @@ class Analysis {
     std::optional<TooSmall> too_small;
     now_ = search_.forward(too_small, look_ahead);
     v_.findings = findings_of(c_, search_, now_);
-    drop_weak_findings();
+    if (!c_.posterior_decides()) drop_weak_findings();
     weigh();
+    if (c_.posterior_decides()) follow_posteriors();
     set_residual_ratio();
     const bool more_needed = std::ssize(now_.chosen) == c_.rules.most_effects && search_.better(now_).has_value();
-    if (!v_.findings.empty())
+    if (c_.posterior_decides())
+      decide(more_needed);
+    else if (!v_.findings.empty())
       judge_findings(more_needed);
     else if (too_small && !something_left())
       judge_too_small(*too_small);
@@ -94,9 +98,57 @@ class Analysis {
     }
   }
 
-  /// A ranking alone, and an engine that spares runs, do without.
+  /// Effects that the posteriors put in the place of findings, or take out.
+  void follow_posteriors() {
+    for (int round = 0; round <= c_.rules.most_effects && take_what_is_likelier(); ++round) weigh();
+  }
+
+  bool take_what_is_likelier() {
+    for (std::size_t i = 0; i < v_.posteriors.size(); ++i) {
+      const bool found = i < v_.findings.size();
+      switch (instead_of(found ? &v_.findings[i] : nullptr, v_.posteriors[i])) {
+        case Instead::nothing_else: continue;
+        case Instead::nobody: set_model(search_.without(now_, i)); return true;
+        case Instead::another: {
+          const Refit& others = found ? search_.without(now_, i) : now_;
+          Score score;
+          score.candidate = v_.alternatives[i].list[v_.posteriors[i].effects.front().from].candidate;
+          set_model(c_.refitter.about_itself(c_.refitter.add(others, score, others.tangent)));
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  void decide(bool more_needed) {
+    for (std::size_t i = 0; i < v_.findings.size(); ++i) tell(v_.findings[i], v_.posteriors[i], v_.alternatives[i]);
+    if (!v_.findings.empty()) check_locked_days(now_);
+    const Decision decision = decision_of(v_.findings, v_.posteriors, more_needed);
+    v_.kind = decision.kind;
+    v_.reason = decision.reason;
+    if (v_.kind == VerdictKind::named && !std::all_of(v_.findings.begin(), v_.findings.end(), is_sure))
+      list_unsure_apart();
+  }
+
+  /// The model holds what is named alone, as large as it is beside the other.
+  void list_unsure_apart() {
+    std::vector<Chosen> named;
+    for (std::size_t i = 0; i < v_.findings.size(); ++i) {
+      if (is_sure(v_.findings[i])) named.push_back(now_.chosen[i]);
+    }
+    const auto first_unsure = std::stable_partition(v_.findings.begin(), v_.findings.end(), is_sure);
+    v_.unsure.assign(first_unsure, v_.findings.end());
+    v_.findings.erase(first_unsure, v_.findings.end());
+    now_ = c_.refitter.at(named, now_.moved, now_.tangent);
+    check_locked_days(now_);
+  }
+
+  /// A ranking alone does without, and so does an engine that spares runs where no building was drawn.
   void weigh() {
-    if (c_.rules.most_effects == 0 || c_.engine.spares_runs()) return;
+    v_.alternatives.clear();
+    v_.posteriors.clear();
+    if (c_.rules.most_effects == 0 || (c_.engine.spares_runs() && !c_.posterior_decides())) return;
     v_.alternatives = alternatives_of(c_, search_, now_);
     const PosteriorModel& model =
         c_.ensemble.rooms > 0 ? PosteriorModel::learned_with_buildings() : PosteriorModel::learned();
