@@ -90,7 +90,8 @@ void Refitter::simulate_tangent() {
   if (!engine_.spares_runs()) tangent_ = tangent_with(parameters_at_fit());
 }
 
-void Refitter::set_structure(std::vector<Eigen::MatrixXd> directions) {
+void Refitter::set_structure(const Eigen::MatrixXd& mean, std::vector<Eigen::MatrixXd> directions) {
+  if (mean.size() > 0) structural_ += mean;
   ensemble_ = std::move(directions);
   tangent_ = tangent_with(tangent_->responses());
 }

@@ -79,8 +79,9 @@ class Refitter {
            const Nuisance& sizes, std::vector<bool> kept, int jobs, Start start = Start::reference);
   /// What Start::twin has put off.
   void simulate_tangent();
-  /// How buildings differ counts from now on.  Shape: bins x channels each, as of StructureEnsemble.
-  void set_structure(std::vector<Eigen::MatrixXd> directions);
+  /// What buildings have in common and how they differ counts from now on.  Shape: bins x channels each, as of
+  /// StructureEnsemble.
+  void set_structure(const Eigen::MatrixXd& mean, std::vector<Eigen::MatrixXd> directions);
 
   /// About the reference's fit, or where it started.
   const std::shared_ptr<const Tangent>& tangent() const { return tangent_; }

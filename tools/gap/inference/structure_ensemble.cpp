@@ -77,6 +77,10 @@ StructureEnsemble structure_ensemble(const Engine& engine, const ReferenceFit& f
     for (std::size_t k = 0; k < along.size(); ++k) of_test[i] -= d(static_cast<Eigen::Index>(k)) * along[k];
   }
 
+  out.mean = Eigen::MatrixXd::Zero(test.measured.rows(), test.measured.cols());
+  for (const Eigen::MatrixXd& one : of_test) out.mean += one / rooms;
+  for (Eigen::MatrixXd& one : of_test) one -= out.mean;
+
   // Principal directions in the measured window's own whitened metric.
   const auto all = counted_bins(test.measured.rows());
   Eigen::MatrixXd e((test.measured.rows() - NoiseModel::order) * test.measured.cols(), std::ssize(of_test));

@@ -9,8 +9,9 @@
 
 namespace airside::tools::gap {
 
-/// Covariance of a fitted model's residual in the measured window, over buildings in which nothing is missing.
+/// Mean and covariance of a fitted model's residual in the measured window, over buildings in which nothing is missing.
 struct StructureEnsemble {
+  Eigen::MatrixXd mean;                     ///< bins x channels; what buildings have in common that no parameter has
   std::vector<Eigen::MatrixXd> directions;  ///< bins x channels; one standard deviation each, largest first
   int rooms = 0;
   /// Mean square of a whitened value of what a building adds to noise, whose own is 1: alone, and by the directions of
@@ -27,7 +28,8 @@ std::vector<Eigen::MatrixXd> drawn_buildings(const Engine& engine, const Changes
 
 /// Draws `rooms` buildings about the fitted model, lets each live through both recordings, fits the model's parameters
 /// and structural directions to its reference period linearly, and keeps what is left of its measured period:
-///   d_i = (J_r' J_r + I)^-1 J_r' r_i,  e_i = t_i - J_t d_i,  C = 1/n sum_i e_i e_i'  = sum_k d_k d_k'
+///   d_i = (J_r' J_r + I)^-1 J_r' r_i,  e_i = t_i - J_t d_i,  m = 1/n sum_i e_i,
+///   C = 1/n sum_i (e_i - m) (e_i - m)'  = sum_k d_k d_k'
 /// `about`: the parameters' responses in the measured window, about the fitted model.
 /// Where an engine spares runs the buildings are drawn about the model as it is: cases of one model and the same
 /// commands then share them, as Responses::buildings.  The sums allow for it, since d_i moves freely.

@@ -37,7 +37,7 @@ void FittedCase::draw_buildings() {
   if (rules.buildings == 0) return;
   ensemble = structure_ensemble(engine, fit, data.reference, data.test, responses, refitter.tangent()->responses(),
                                 rules.buildings, jobs);
-  refitter.set_structure(ensemble.directions);
+  refitter.set_structure(ensemble.mean, ensemble.directions);
 }
 
 bool FittedCase::plausible(const Refit& at) const {
