@@ -67,6 +67,9 @@ TEST(StructureEnsemble, KnowsWhatTheReferenceCannot) {
   EXPECT_LE(c.ensemble.directions.size(), 24U);
   EXPECT_LT(left(c), without) << "some of what a right model leaves is how buildings differ";
   EXPECT_GT(left(c), 0.5 * without) << "and noise stays noise";
+  const double common =
+      c.fit.noise.whiten(c.ensemble.mean, counted_bins(c.ensemble.mean.rows()), c.data.test.measured).squaredNorm();
+  EXPECT_GT(common, 0) << "all have a slab, ducts with inertia and heat in the return air, which the twin has not";
   double before = std::numeric_limits<double>::infinity();
   for (const Eigen::MatrixXd& direction : c.ensemble.directions) {
     EXPECT_EQ(direction.rows(), room.data.test.measured.rows());

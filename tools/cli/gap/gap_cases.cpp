@@ -33,6 +33,7 @@ struct RunCasesCommand : GapOptions {
   std::string folder, out = "verdicts.json", cache;
   bool all_own = false, go_on = false, propose = false, after_tests = false;
   int buildings = 0;
+  bool by_posterior = false;
 
   using Done = std::function<void(const fs::path&, nlohmann::json)>;
   using Found = std::map<fs::path, nlohmann::json>;
@@ -83,6 +84,7 @@ struct RunCasesCommand : GapOptions {
   gap::Rules rules() const {
     gap::Rules rules;
     rules.buildings = buildings;
+    rules.by_posterior = by_posterior;
     return rules;
   }
 
@@ -264,6 +266,9 @@ void add_gap_run_cases(CLI::App& gap) {
   c->add_flag("--after-tests", cases->after_tests,
               "judge the cases anew on which test-cases has done a test, and keep both verdicts in --out");
   add_gap_buildings(*c, cases->buildings);
+  c->add_flag("--by-posterior", cases->by_posterior,
+              "with --buildings: how probable each explanation is draws the verdict, not the rules; for studies, since "
+              "its constants are not learned yet for buildings as they are drawn now");
   cases->add_effects(*c);
   cases->add_jobs(*c);
   cases->add_json(*c);
