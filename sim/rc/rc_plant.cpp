@@ -167,9 +167,8 @@ void RcPlant::cool_supply() {
   double returned = 0;
   for (std::size_t v = 0; v < vavs; ++v) returned += vav_w_k_[v] * air_degc_[v];
   returned /= ahu_w_k_ * (1 - room.duct_leak_share);
-  if (room.plenum_gain_share > 0) {
-    for (std::size_t v = 0; v < vavs; ++v) returned += room.plenum_gain_share * disturbance_.gain_w[v] / ahu_w_k_;
-  }
+  for (std::size_t v = 0; v < vavs && room.plenum_gain_share > 0; ++v)
+    returned += room.plenum_gain_share * disturbance_.gain_w[v] / ahu_w_k_;
   const double oa_w_k = std::min(ahu_w_k_, room.outdoor_air_m3_s * (1 - room.mau_room_share) * RcNetwork::air_j_m3k);
   const double mixed =
       returned + oa_w_k / ahu_w_k_ * (mau_degc_ - returned) + 1000 * fan_kw_ * room.fan_heat_share / ahu_w_k_;
@@ -189,12 +188,11 @@ void RcPlant::cool_supply() {
 void RcPlant::update_sun() {
   for (std::size_t z = 0; z < network_->zones.size(); ++z) {
     const RcNetwork::Zone& zone = network_->zones[z];
-    double sun_w = 0, wall_sun_w_m2 = 0;
+    double wall_sun_w_m2 = sun_w_[z] = 0;
     for (std::size_t f = 0; f < facades; ++f) {
-      sun_w += zone.window_m2_shgc[f] * disturbance_.facade_w_m2[f];
+      sun_w_[z] += zone.window_m2_shgc[f] * disturbance_.facade_w_m2[f];
       wall_sun_w_m2 += zone.wall_m2_share[f] * disturbance_.facade_w_m2[f];
     }
-    sun_w_[z] = sun_w;
     sol_air_k_[z] = zone.wall_sun_k_m2_w * wall_sun_w_m2;
   }
 }
@@ -214,8 +212,7 @@ void RcPlant::inner_step() {
   const RcNetwork& network = *network_;
   const std::size_t zones = air_degc_.size(), vavs = vav_w_k_.size();
   const WeatherRecord& weather = disturbance_.weather;
-  const double outdoor = weather.outdoor_temp_degc;
-  const double to_kj = network.dt_s / 1000;
+  const double outdoor = weather.outdoor_temp_degc, to_kj = network.dt_s / 1000;
   double stored_j = 0;
 
   cool_supply();
@@ -228,7 +225,6 @@ void RcPlant::inner_step() {
     const double air = air_degc_[z];
     const double ach = room.infiltration_ach + room.infiltration_wind_ach_s_m * std::min(30.0, weather.wind_speed_m_s) +
                        room.infiltration_stack_ach_k * std::min(40.0, std::fabs(outdoor - air));
-    const double sun_w = sun_w_[z];
     const double plenum_share = z < vavs && ahu_w_k_ > 1 ? room.plenum_gain_share : 0;
     const double gain_w = disturbance_.gain_w[z] * (1 - plenum_share);
     const double heat_w = heat_w_.empty() ? 0 : heat_w_[z];
@@ -238,7 +234,7 @@ void RcPlant::inner_step() {
     const double out_w = (zone.window_w_k + zone.infiltration_w_k_ach * ach + door_w_k) * (outdoor - air);
     const double neighbour_w = zone.neighbour_w_k * (room.neighbour_temp_degc - air);
     const double mau_w = zone.mau_w_k * (mau_degc_ - air);
-    const double radiant_w = room.gain_radiant_share * gain_w + room.solar_to_mass_share * sun_w;
+    const double radiant_w = room.gain_radiant_share * gain_w + room.solar_to_mass_share * sun_w_[z];
     wall_sun_k_[z] = network.wall_sun_share < 1
                          ? wall_sun_k_[z] + network.wall_sun_share * (sol_air_k_[z] - wall_sun_k_[z])
                          : sol_air_k_[z];
@@ -259,13 +255,13 @@ void RcPlant::inner_step() {
       energy_.fcu_kj += cooled_w * to_kj;
     }
     energy_.gains_kj += (gain_w + heat_w) * to_kj;
-    energy_.solar_kj += sun_w * to_kj;
+    energy_.solar_kj += sun_w_[z] * to_kj;
     energy_.outdoors_kj += (out_w + skin_w) * to_kj;
     energy_.neighbour_kj += neighbour_w * to_kj;
     energy_.mau_kj += mau_w * to_kj;
 
     const double air_k = zone.air_k_w * (flux_w_[z] + mass_w + wall_w + out_w + neighbour_w + mau_w + cooled_w +
-                                         gain_w + heat_w + sun_w - radiant_w);
+                                         gain_w + heat_w + sun_w_[z] - radiant_w);
     const double deep_w = zone.deep_w_k * (deep_degc_[z] - mass_degc_[z]);
     const double mass_k = zone.mass_k_w * (radiant_w - mass_w + deep_w);
     const double deep_k = -zone.deep_k_w * deep_w;

@@ -1,6 +1,9 @@
 #pragma once
 // By which figures the workflow decides.
 
+#include <algorithm>
+#include <cmath>
+
 #include "tools/gap/inference/null_blocks.hpp"
 
 namespace airside::tools::gap {
@@ -44,7 +47,9 @@ struct Rules {
 };
 
 /// A gain that `candidate` must exceed to be no noise: the common limit, and what it gains where nothing is missing.
-double log_likelihood_limit(const Rules& rules, const NullBlocks& nulls, std::size_t candidate);
+inline double log_likelihood_limit(const Rules& rules, const NullBlocks& nulls, std::size_t candidate) {
+  return rules.log_likelihood_limit + rules.null_share * nulls.log_likelihood_ratio[candidate];
+}
 
 /// Another effect in a finding's stead, by real simulation.
 struct Rival {
@@ -55,9 +60,15 @@ struct Rival {
 
 /// By which a finding's gain must exceed that of a rival. Were the finding the whole truth it would by
 /// gain (1 - cosine^2); were the rival, it would fall short by as much.
-double least_excess(const Rules& rules, double log_likelihood_ratio, const Rival& rival);
+inline double least_excess(const Rules& rules, double log_likelihood_ratio, const Rival& rival) {
+  return std::max(rules.margin_log_likelihood,
+                  rules.margin_share * log_likelihood_ratio * (1 - rival.cosine * rival.cosine));
+}
 
 /// First bin of the days that are locked away.
-Eigen::Index locked_from(const Rules& rules, Eigen::Index bins);
+inline Eigen::Index locked_from(const Rules& rules, Eigen::Index bins) {
+  const Eigen::Index days = bins / bins_per_day;
+  return (days - static_cast<Eigen::Index>(std::lround(rules.locked_share * static_cast<double>(days)))) * bins_per_day;
+}
 
 }  // namespace airside::tools::gap
