@@ -165,7 +165,7 @@ TEST(MappedModel, ALogInWhichNothingIsHiddenGetsNoName) {
   const json quiet = sim::read_json(desk.path("out") / "gap.json");
   EXPECT_NE(quiet["verdict"], "named") << quiet["sentence"];
   const double missed_kw = quiet["locked_days"]["given"]["power_rmse_kw"];
-  EXPECT_LT(missed_kw, 0.05) << "the sum of two meters is the log's one";
+  EXPECT_LT(missed_kw, 0.2) << "the sum of two meters is the log's one; its steps were others";
 }
 
 TEST(MappedModel, NamesThatAreNotThereAreRefusedWithTheNearest) {
