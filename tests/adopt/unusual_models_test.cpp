@@ -66,8 +66,7 @@ TEST(UnusualModel, ManagerAtTheOutletIsReplacedAndTheCoilsFollow) {
             std::vector<std::string>{"SetpointManager:MixedAir / AHU Supply Fan Outlet"});
   EXPECT_EQ(managers_of(model, "MAU Coil Outlet"), std::vector<std::string>{"SetpointManager:Scheduled / MAU Setpoint"})
       << "a preheat or make-up air coil keeps its own setpoint";
-  EXPECT_EQ(managers_of(model, "ChW Supply Outlet"),
-            std::vector<std::string>{"SetpointManager:OutdoorAirReset / "});
+  EXPECT_EQ(managers_of(model, "ChW Supply Outlet"), std::vector<std::string>{"SetpointManager:OutdoorAirReset / "});
 }
 
 TEST(UnusualModel, TwoManagersAtTheOutletAreBothReplaced) {
