@@ -87,6 +87,17 @@ TEST(MappedNames, AreSpelledAsInTheModel) {
   EXPECT_TRUE(own.outdoor_measured);
 }
 
+TEST(MappedNames, OfSeveralAirLoopsAreSpelledAsInTheModelToo) {
+  json model = small_model();
+  model["AirLoopHVAC"] = {{"VAV North", json::object()}, {"VAV South", json::object()}, {"Kitchen", json::object()}};
+  const std::string two = replaced(small_map, "zones = [", "air_loops = [\"vav south\", \"VAV north\"]\nzones = [");
+  const sim::OwnNames own = own_names_of(parse_mapping(two, "map.toml"), model);
+  EXPECT_EQ(own.air_loops, (std::vector<std::string>{"VAV South", "VAV North"}));
+  EXPECT_FALSE(own.every_air_loop);
+  const std::string wrong = replaced(small_map, "zones = [", "air_loops = [\"VAV East\"]\nzones = [");
+  EXPECT_THROW(own_names_of(parse_mapping(wrong, "map.toml"), model), hal::InputError);
+}
+
 TEST(MappedNames, ThatAreNotThereAreRefusedWithTheNearest) {
   const auto said = [](const char* old, const char* now) -> std::string {
     try {

@@ -67,6 +67,17 @@ TEST(GapBuildings, CountInTheVerdictsOnCases) {
   expect_drawn(desk.read("verdicts.json")["verdicts"][0], 4);
 }
 
+TEST(GapBuildings, LetThePosteriorDrawTheVerdictWhereThatIsAsked) {
+  const BuildingsDesk desk;
+  const Outcome o = desk.run("run-cases cases --buildings 4 --by-posterior -o verdicts.json --effects effects --json");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json judged = desk.read("verdicts.json")["verdicts"][0];
+  EXPECT_EQ(judged["verdict"], "named") << judged["reason"];
+  EXPECT_EQ(judged["reason"], "no other explanation is probable") << "the rules say that the locked days agree";
+  EXPECT_EQ(judged["effects"][0]["id"], "vav_flow@2");
+  EXPECT_EQ(judged["posterior"][0]["sure"], true);
+}
+
 TEST(GapBuildings, AreACountOfAThousandAtMost) {
   const BuildingsDesk desk;
   for (const char* bad : {"-1", "1001", "2.5", "many"}) {

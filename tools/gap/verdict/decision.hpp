@@ -1,7 +1,6 @@
 #pragma once
 // A verdict drawn from how probable each explanation is.
 
-#include <optional>
 #include <vector>
 
 #include "tools/gap/verdict/verdict.hpp"
