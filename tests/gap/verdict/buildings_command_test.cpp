@@ -36,7 +36,7 @@ void expect_drawn(const json& judged, int drawn) {
 
 TEST(GapBuildings, CountInTheReportAndInEachThatContinuesIt) {
   const BuildingsDesk desk;
-  const Outcome plain = desk.run(std::string(usual_words) + " --out plain --json");
+  const Outcome plain = desk.run(std::string(usual_words) + " --buildings 0 --out plain --json");
   ASSERT_EQ(plain.code, 0) << plain.err;
   EXPECT_EQ(json::parse(plain.out)["inputs"]["buildings"], 0);
   EXPECT_TRUE(json::parse(plain.out)["buildings"].is_null());
@@ -57,9 +57,19 @@ TEST(GapBuildings, CountInTheReportAndInEachThatContinuesIt) {
   EXPECT_EQ(continued["measured"]["days"], 8);
 }
 
+TEST(GapBuildings, AreDrawnOnAnRcRoomWithoutBeingAskedFor) {
+  const BuildingsDesk desk;
+  const Outcome o = desk.run(std::string(usual_words) + " --out usual --json");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json judged = json::parse(o.out);
+  EXPECT_EQ(judged["inputs"]["buildings"], 96);
+  expect_drawn(judged, 96);
+  ASSERT_EQ(judged["posterior"].size(), 1U);
+}
+
 TEST(GapBuildings, CountInTheVerdictsOnCases) {
   const BuildingsDesk desk;
-  const Outcome plain = desk.run("run-cases cases -o plain.json --effects effects --json");
+  const Outcome plain = desk.run("run-cases cases --buildings 0 -o plain.json --effects effects --json");
   ASSERT_EQ(plain.code, 0) << plain.err;
   EXPECT_TRUE(desk.read("plain.json")["verdicts"][0]["buildings"].is_null());
   const Outcome o = desk.run("run-cases cases --buildings 4 -o verdicts.json --effects effects --json");
@@ -67,9 +77,9 @@ TEST(GapBuildings, CountInTheVerdictsOnCases) {
   expect_drawn(desk.read("verdicts.json")["verdicts"][0], 4);
 }
 
-TEST(GapBuildings, LetThePosteriorDrawTheVerdictWhereThatIsAsked) {
+TEST(GapBuildings, LetThePosteriorDrawTheVerdict) {
   const BuildingsDesk desk;
-  const Outcome o = desk.run("run-cases cases --buildings 4 --by-posterior -o verdicts.json --effects effects --json");
+  const Outcome o = desk.run("run-cases cases --buildings 4 -o verdicts.json --effects effects --json");
   ASSERT_EQ(o.code, 0) << o.err;
   const json judged = desk.read("verdicts.json")["verdicts"][0];
   EXPECT_EQ(judged["effects"][0]["id"], "vav_flow@2");

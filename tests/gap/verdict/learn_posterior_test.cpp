@@ -46,8 +46,11 @@ class LearnPosterior : public ::testing::Test {
                              {"too_small", m.too_small},
                              {"nothing", m.nothing},
                              {"other", m.other},
-                             {"other_ratio", m.other_ratio},
-                             {"locked_share", m.locked_share}});
+                             {"other_left", m.other_left},
+                             {"shape_share", m.shape_share},
+                             {"other_overlap", m.other_overlap},
+                             {"locked_share", m.locked_share},
+                             {"stray", m.stray}});
   }
   void SetUp() override {
     if (Outcome o = python({"-c", "import numpy, scipy"}); o.code != 0)
@@ -75,6 +78,7 @@ class LearnPosterior : public ::testing::Test {
       a.log_likelihood_ratio = gains[i];
       a.of_reference = 3;
       a.residual_ratio = 1.2;
+      a.overlap = i == 2 ? 0 : 0.6;
       a.places = i == 1 ? 5 : 1;
       a.simulated = true;
       a.locked = i != 2;
@@ -106,7 +110,7 @@ TEST_F(LearnPosterior, SaysWhatTheProgramSaysOfTheSameVerdict) {
   }
   write("verdicts.json", {{"verdicts", verdicts}});
   write("key.json", {{"cases", cases}});
-  const Outcome o = learn({"effects.json", "verdicts.json", "key.json", "--given", "constants.json"});
+  const Outcome o = learn({"effects.json", "--cases", "verdicts.json", "key.json", "--given", "constants.json"});
   ASSERT_EQ(o.code, 0) << o.err;
   const Json answers = Json::parse(o.out)["probabilities"];
   ASSERT_EQ(answers.size(), said.size());
@@ -133,7 +137,8 @@ TEST_F(LearnPosterior, LearnsWhatAGainIsWorth) {
   }
   write("verdicts.json", {{"verdicts", verdicts}});
   write("key.json", {{"cases", cases}});
-  const Outcome o = learn({"effects.json", "verdicts.json", "key.json", "--held-out", "verdicts.json", "key.json"});
+  const Outcome o = learn({"effects.json", "--cases", "verdicts.json", "key.json", "--held-out", "verdicts.json",
+                           "key.json", "--folds", "3"});
   ASSERT_EQ(o.code, 0) << o.err;
   const Json j = Json::parse(o.out);
   EXPECT_EQ(j["learned from"], j["held out"]);
@@ -146,14 +151,14 @@ TEST_F(LearnPosterior, LearnsWhatAGainIsWorth) {
 TEST_F(LearnPosterior, SaysWhatIsWrongWithItsFiles) {
   write("verdicts.json", {{"verdicts", Json::array({verdict_of(tried(1, 2, 3), "case-1")})}});
   write("key.json", {{"cases", Json::object()}});
-  const Outcome other = learn({"effects.json", "verdicts.json", "key.json"});
+  const Outcome other = learn({"effects.json", "--cases", "verdicts.json", "key.json"});
   EXPECT_EQ(other.code, 1);
   EXPECT_NE(other.err.find("case-1, which key.json does not have; give the key"), std::string::npos) << other.err;
-  const Outcome nowhere = learn({"effects.json", "nowhere.json", "key.json"});
+  const Outcome nowhere = learn({"effects.json", "--cases", "nowhere.json", "key.json"});
   EXPECT_EQ(nowhere.code, 1);
   EXPECT_NE(nowhere.err.find("nowhere.json"), std::string::npos) << nowhere.err;
   write("none.json", {{"verdicts", Json::array()}});
-  EXPECT_NE(learn({"effects.json", "none.json", "key.json"}).err.find("no posterior"), std::string::npos);
+  EXPECT_NE(learn({"effects.json", "--cases", "none.json", "key.json"}).err.find("no posterior"), std::string::npos);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tools/gap/report/reliability_svg.hpp"
 #include "tools/gap/score/score.hpp"
 
 namespace airside::tools::gap {
@@ -72,6 +73,16 @@ TEST(Score, HoldsPosteriorsToWhatIsHidden) {
   EXPECT_DOUBLE_EQ(surest.said, 0.975);
   EXPECT_NE(text_of(table).find("95 to 100 %: said  97.5 %, came  50.0 %"), std::string::npos) << text_of(table);
   EXPECT_EQ(json_of(table)["posteriors"]["reliability"][3]["came"], 1);
+}
+
+TEST(ReliabilitySvg, MarksEachBinThatHasCasesAndColoursWhatIsNotHonest) {
+  const std::string svg =
+      reliability_svg({{0, 0.5, 0, 0, 0}, {0.5, 0.8, 20, 14, 0.66}, {0.95, 1, 40, 20, 0.98}}, "a & b");
+  EXPECT_NE(svg.find("<g class=\"honest\"><title>said 66 %, came 14 of 20</title>"), std::string::npos) << svg;
+  EXPECT_NE(svg.find("<g class=\"off\"><title>said 98 %, came 20 of 40</title>"), std::string::npos);
+  EXPECT_EQ(svg.find("came 0 of 0"), std::string::npos) << "a bin without cases";
+  EXPECT_NE(svg.find("a &amp; b"), std::string::npos);
+  EXPECT_NE(reliability_svg({}, "nothing").find("</svg>"), std::string::npos);
 }
 
 TEST(Score, CountsOfAPosteriorBesideOneOfAPairOnlyTheOther) {

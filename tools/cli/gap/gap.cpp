@@ -13,6 +13,7 @@
 #include "tools/gap/blind/blind_cases.hpp"
 #include "tools/gap/model/patched_model.hpp"
 #include "tools/gap/report/confusion_svg.hpp"
+#include "tools/gap/report/reliability_svg.hpp"
 #include "tools/gap/score/score.hpp"
 
 namespace airside::tools {
@@ -105,13 +106,17 @@ struct BlindCommand : GapOptions {
 };
 
 struct ScoreCommand : GapOptions {
-  std::string verdicts, key, picture;
+  std::string verdicts, key, picture, reliability;
 
   void run() const {
     std::map<std::string, double> null_of;
     for (const sim::Effect& e : effects()) null_of[e.name] = e.null_value;
     const gap::ScoreTable table = gap::score(sim::read_json(verdicts), sim::read_json(key), null_of);
     if (!picture.empty()) gap::write_whole_file(picture, gap::confusion_svg(table.confusion, "hidden and said"));
+    if (!reliability.empty()) {
+      gap::write_whole_file(reliability,
+                            gap::reliability_svg(table.posteriors.reliability, "How probable, and how often true"));
+    }
     if (json) {
       fmt::print("{}\n", gap::json_of(table).dump());
     } else {
@@ -183,6 +188,8 @@ void add_gap(CLI::App& app) {
   c->add_option("verdicts", score->verdicts, "from run-cases")->required();
   c->add_option("key", score->key, "from blind")->required();
   c->add_option("--picture", score->picture, "SVG file with the confusion matrix");
+  c->add_option("--reliability", score->reliability,
+                "SVG file: probabilities of explanations, and how often they came");
   score->add_effects(*c);
   score->add_json(*c);
   c->callback([score] { score->run(); });

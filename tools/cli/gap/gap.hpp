@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,8 +30,8 @@ void add_gap_watch(CLI::App& gap);
 /// another subcommand are refused, since they would be lost without a word.
 void add_gap_run(CLI::App& gap);
 
-/// --buildings: as gap::Rules::buildings.
-void add_gap_buildings(CLI::App& command, int& buildings);
+/// --buildings: as gap::GapRequest::buildings.
+void add_gap_buildings(CLI::App& command, std::optional<int>& buildings);
 
 /// --effects, --jobs, --json.
 struct GapOptions {

@@ -32,8 +32,7 @@ namespace fs = std::filesystem;
 struct RunCasesCommand : GapOptions {
   std::string folder, out = "verdicts.json", cache;
   bool all_own = false, go_on = false, propose = false, after_tests = false;
-  int buildings = 0;
-  bool by_posterior = false;
+  std::optional<int> buildings;
 
   using Done = std::function<void(const fs::path&, nlohmann::json)>;
   using Found = std::map<fs::path, nlohmann::json>;
@@ -81,16 +80,15 @@ struct RunCasesCommand : GapOptions {
     }
   }
 
-  gap::Rules rules() const {
+  gap::Rules rules(const gap::Engine& engine) const {
     gap::Rules rules;
-    rules.buildings = buildings;
-    rules.by_posterior = by_posterior;
+    rules.buildings = buildings.value_or(engine.usual_buildings());
     return rules;
   }
 
   void judge(const fs::path& path, const gap::LoadedCase& c, const gap::WindowResponses& responses,
              const Done& done) const {
-    const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses, rules());
+    const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses, rules(*c.engine));
     nlohmann::json j = gap::json_of(verdict, c.name, responses.test, c.engine->channels());
     if (propose && gap::proposes_tests(verdict)) {
       j["experiments"] = gap::proposals_json(gap::proposed_tests(*c.engine, c.data.test, verdict, responses.test, 1));
@@ -111,14 +109,15 @@ struct RunCasesCommand : GapOptions {
     for (const auto& [path, c] : cases) data.push_back(&c.data);
     const gap::LoadedCase& usual = cases[gap::most_usual(data)].second;
     const gap::Library library = gap::library_of(*usual.engine, list);
+    const int drawn = usual.engine->spares_runs() ? rules(*usual.engine).buildings : 0;
     Progress bar("responses of " + usual.engine->description(),
-                 2 * (gap::runs_of(library, true) + static_cast<std::size_t>(buildings)));
+                 2 * (gap::runs_of(library, true) + static_cast<std::size_t>(drawn)));
     const gap::SharedWindows shared(
-        *usual.engine, library, usual.data, jobs, [&bar] { bar.advance(); }, buildings);
+        *usual.engine, library, usual.data, jobs, [&bar] { bar.advance(); }, drawn);
     bar.finish();
     gap::in_parallel(cases.size(), jobs, [&](std::size_t i) {
       const auto& [path, c] = cases[i];
-      if (!before.contains(path)) judge(path, c, shared.of(*c.engine, c.data, rules(), 1), done);
+      if (!before.contains(path)) judge(path, c, shared.of(*c.engine, c.data, rules(*c.engine), 1), done);
     });
   }
 
@@ -266,9 +265,6 @@ void add_gap_run_cases(CLI::App& gap) {
   c->add_flag("--after-tests", cases->after_tests,
               "judge the cases anew on which test-cases has done a test, and keep both verdicts in --out");
   add_gap_buildings(*c, cases->buildings);
-  c->add_flag("--by-posterior", cases->by_posterior,
-              "with --buildings: how probable each explanation is draws the verdict, not the rules; for studies, since "
-              "its constants are not learned yet for buildings as they are drawn now");
   cases->add_effects(*c);
   cases->add_jobs(*c);
   cases->add_json(*c);

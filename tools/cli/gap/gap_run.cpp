@@ -29,7 +29,8 @@ struct SiteCommand : GapOptions {
   std::vector<std::string> patches, tries;
   std::string measured_room, currency = "EUR";
   double price = 0;
-  int reference_days = 0, buildings = 0, seeds = 5, pretrain_days = 31, control_days = 7;
+  int reference_days = 0, seeds = 5, pretrain_days = 31, control_days = 7;
+  std::optional<int> buildings;
   bool best_guess = false, findings_only = false, no_duties = false, sun_on_site = false, retrain = false;
 
   /// All options, so that a subcommand can refuse them.
@@ -115,7 +116,7 @@ struct SiteCommand : GapOptions {
     add("--weather", weather);
     add("--effects", effects_dir);
     for (const std::string& one : tries) add("--try", one);
-    add("--buildings", buildings > 0 ? std::to_string(buildings) : "");
+    add("--buildings", buildings ? std::to_string(*buildings) : "");
     if (price > 0) {
       add("--price", fmt::format("{:g}", price));
       add("--currency", currency);
@@ -310,14 +311,13 @@ struct SiteCommand : GapOptions {
 
 GapOptions::GapOptions() : jobs(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {}
 
-void add_gap_buildings(CLI::App& command, int& buildings) {
+void add_gap_buildings(CLI::App& command, std::optional<int>& buildings) {
   command
       .add_option(
           "--buildings", buildings,
-          "buildings drawn for how far a right model may be off in the measured days (96 RC rooms are plenty, and take "
-          "as long again); 0: the reference period alone says it")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
+          "buildings drawn for how far a right model may be off in the measured days; with them the verdict says how "
+          "probable each explanation is; 0: the reference period alone, and rules (default: 96 on an RC room, else 0)")
+      ->check(CLI::Range(0, 1000));
 }
 
 void GapOptions::add_effects(CLI::App& c) {

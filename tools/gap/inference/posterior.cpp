@@ -8,6 +8,8 @@ namespace airside::tools::gap {
 
 namespace {
 
+constexpr double least_excess_of_chance = 0.1;
+
 double net_gain(const Alternative& a, const PosteriorModel& model) {
   return std::max(0.0, a.log_likelihood_ratio - model.null_share * a.of_reference);
 }
@@ -21,6 +23,25 @@ double ln_prior(const Alternative& a, const PosteriorModel& model) {
   if (share < model.small_share) ln += model.small_power * std::log(std::max(share, 1e-3) / model.small_share);
   if (!e.plausible(a.magnitude)) ln -= model.too_small;
   return ln;
+}
+
+/// The simulated effect with the largest net gain, or none.
+struct Lead {
+  double gain = 0, residual_ratio = 1, overlap = 0;
+};
+
+Lead lead_of(const Alternatives& tried, const PosteriorModel& model) {
+  Lead lead;
+  lead.residual_ratio = tried.residual_ratio;
+  bool simulated = false;
+  for (const Alternative& a : tried.list) {
+    const double gain = net_gain(a, model);
+    if (!a.simulated || (simulated && gain <= lead.gain)) continue;
+    lead = {gain, a.residual_ratio, a.overlap};
+    simulated = true;
+  }
+  for (const Alternative& a : tried.list) lead.gain = std::max(lead.gain, net_gain(a, model));
+  return lead;
 }
 
 void add_set(Posterior& p, double wanted) {
@@ -37,43 +58,25 @@ void add_set(Posterior& p, double wanted) {
 
 }  // namespace
 
-/// Learned on the first 12 cases of `airside gap blind --only single --cases 72 --seed 403`, judged on 13d8471 with the
-/// refits of 06ebf4d.
+/// Learned on 140 RC rooms of `airside gap blind --rough` with 96 drawn buildings each: --only single --ratio 1 (44,
+/// --seed 811) and 3 (32, 812), null (20, 813), outside --ratio 3 (24, 814), pair --ratio 3 (20, 815).
 const PosteriorModel& PosteriorModel::learned() {
   static const PosteriorModel model = [] {
     PosteriorModel m;
-    m.temperature = 2.26;
-    m.temperature_gain = 89;
-    m.null_share = 0.55;
-    m.place_share = 0.52;
+    m.temperature = 3.31;
+    m.temperature_gain = 203;
+    m.null_share = 0.66;
+    m.place_share = 0.38;
     m.small_share = 0.05;
-    m.small_power = 0.65;
-    m.too_small = 2.0;
-    m.nothing = 5.3;
-    m.other = -3.7;
-    m.other_ratio = 0.78;
-    m.locked_share = 0.21;
-    return m;
-  }();
-  return model;
-}
-
-/// Learned on 28 cases of `airside gap blind --rough --window 2` with drawn buildings: 9 of --only single --ratio 1
-/// --seed 421, 9 of --ratio 3 --seed 422, 10 of --only null --seed 423.
-const PosteriorModel& PosteriorModel::learned_with_buildings() {
-  static const PosteriorModel model = [] {
-    PosteriorModel m;
-    m.temperature = 1.29;
-    m.temperature_gain = 188;
-    m.null_share = 0.71;
-    m.place_share = 0.57;
-    m.small_share = 0.05;
-    m.small_power = 0;
-    m.too_small = 2.0;
-    m.nothing = 5.46;
-    m.other = -4.04;
-    m.other_ratio = 1.02;
-    m.locked_share = 0.43;
+    m.small_power = 1.67;
+    m.too_small = 2.1;
+    m.nothing = 4.28;
+    m.other = -2.85;
+    m.other_left = 0.6;
+    m.shape_share = 0.147;
+    m.other_overlap = 2.94;
+    m.locked_share = 0.365;
+    m.stray = 0.037;
     return m;
   }();
   return model;
@@ -88,35 +91,43 @@ bool locked_days_veto(const Alternative& a, const PosteriorModel& model) {
 }
 
 Posterior posterior_of(const Alternatives& tried, const PosteriorModel& model) {
-  double best_gain = 0;
-  for (const Alternative& a : tried.list) best_gain = std::max(best_gain, net_gain(a, model));
-  const double temperature = model.temperature * (1 + best_gain / model.temperature_gain);
+  const Lead lead = lead_of(tried, model);
   std::vector<double> scores;
-  double best = 0, left = tried.residual_ratio;
+  double best = -lead.gain / (2 * model.temperature);
   for (const Alternative& a : tried.list) {
+    const double gain = net_gain(a, model);
+    const double temperature =
+        model.temperature * std::max(1.0, lead.residual_ratio) * (1 + gain / model.temperature_gain);
     const double locked = a.locked ? model.locked_share * a.locked_log_likelihood_ratio : 0;
-    scores.push_back((net_gain(a, model) + locked) / (2 * temperature) + ln_prior(a, model));
-    if (a.simulated && scores.back() > best) {
-      best = scores.back();
-      left = a.residual_ratio;
-    }
+    scores.push_back((locked - (lead.gain - gain)) / (2 * temperature) + ln_prior(a, model));
+    if (a.simulated) best = std::max(best, scores.back());
   }
-  const double chance = std::max(0.1, tried.residual_ratio_chance - 1);
-  const double other = best + model.other + model.other_ratio * (left - 1) / chance;
-  const double most = std::max({best, other, model.nothing});
-  double sum = std::exp(model.nothing - most) + std::exp(other - most);
+  const double nothing = model.nothing - lead.gain / (2 * model.temperature);
+  const double chance = std::max(least_excess_of_chance, tried.residual_ratio_chance - 1);
+  const double explained = std::max(0.0, tried.residual_ratio - lead.residual_ratio);
+  const double excess = std::max(0.0, lead.residual_ratio - 1) / (chance + model.shape_share * explained);
+  const double other =
+      best + model.other + model.other_left * excess * excess + model.other_overlap * lead.overlap * lead.overlap;
+  const double most = std::max({best, other, nothing});
+  double sum = std::exp(nothing - most) + std::exp(other - most);
   for (const double s : scores) sum += std::exp(s - most);
+  const auto simulated = std::ranges::count_if(tried.list, [](const Alternative& a) { return a.simulated; });
+  const double even = model.stray / static_cast<double>(simulated + 2);
+  const auto probability = [&](double score, bool counts) {
+    return (1 - model.stray) * std::exp(score - most) / sum + (counts ? even : 0);
+  };
   Posterior p;
-  p.nothing = std::exp(model.nothing - most) / sum;
-  p.other = std::exp(other - most) / sum;
+  p.nothing = probability(nothing, true);
+  p.other = probability(other, true);
   for (std::size_t i = 0; i < scores.size(); ++i) {
     const Alternative& a = tried.list[i];
-    p.effects.push_back({a.at, std::exp(scores[i] - most) / sum, locked_days_veto(a, model), i});
+    p.effects.push_back({a.at, probability(scores[i], a.simulated), locked_days_veto(a, model), i});
   }
   std::stable_sort(p.effects.begin(), p.effects.end(),
                    [](const auto& a, const auto& b) { return a.probability > b.probability; });
   add_set(p, model.set_probability);
-  p.sure = !p.effects.empty() && p.effects.front().probability > model.name_probability && !p.effects.front().vetoed;
+  p.sure = !p.effects.empty() && p.effects.front().probability > model.name_probability * (1 - p.other) &&
+           p.other < model.name_other && !p.effects.front().vetoed;
   return p;
 }
 

@@ -33,27 +33,30 @@ struct Alternatives {
   double residual_ratio_chance = 0;  ///< above which it is no chance
 };
 
-/// The constants of posterior_of(); learned ones from learned() and learned_with_buildings().
+/// The constants of posterior_of(); learned ones from learned().
 struct PosteriorModel {
   double temperature = 1;          ///< T_0: a gain counts as this times less than it would be worth in a true model,
-  double temperature_gain = 1;     ///< G: and twice that where the best effect gains this: errors of shape grow with it
+  double temperature_gain = 1;     ///< G: and twice that where an effect gains this: errors of shape grow with it
   double null_share = 0;           ///< a, of an effect's own gain in the reference's blocks that is taken off
   double place_share = 1;          ///< c, of ln places that an effect at one of many places loses
   double small_share = 0;          ///< of the way to the bound: a smaller size is improbable,
   double small_power = 0;          ///< q, by this power of it
   double too_small = 0;            ///< ln odds that an effect loses that is nearer to null than such an effect is
-  double nothing = 0;              ///< b, score of nothing
+  double nothing = 0;              ///< b, score of nothing where nothing gains
   double other = 0;                ///< d, score of something else beside the best effect's,
-  double other_ratio = 0;          ///< e, and per excess of what is left over 1, in units of chance's excess
+  double other_left = 0;           ///< e, and by the square of what is left over 1, in units of chance's excess
+  double shape_share = 0;          ///< v, and of this share of what is explained: no effect has quite its shape,
+  double other_overlap = 0;        ///< h, and where another finding shows in the same channels
   double locked_share = 0;         ///< w, of the locked days' ratio that counts
+  double stray = 0;                ///< share of cases about which all this says nothing
   double veto_p = 0.001;           ///< a name is contradicted where locked days are less probable
   double veto_inflation = 7;       ///< of the variance 4 e of what they should give, e that was predicted,
   double veto_share = 0.25;        ///< besides this share of e as a standard deviation
-  double name_probability = 0.95;  ///< above, it is a name
+  double name_probability = 0.95;  ///< of what is not something else: above, it is a name,
+  double name_other = 0.3;         ///< unless something else is more probable than this
   double set_probability = 0.9;    ///< that the smallest set holds
 
   static const PosteriorModel& learned();
-  static const PosteriorModel& learned_with_buildings();  ///< for ratios in which drawn buildings count
 };
 
 struct EffectProbability {
@@ -68,16 +71,18 @@ struct Posterior {
   std::vector<EffectProbability> effects;  ///< best first
   double nothing = 0, other = 0;
   std::vector<std::string> set;  ///< ids, "nothing", "other": the fewest that hold PosteriorModel::set_probability
-  /// Its first effect is more probable than PosteriorModel::name_probability, and no locked day contradicts it.
+  /// Its first effect is more probable than PosteriorModel::name_probability of what is not something else, which is
+  /// less probable than PosteriorModel::name_other, and no locked day contradicts it.
   bool sure = false;
   double likeliest() const { return effects.empty() ? 0 : effects.front().probability; }
 };
 
-/// Softmax of
-///   x_k = max(0, g_k - a n_k),  T = T_0 (1 + max x / G),  s_k = (x_k + w l_k) / 2 T - c ln places + ln prior(size)
-///   s_nothing = b,  s_other = max_k s_k + d + e (rho - 1) / (rho_chance - 1)
-/// g gains, n the reference's own, l came on locked days, rho what the best effect leaves.
-/// Source: docs/gap-workflow.md, "How probable each effect is".
+/// 1 - stray of a softmax; the rest is shared evenly by what was simulated, nothing and something else. The scores are
+///   x_k = max(0, g_k - a n_k),  X = max x,  T_k = T_0 max(1, rho) (1 + x_k / G)
+///   s_k = (w l_k - (X - x_k)) / 2 T_k - c ln places + ln prior(size),  s_nothing = b - X / 2 T_0
+///   s_other = max_k s_k + d + e (max(0, rho - 1) / (rho_chance - 1 + v (rho_0 - rho)))^2 + h o^2
+/// g gains, n the reference's own, l came on locked days, rho what the effect with the largest x leaves, rho_0 what is
+/// left without it, o its overlap with other findings. Source: docs/gap-workflow.md, "How probable each effect is".
 Posterior posterior_of(const Alternatives& tried, const PosteriorModel& model = PosteriorModel::learned());
 
 /// Whether locked days contradict what an effect predicted: p(came | N(e, 4 e i + (s e)^2)) < veto_p, for what came <

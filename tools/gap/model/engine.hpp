@@ -32,6 +32,8 @@ class Engine {
   }
   /// Whether simulate_differing() can.
   virtual bool draws_buildings() const { return false; }
+  /// How many a verdict draws that is not told a number.
+  virtual int usual_buildings() const { return 0; }
   virtual sim::Channels channels() const = 0;
   virtual std::array<bool, sim::facades> has_facade() const = 0;
   virtual bool can(const sim::Effect& effect) const = 0;
@@ -61,6 +63,7 @@ class RcEngine final : public Engine {
   sim::ChannelTable simulate_differing(std::uint64_t seed, const Changes& changes,
                                        const sim::Recording& recording) const override;
   bool draws_buildings() const override { return true; }
+  int usual_buildings() const override { return 96; }
   sim::Channels channels() const override { return {room_.vavs, room_.fcus, room_.powers}; }
   std::array<bool, sim::facades> has_facade() const override;
   bool can(const sim::Effect& effect) const override { return effect.on_rc; }

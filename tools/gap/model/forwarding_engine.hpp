@@ -15,6 +15,7 @@ class ForwardingEngine : public Engine {
     return engine_.simulate_differing(seed, changes, recording);
   }
   bool draws_buildings() const override { return engine_.draws_buildings(); }
+  int usual_buildings() const override { return engine_.usual_buildings(); }
   sim::Channels channels() const override { return engine_.channels(); }
   std::array<bool, sim::facades> has_facade() const override { return engine_.has_facade(); }
   bool can(const sim::Effect& effect) const override { return engine_.can(effect); }

@@ -127,7 +127,7 @@ json inputs_json(const GapRequest& r) {
           {"effects", input_json(r.effects.string())},
           {"sun_on_site", r.sun_on_site},
           {"findings_only", r.findings_only},
-          {"buildings", r.buildings},
+          {"buildings", r.buildings.value_or(0)},
           {"price", {{"per_kwh", r.price.per_kwh}, {"currency", r.price.currency}}}};
 }
 

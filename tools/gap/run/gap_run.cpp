@@ -120,8 +120,9 @@ Eigen::Index GapRun::locked_from() const { return gap::locked_from(rules, residu
 GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effects, StagedProgress& progress) {
   GapRun run;
   run.request = request;
-  run.rules.buildings = request.buildings;
   run.loaded = load_case(request.source, request.site, request.cache);
+  run.rules.buildings = request.buildings.value_or(run.loaded.engine->usual_buildings());
+  run.request.buildings = run.rules.buildings;
   require_apart(run.loaded.logs);
   add_more_days(run, effects);
   Changes tries;
@@ -132,7 +133,7 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   const Library library = library_of(engine, effects);
   run.not_applicable = library.not_applicable;
   const GapStages stages(engine, library, static_cast<int>(data.test.measured.rows() / bins_per_day), request.jobs,
-                         request.buildings);
+                         run.rules.buildings);
   progress.start("comparing the log with " + engine.description(), stages.stages());
   const auto responses = [&](const Window& window) {
     return simulate_responses(engine, library, window.recording, true, request.jobs);

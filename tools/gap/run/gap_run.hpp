@@ -38,7 +38,7 @@ struct GapRequest {
   std::vector<std::string> tries;  ///< "vav_flow@2=0.5": the user's own suspicions
   std::filesystem::path effects;   ///< folder of their files
   bool sun_on_site = false;        ///< the weather file's sun was measured on the site
-  int buildings = 0;               ///< as Rules::buildings
+  std::optional<int> buildings;    ///< as Rules::buildings; none: the model's usual number
   Price price;                     ///< of what a finding costs
   std::vector<MoreDays> more;      ///< in the order in which they came
   nlohmann::json earlier;          ///< gap.json of the verdict that they continue; null without

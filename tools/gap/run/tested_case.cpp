@@ -10,11 +10,11 @@
 namespace airside::tools::gap {
 
 nlohmann::json judge_with_tests(const std::filesystem::path& folder, const std::vector<sim::Effect>& effects,
-                                const std::filesystem::path& cache, int jobs, bool propose, int buildings) {
+                                const std::filesystem::path& cache, int jobs, bool propose,
+                                std::optional<int> buildings) {
   const std::string name = folder.filename().string();
   std::vector<std::string> done;
   GapRun run;
-  run.rules.buildings = buildings;
   run.request.source = read_case(folder);
   for (const CaseTest& test : read_case_tests(folder)) {
     run.request.more.push_back({(folder / test.log).string(), test.name});
@@ -23,6 +23,7 @@ nlohmann::json judge_with_tests(const std::filesystem::path& folder, const std::
   nlohmann::json judged;
   try {
     run.loaded = load_case(run.request.source, name, cache);
+    run.rules.buildings = buildings.value_or(run.loaded.engine->usual_buildings());
     add_more_days(run, effects);
     const StretchedEngine engine(*run.loaded.engine);
     const Library library = library_of(engine, effects);

@@ -19,9 +19,9 @@ class NightJudge {
  public:
   NightJudge(const GapRequest& request, const std::vector<sim::Effect>& effects)
       : jobs_(request.jobs),
-        buildings_(request.buildings),
         source_(request.source),
         loaded_(load_case(request.source, request.site, request.cache)),
+        buildings_(request.buildings.value_or(loaded_.engine->usual_buildings())),
         library_(library_of(*loaded_.engine, effects)),
         reference_(responses_in(loaded_.data.reference)) {}
 
@@ -54,9 +54,10 @@ class NightJudge {
     return simulate_responses(*loaded_.engine, library_, window.recording, true, jobs_);
   }
 
-  int jobs_, buildings_;
+  int jobs_;
   CaseDescription source_;
   LoadedCase loaded_;
+  int buildings_;
   Library library_;
   Responses reference_;
 };

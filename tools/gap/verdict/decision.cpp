@@ -12,15 +12,18 @@ constexpr double as_good_as_all = 0.5;
 
 bool in_set(const Posterior& p, std::string_view id) { return std::ranges::find(p.set, id) != p.set.end(); }
 
-/// "gain_base 81 %, neighbour_heat 18 %"
+/// "gain_base 81 %, neighbour_heat 18 %", and how many more there are.
 std::string set_text(const Posterior& p) {
+  constexpr std::size_t shown = 5;
   std::string text;
-  for (const std::string& id : p.set) {
+  for (std::size_t i = 0; i < std::min(shown, p.set.size()); ++i) {
+    const std::string& id = p.set[i];
     const auto effect = std::ranges::find_if(p.effects, [&id](const auto& e) { return e.at.id() == id; });
     const double probability = id == "nothing" ? p.nothing : effect == p.effects.end() ? p.other : effect->probability;
     text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", id == "other" ? "something else" : id,
                         100 * probability);
   }
+  if (p.set.size() > shown) text += fmt::format(" and {} more", p.set.size() - shown);
   return text;
 }
 
@@ -29,8 +32,8 @@ std::string set_text(const Posterior& p) {
 Instead instead_of(const Finding* found, const Posterior& p) {
   if (p.effects.empty()) return Instead::nothing_else;
   if (found == nullptr) {
-    const bool shows = !in_set(p, "nothing") && p.other < p.likeliest();
-    return p.sure || shows ? Instead::another : Instead::nothing_else;
+    const bool shows = p.likeliest() > std::max(p.nothing, p.other);
+    return shows ? Instead::another : Instead::nothing_else;
   }
   if (p.nothing > as_good_as_all) return Instead::nobody;
   return p.sure && p.effects.front().at.id() != found->at.id() ? Instead::another : Instead::nothing_else;
@@ -69,7 +72,8 @@ Decision decision_of(const std::vector<Finding>& findings, const std::vector<Pos
   if (first.other > std::max(first.nothing, effects))
     return {VerdictKind::unknown, fmt::format("no effect explains it well: {}", set_text(first))};
   if (!findings.empty()) return {VerdictKind::ambiguous, findings.front().why_not};
-  return {VerdictKind::none, "no gap above the floor"};
+  const bool alone = first.set.size() <= 1;
+  return {VerdictKind::none, "no gap above the floor" + (alone ? "" : fmt::format(" ({})", set_text(first)))};
 }
 
 }  // namespace airside::tools::gap

@@ -11,8 +11,8 @@ namespace airside::tools::gap {
 enum class Instead {
   nothing_else,  ///< all stays as it is
   nobody,        ///< nothing is as probable as all else together: the finding goes
-  another        ///< the first of its effects is sure, and is another one; or there was no finding, and nothing is not
-                 ///< in the set
+  another        ///< the first of its effects is sure, and is another one; or there was no finding, and it is more
+                 ///< probable than nothing and than something else
 };
 
 /// `found`: the finding in whose place the question was asked; nullptr: none was found.
@@ -30,7 +30,7 @@ struct Decision {
 /// Of findings that tell() has spoken to, or of none and the one question that was asked then. `more_needed`: as many
 /// effects as there may be are found, and one more would still gain.
 /// Named: one finding is sure at least. Unknown: something else is more probable than all effects in the place of the
-/// largest, or more is needed. No gap: nothing is in the set where no effect was found.
+/// largest, or more is needed. No gap: no effect was found, and nothing is the likeliest.
 Decision decision_of(const std::vector<Finding>& findings, const std::vector<Posterior>& posteriors, bool more_needed);
 
 }  // namespace airside::tools::gap

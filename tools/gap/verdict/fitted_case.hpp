@@ -39,8 +39,8 @@ struct FittedCase {
   bool plausible(const Refit& at) const;
   /// Whether this effect at this place is chosen already, in either direction.
   bool already(const Refit& now, std::size_t candidate) const;
-  /// Instead of the rules, as Rules::by_posterior.
-  bool posterior_decides() const { return rules.by_posterior && ensemble.rooms > 0 && rules.most_effects > 0; }
+  /// Instead of the rules, where buildings are drawn.
+  bool posterior_decides() const { return ensemble.rooms > 0 && rules.most_effects > 0; }
   /// As Rules::alternatives.
   int alternatives() const { return engine.spares_runs() ? rules.dear_alternatives : rules.alternatives; }
   /// Values that are fitted, at least 1.

@@ -38,10 +38,10 @@ struct Rules {
                                  ///< it is not that effect, but it is a gap, and so unknown
   double affected_share = 0.5;   ///< of how far the findings move the channel that they move most, in its noise:
                                  ///< channels that move as far count on the locked days
-  int buildings = 0;             ///< drawn for StructureEnsemble; 0: how they differ is asked of the reference alone
+  int buildings = 0;             ///< drawn for StructureEnsemble, and the posterior draws the verdict;
+                                 ///< 0: how they differ is asked of the reference alone, and rules draw it
   int alternatives = 12;         ///< of each finding, for its posterior, by real simulation,
   int dear_alternatives = 6;     ///< on an engine that spares runs,
-  bool by_posterior = false;     ///< the posterior draws the verdict where buildings are drawn; not calibrated yet
   int locked_looks = 5;          ///< and of those, best first, that are held against the locked days
   double contradiction_sd = 2;   ///< standard deviations by which locked days fall short of what was predicted
 };

@@ -49,9 +49,10 @@ struct Verdict {
   int buildings = 0;                     ///< drawn ones that count; what they add: as StructureEnsemble
   double buildings_add_alone = 0, buildings_add = 0;
   LockedDays locked;
-  std::vector<Alternatives> alternatives;           ///< one a finding of the search; one where it found none
-  std::vector<Posterior> posteriors;                ///< of these; none on an engine that spares runs
-  std::vector<Score> ranking;                       ///< of single effects on the unpatched model
+  std::vector<Alternatives> alternatives;  ///< with drawn buildings: one a finding of the search, one where it found
+                                           ///< none
+  std::vector<Posterior> posteriors;       ///< of these
+  std::vector<Score> ranking;              ///< of single effects on the unpatched model
   Eigen::MatrixXd residual_before, residual_after;  ///< bins x channels, all days
   std::string reason;                               ///< one sentence
 };

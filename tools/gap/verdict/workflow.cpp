@@ -47,9 +47,10 @@ class Analysis {
     std::optional<TooSmall> too_small;
     now_ = search_.forward(too_small, look_ahead);
     v_.findings = findings_of(c_, search_, now_);
-    if (!c_.posterior_decides()) drop_weak_findings();
-    weigh();
-    if (c_.posterior_decides()) follow_posteriors();
+    if (c_.posterior_decides())
+      follow_posteriors();
+    else
+      drop_weak_findings();
     set_residual_ratio();
     const bool more_needed = std::ssize(now_.chosen) == c_.rules.most_effects && search_.better(now_).has_value();
     if (c_.posterior_decides())
@@ -100,6 +101,7 @@ class Analysis {
 
   /// Effects that the posteriors put in the place of findings, or take out.
   void follow_posteriors() {
+    weigh();
     for (int round = 0; round <= c_.rules.most_effects && take_what_is_likelier(); ++round) weigh();
   }
 
@@ -144,15 +146,11 @@ class Analysis {
     check_locked_days(now_);
   }
 
-  /// A ranking alone does without, and so does an engine that spares runs where no building was drawn.
   void weigh() {
     v_.alternatives.clear();
     v_.posteriors.clear();
-    if (c_.rules.most_effects == 0 || (c_.engine.spares_runs() && !c_.posterior_decides())) return;
     v_.alternatives = alternatives_of(c_, search_, now_);
-    const PosteriorModel& model =
-        c_.ensemble.rooms > 0 ? PosteriorModel::learned_with_buildings() : PosteriorModel::learned();
-    for (const Alternatives& tried : v_.alternatives) v_.posteriors.push_back(posterior_of(tried, model));
+    for (const Alternatives& tried : v_.alternatives) v_.posteriors.push_back(posterior_of(tried));
   }
 
   void set_residual_ratio() {
