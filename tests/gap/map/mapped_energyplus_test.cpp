@@ -91,6 +91,10 @@ class OwnersDesk {
     }
   }
 
+  Outcome run(const std::vector<std::string>& words) const {
+    return run_program("airside", words, folder_.path(), scratch_.path(), 600);
+  }
+
   Outcome gap(const std::string& log) const {
     return run_program("airside",
                        {"gap", "--map", "map.toml", "--measured", log, "--reference", "reference.csv", "--effects",
@@ -166,6 +170,55 @@ TEST(MappedModel, ALogInWhichNothingIsHiddenGetsNoName) {
   EXPECT_NE(quiet["verdict"], "named") << quiet["sentence"];
   const double missed_kw = quiet["locked_days"]["given"]["power_rmse_kw"];
   EXPECT_LT(missed_kw, 0.2) << "the sum of two meters is the log's one; its steps were others";
+}
+
+/// Energy of an hourly log, in bills of two days.
+void write_bills(const OwnersDesk& desk, const std::string& log, const std::string& bills) {
+  constexpr int days_a_bill = 2;
+  std::ifstream in(desk.path(log));
+  std::ofstream out(desk.path(bills));
+  out << "from,to,kWh\n";
+  std::string line;
+  std::getline(in, line);
+  std::string from;
+  double sum = 0;
+  for (int hour = 0; std::getline(in, line); ++hour) {
+    const std::string date = fmt::format("2021-07-{:02}", 5 + hour / 24);  // a row stands for the hour before it
+    if (hour % (24 * days_a_bill) == 0) from = date;
+    sum += std::stod(line.substr(line.rfind(',') + 1));
+    if ((hour + 1) % (24 * days_a_bill) != 0) continue;
+    out << fmt::format("{},{},{:.2f}\n", from, date, sum);
+    sum = 0;
+  }
+}
+
+TEST(MappedModel, BillsAloneAgreeWithARightModelAndSayWhatTheyCouldShow) {
+  AIRSIDE_NEEDS_FOREIGN_MODELS();
+  const OwnersDesk desk;
+  desk.simulate(desk.model(), 5, 1, "right.csv");
+  write_bills(desk, "right.csv", "bills.csv");
+  const auto of_bills = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"gap",     "bills",  "bills.csv", "--map", "map.toml", "--effects",
+                                   "effects", "--jobs", "2",         "--out", "bills"};
+    words.insert(words.end(), more.begin(), more.end());
+    return desk.run(words);
+  };
+  const Outcome right = of_bills({"--json"});
+  ASSERT_EQ(right.code, 0) << right.err;
+  const json j = json::parse(right.out);
+  EXPECT_EQ(j, sim::read_json(desk.path("bills") / "bills.json"));
+  EXPECT_LT(std::abs(j["meters"][0]["nmbe_percent"].get<double>()), 4) << "the model's own bills";
+  EXPECT_EQ(j["set"][0], "nothing") << j["sentence"];
+  EXPECT_EQ(j["meters"][0]["bills"].size(), 4U);
+  EXPECT_TRUE(fs::exists(desk.path("bills") / "bills.svg"));
+  for (const json& c : j["candidates"]) EXPECT_NE(c["id"], "room_sensor_bias@1") << "sensors show in no bill";
+  const Outcome words = of_bills({"--reference", "bills.csv"});
+  ASSERT_EQ(words.code, 0) << words.err;
+  EXPECT_NE(words.out.find("what these bills could show: "), std::string::npos) << words.out;
+  std::ofstream(desk.path("bills.csv")) << "from,to,gas\n";
+  const Outcome refused = of_bills({});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.err.find("bills.csv:1: header"), std::string::npos) << refused.err;
 }
 
 TEST(MappedModel, NamesThatAreNotThereAreRefusedWithTheNearest) {

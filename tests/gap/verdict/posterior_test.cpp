@@ -82,6 +82,16 @@ TEST(Posterior, GivesWhatIsLeftToSomethingElse) {
   EXPECT_LT(probability_of(posterior_of(strange), "sun"), probability_of(posterior_of(right), "sun"));
 }
 
+TEST(Posterior, SaysSomethingElseOfWhatNoEffectTouches) {
+  Alternatives untouched = tried(8, 6, 3);
+  for (const double left : {1.0, 1.2}) {
+    untouched.residual_ratio = left;
+    EXPECT_GT(posterior_of(untouched).nothing, 0.5) << left;
+  }
+  untouched.residual_ratio = 1.8;
+  EXPECT_EQ(posterior_of(untouched).set.front(), "other") << "chance leaves 1.5 at most";
+}
+
 TEST(Posterior, TakesOffWhatTheReferencesOwnDaysGain) {
   Alternatives noisy = tried(60, 10, 10);
   EXPECT_GT(probability_of(posterior_of(noisy), "leak"), 0.5);

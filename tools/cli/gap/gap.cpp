@@ -205,6 +205,7 @@ void add_gap(CLI::App& app) {
   add_gap_retrain(*gap);
   add_gap_next(*gap);
   add_gap_watch(*gap);
+  add_gap_bills(*gap);
   add_gap_run(*gap);
 }
 

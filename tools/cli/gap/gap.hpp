@@ -23,6 +23,9 @@ void add_gap_run_cases(CLI::App& gap);
 /// Adds `airside gap test-cases`: the proposed tests, done on the hidden rooms of blind cases.
 void add_gap_test_cases(CLI::App& gap);
 
+/// Adds `airside gap bills`: what monthly bills alone tell.
+void add_gap_bills(CLI::App& gap);
+
 /// Adds `airside gap watch`: a verdict every night.
 void add_gap_watch(CLI::App& gap);
 

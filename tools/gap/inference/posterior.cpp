@@ -9,6 +9,7 @@ namespace airside::tools::gap {
 namespace {
 
 constexpr double least_excess_of_chance = 0.1;
+constexpr double unexplained_weight = 4;  // f of posterior_of()
 
 double net_gain(const Alternative& a, const PosteriorModel& model) {
   return std::max(0.0, a.log_likelihood_ratio - model.null_share * a.of_reference);
@@ -106,8 +107,10 @@ Posterior posterior_of(const Alternatives& tried, const PosteriorModel& model) {
   const double chance = std::max(least_excess_of_chance, tried.residual_ratio_chance - 1);
   const double explained = std::max(0.0, tried.residual_ratio - lead.residual_ratio);
   const double excess = std::max(0.0, lead.residual_ratio - 1) / (chance + model.shape_share * explained);
-  const double other =
-      best + model.other + model.other_left * excess * excess + model.other_overlap * lead.overlap * lead.overlap;
+  const double unexplained = std::max(0.0, tried.residual_ratio - 1) / chance;
+  const double other = std::max(
+      best + model.other + model.other_left * excess * excess + model.other_overlap * lead.overlap * lead.overlap,
+      nothing + unexplained_weight * (unexplained * unexplained - 1));
   const double most = std::max({best, other, nothing});
   double sum = std::exp(nothing - most) + std::exp(other - most);
   for (const double s : scores) sum += std::exp(s - most);

@@ -80,7 +80,8 @@ struct Posterior {
 /// 1 - stray of a softmax; the rest is shared evenly by what was simulated, nothing and something else. The scores are
 ///   x_k = max(0, g_k - a n_k),  X = max x,  T_k = T_0 max(1, rho) (1 + x_k / G)
 ///   s_k = (w l_k - (X - x_k)) / 2 T_k - c ln places + ln prior(size),  s_nothing = b - X / 2 T_0
-///   s_other = max_k s_k + d + e (max(0, rho - 1) / (rho_chance - 1 + v (rho_0 - rho)))^2 + h o^2
+///   s_other = max(max_k s_k + d + e (max(0, rho - 1) / (rho_chance - 1 + v (rho_0 - rho)))^2 + h o^2,
+///                 s_nothing + f (max(0, rho_0 - 1) / (rho_chance - 1))^2 - f),  f = 4
 /// g gains, n the reference's own, l came on locked days, rho what the effect with the largest x leaves, rho_0 what is
 /// left without it, o its overlap with other findings. Source: docs/gap-workflow.md, "How probable each effect is".
 Posterior posterior_of(const Alternatives& tried, const PosteriorModel& model = PosteriorModel::learned());

@@ -32,7 +32,7 @@ class Engine {
   }
   /// Whether simulate_differing() can.
   virtual bool draws_buildings() const { return false; }
-  /// How many a verdict draws that is not told a number.
+  /// How many a verdict draws where nobody gives a number.
   virtual int usual_buildings() const { return 0; }
   virtual sim::Channels channels() const = 0;
   virtual std::array<bool, sim::facades> has_facade() const = 0;
