@@ -11,7 +11,7 @@ namespace airside::tools::gap {
 
 namespace {
 
-/// What a calendar year's bills ask for: a replay must not go back over New Year, where its lead would begin.
+/// What a calendar year's bills ask for: a replay and its lead days lie within one.
 struct BilledYear {
   CivilTime from, to;
 };
