@@ -171,9 +171,6 @@ class DaySchedules {
     // A schedule has room for 53 parts of the year: days, or if they are more, weeks.
     constexpr int most_parts = 53;
     part_ = days.days <= most_parts ? 1 : 7;
-    if (part_ > 1 && model.contains("RunPeriodControl:SpecialDays") && !model["RunPeriodControl:SpecialDays"].empty())
-      throw hal::InputError("EnergyPlus replay", std::to_string(days.days) + " days, and holidays in the model",
-                            "at most 53 days with holidays", "choose a shorter stretch, or remove the holidays");
   }
 
   void follow(const std::string& name, const std::vector<double>& values) {
@@ -183,6 +180,7 @@ class DaySchedules {
       constants[name]["hourly_value"] = values.front();
       return;
     }
+    require_weeks_without_holidays();
     constants.erase(name);
     json parts = json::array();
     for (int day = 0; day < days_.days; day += part_) {
@@ -203,6 +201,14 @@ class DaySchedules {
   }
 
  private:
+  void require_weeks_without_holidays() const {
+    const auto holidays = model_.find("RunPeriodControl:SpecialDays");
+    if (part_ > 1 && holidays != model_.end() && !holidays->empty()) {
+      throw hal::InputError("EnergyPlus replay", std::to_string(days_.days) + " days, and holidays in the model",
+                            "at most 53 days with holidays", "choose a shorter stretch, or remove the holidays");
+    }
+  }
+
   void set_date(json& part, const std::string& which, int day) const {
     const std::int64_t year_s = civil_midnight(days_.year, 1, 1).seconds;
     const std::string date =

@@ -49,8 +49,8 @@ struct BillsCommand : GapOptions {
     c.model = gap::prepare_mapped_model(mapping, prepared).string();
     c.weather = mapping.weather;
     c.topology = gap::counts_of(mapping).name;
-    return std::make_unique<gap::EnergyPlusEngine>(sim::twin_of(gap::energyplus_options_of(c)), mapping.model, cache,
-                                                   false);
+    return std::make_unique<gap::EnergyPlusEngine>(sim::twin_of(gap::energyplus_options_of(c)),
+                                                   fs::path(mapping.model).filename().string(), cache, false);
   }
 
   /// What sensors alone show is in no bill.

@@ -49,7 +49,7 @@ std::string reliability_mark(const ReliabilityBin& bin) {
   const auto [low, high] = wilson_95(bin.came, bin.n);
   const double came = static_cast<double>(bin.came) / bin.n;
   const bool honest = low <= bin.said && bin.said <= high;
-  const bool beside_right_edge = bin.said > 0.9;
+  const bool beside_right_edge = bin.said > 0.85;
   return fmt::format(
       "<g class=\"{}\"><title>said {:.0f} %, came {} of {}</title>"
       "<line class=\"bar\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>"
