@@ -27,7 +27,7 @@ Eigen::VectorXd Metric::squares(const Eigen::MatrixXd& z) const {
 Eigen::MatrixXd NuisanceResponses::joined() const {
   Eigen::MatrixXd all(directions.rows(), directions.cols() + day_gain.cols() + day_shift.cols() + structure.cols());
   all.leftCols(all.cols() - structure.cols()) << directions, day_gain, day_shift;
-  all.rightCols(structure.cols()) = structure;
+  if (structure.cols() > 0) all.rightCols(structure.cols()) = structure;  // an empty one has no rows either
   return all;
 }
 
