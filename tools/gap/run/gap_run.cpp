@@ -173,7 +173,7 @@ std::string sentence_of(const GapRun& run) {
       text += "; " + name + (energy.empty() ? "" : energy + "; ") + "to confirm it on site: " + f.at.effect->confirm;
     }
   }
-  if (!run.experiments.empty()) text += ". " + sentence_of(run.experiments);
+  if (!run.experiments.empty()) text += "; " + sentence_of(run.experiments);
   if (run.heat) text += ". " + run.heat->text;
   const std::string meters = text_of(run.meter_offsets);
   if (!meters.empty()) text += "; beside it " + meters;
