@@ -106,9 +106,11 @@ TEST_F(PageCrowd, SlowBodiesOfEightAddressesKeepNoUploadOut) {
   ASSERT_TRUE(start()) << read("said.txt");
   std::uint64_t counter = 10;
   for (const bool one_prefix : {false, true}) {
-    // A busy machine may be late once; who is kept out is so every time.
+    // Places of one network are shared: beside a crowd of its own an upload takes 15 s now and then, but not every
+    // time.
+    const int attempts = one_prefix ? 3 : 1;
     double upload = 1e9, status = 1e9;
-    for (int attempt = 0; attempt < 3 && (upload >= not_kept_out_s || status >= not_kept_out_s); ++attempt) {
+    for (int attempt = 0; attempt < attempts && (upload >= not_kept_out_s || status >= not_kept_out_s); ++attempt) {
       const Crowd crowd(port, addresses(one_prefix), post_head(100000));
       sleep_s(2);
       upload = upload_s(counter++);

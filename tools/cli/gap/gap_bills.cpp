@@ -100,15 +100,13 @@ struct BillsCommand : GapOptions {
     gap::write_whole_file(folder.path() / "bills.svg", gap::bills_svg(table, verdict));
     fs::remove_all(folder.path() / "model");
     folder.commit("bills.json");
-    if (as_json()) {
+    if (json) {
       fmt::print("{}\n", j.dump());
     } else {
       fmt::print("{}", gap::text_of(verdict));
       fmt::print("\npicture: {}\n", (fs::path(out) / "bills.svg").string());
     }
   }
-
-  bool as_json() const { return GapOptions::json; }
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 
+#include "tools/gap/inference/posterior.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 
 namespace airside::tools::gap {
@@ -165,18 +166,6 @@ std::vector<BillMeterFit> meter_fits(const BillTable& bills, const Eigen::Matrix
   return fits;
 }
 
-void add_bill_set(BillVerdict& v, double wanted) {
-  std::vector<std::pair<double, std::string>> all{{v.nothing, "nothing"}, {v.other, "other"}};
-  for (const BillCandidate& c : v.candidates) all.emplace_back(c.probability, c.at.id());
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  double sum = 0;
-  for (const auto& [probability, id] : all) {
-    v.set.push_back(id);
-    sum += probability;
-    if (sum >= wanted) break;
-  }
-}
-
 }  // namespace
 
 BillVerdict judge_bills(const BillEvidence& measured, const BillEvidence* reference, const BillPriors& priors) {
@@ -225,7 +214,9 @@ BillVerdict judge_bills(const BillEvidence& measured, const BillEvidence* refere
   for (std::size_t k = 0; k < scores.size(); ++k) v.candidates[k].probability = std::exp(scores[k] - most) / sum;
   std::stable_sort(v.candidates.begin(), v.candidates.end(),
                    [](const BillCandidate& a, const BillCandidate& b) { return a.probability > b.probability; });
-  add_bill_set(v, priors.set);
+  std::vector<std::pair<std::string, double>> all{{"nothing", v.nothing}, {"other", v.other}};
+  for (const BillCandidate& c : v.candidates) all.emplace_back(c.at.id(), c.probability);
+  v.set = smallest_set(std::move(all), priors.set);
   v.named = !v.candidates.empty() && v.candidates.front().probability > priors.name;
   return v;
 }

@@ -69,16 +69,18 @@ BillResponses bill_responses(const Engine& engine, const Library& library, const
                              const std::vector<int>& meters, std::shared_ptr<const sim::Weather> station, int jobs,
                              const std::function<void()>& done = {});
 
+/// Bills and what the model says of them; kept by reference.
+struct BillEvidence {
+  const BillTable& bills;
+  const BillResponses& responses;
+};
+
 /// With y bills less the model's, J its parameters' responses and each meter's level, E the periods' noise, z_k the
 /// response to one unit of effect k in the measured bills alone:
 ///   y ~ N(z_k m, E + J J'),  m ~ N(0, step_k^2) of one sign,  P(k) ~ prior_k p(y | k)
 /// `reference`: bills of a time in which nothing was missing, with their responses; nullptr: none. Both share
 /// parameters and levels.
 /// Source: docs/gap-workflow.md, "Bills alone".
-struct BillEvidence {
-  const BillTable& bills;
-  const BillResponses& responses;
-};
 BillVerdict judge_bills(const BillEvidence& measured, const BillEvidence* reference, const BillPriors& priors = {});
 
 /// One sentence.

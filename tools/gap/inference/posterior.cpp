@@ -45,18 +45,6 @@ Lead lead_of(const Alternatives& tried, const PosteriorModel& model) {
   return lead;
 }
 
-void add_set(Posterior& p, double wanted) {
-  std::vector<std::pair<double, std::string>> all{{p.nothing, "nothing"}, {p.other, "other"}};
-  for (const EffectProbability& e : p.effects) all.emplace_back(e.probability, e.at.id());
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  double sum = 0;
-  for (const auto& [probability, id] : all) {
-    p.set.push_back(id);
-    sum += probability;
-    if (sum >= wanted) break;
-  }
-}
-
 }  // namespace
 
 /// Learned on 140 RC rooms of `airside gap blind --rough` with 96 drawn buildings each: --only single --ratio 1 (44,
@@ -81,6 +69,18 @@ const PosteriorModel& PosteriorModel::learned() {
     return m;
   }();
   return model;
+}
+
+std::vector<std::string> smallest_set(std::vector<std::pair<std::string, double>> all, double wanted) {
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::vector<std::string> set;
+  double sum = 0;
+  for (auto& [id, probability] : all) {
+    set.push_back(std::move(id));
+    sum += probability;
+    if (sum >= wanted) break;
+  }
+  return set;
 }
 
 bool locked_days_veto(const Alternative& a, const PosteriorModel& model) {
@@ -128,7 +128,9 @@ Posterior posterior_of(const Alternatives& tried, const PosteriorModel& model) {
   }
   std::stable_sort(p.effects.begin(), p.effects.end(),
                    [](const auto& a, const auto& b) { return a.probability > b.probability; });
-  add_set(p, model.set_probability);
+  std::vector<std::pair<std::string, double>> all{{"nothing", p.nothing}, {"other", p.other}};
+  for (const EffectProbability& e : p.effects) all.emplace_back(e.at.id(), e.probability);
+  p.set = smallest_set(std::move(all), model.set_probability);
   p.sure = !p.effects.empty() && p.effects.front().probability > model.name_probability * (1 - p.other) &&
            p.other < model.name_other && !p.effects.front().vetoed;
   return p;

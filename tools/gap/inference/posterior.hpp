@@ -3,6 +3,7 @@
 // that no effect is.
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/effects/effect.hpp"
@@ -85,6 +86,10 @@ struct Posterior {
 /// g gains, n the reference's own, l came on locked days, rho what the effect with the largest x leaves, rho_0 what is
 /// left without it, o its overlap with other findings. Source: docs/gap-workflow.md, "How probable each effect is".
 Posterior posterior_of(const Alternatives& tried, const PosteriorModel& model = PosteriorModel::learned());
+
+/// The fewest explanations whose probabilities sum to `wanted`, the most probable first; of equal ones the first of
+/// `all`.
+std::vector<std::string> smallest_set(std::vector<std::pair<std::string, double>> all, double wanted);
 
 /// Whether locked days contradict what an effect predicted: p(came | N(e, 4 e i + (s e)^2)) < veto_p, for what came <
 /// e.
