@@ -8,8 +8,8 @@ void scale_field(nlohmann::json& object, const char* field, double factor) {
   if (object.contains(field) && object[field].is_number()) object[field] = object[field].get<double>() * factor;
 }
 
-void perturb_numbers(nlohmann::json& model, std::uint64_t seed, double share) {
-  Lots lots(seed, draw_built, share);
+void perturb_numbers(nlohmann::json& model, std::uint64_t seed) {
+  Lots lots(seed, draw_built);
   const double glass_u = lots.factor(0.2), insulation = lots.factor(0.2), capacity = lots.factor(0.2);
   const double furniture = lots.factor(0.2), all_gain = lots.factor(0.12), all_flow = lots.factor(0.1);
   const double leak = lots.factor(0.2), all_sun = lots.factor(0.15), all_mixing = lots.factor(0.2);
@@ -49,8 +49,8 @@ void perturb_numbers(nlohmann::json& model, std::uint64_t seed, double share) {
   }
 }
 
-WeatherChange perturb_loops(RoomLoopOptions& loops, std::uint64_t seed, double share) {
-  Lots lots(seed ^ 0x10095, draw_built, share);
+WeatherChange perturb_loops(RoomLoopOptions& loops, std::uint64_t seed) {
+  Lots lots(seed ^ 0x10095, draw_built);
   for (double& damper : loops.dampers) damper = std::min(1.0, damper * lots.factor(0.06));
   loops.supply_lag_s *= lots.uniform(1.1, 1.8);
   loops.supply_bias_k += lots.shift(0.4);

@@ -19,7 +19,7 @@
 #include "tools/gap/model/patched_model.hpp"
 #include "tools/gap/run/proposed_tests.hpp"
 #include "tools/gap/run/tested_case.hpp"
-#include "tools/gap/verdict/shared_responses.hpp"
+#include "tools/gap/surrogate/asked_model.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/run/site.hpp"
 
@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 
 struct RunCasesCommand : GapOptions {
   std::string folder, out = "verdicts.json", cache;
-  bool all_own = false, go_on = false, propose = false, after_tests = false;
+  bool go_on = false, propose = false, after_tests = false;
   std::optional<int> buildings;
 
   using Done = std::function<void(const fs::path&, nlohmann::json)>;
@@ -58,16 +58,6 @@ struct RunCasesCommand : GapOptions {
     return found;
   }
 
-  /// What effects would do in both windows of a case, by its own commands alone.
-  static gap::WindowResponses responses_of(const gap::LoadedCase& c, const std::vector<sim::Effect>& list, int threads,
-                                           const std::function<void()>& advance) {
-    const gap::Library library = gap::library_of(*c.engine, list);
-    const auto responses = [&](const gap::Window& window) {
-      return gap::simulate_responses(*c.engine, library, window.recording, true, threads, advance);
-    };
-    return {responses(c.data.reference), responses(c.data.test)};
-  }
-
   /// One bad log among hundreds of cases is a verdict too.
   std::optional<gap::LoadedCase> load(const fs::path& path, const Done& done) const {
     const std::string name = path.filename().string();
@@ -86,39 +76,17 @@ struct RunCasesCommand : GapOptions {
     return rules;
   }
 
-  void judge(const fs::path& path, const gap::LoadedCase& c, const gap::WindowResponses& responses,
+  void judge(const fs::path& path, const gap::LoadedCase& c, const std::vector<sim::Effect>& list,
              const Done& done) const {
-    const gap::Verdict verdict = gap::analyse(*c.engine, c.data, responses, rules(*c.engine));
+    gap::AskedModel asked(*c.engine);
+    gap::WindowResponses responses = asked.responses(gap::library_of(asked.engine(), list), c.data, 1);
+    const gap::Verdict verdict = asked.analyse(c.data, responses, rules(asked.engine()));
     nlohmann::json j = gap::json_of(verdict, c.name, responses.test, c.engine->channels());
     if (propose && gap::proposes_tests(verdict)) {
-      j["experiments"] = gap::proposals_json(gap::proposed_tests(*c.engine, c.data.test, verdict, responses.test, 1));
+      j["experiments"] =
+          gap::proposals_json(gap::proposed_tests(asked.engine(), c.data.test, verdict, responses.test, 1));
     }
     done(path, std::move(j));
-  }
-
-  /// Cases of one window and model share what their recordings allow.
-  void judge_window(const std::vector<fs::path>& paths, const std::vector<sim::Effect>& list, const Found& before,
-                    const Done& done) const {
-    if (std::all_of(paths.begin(), paths.end(), [&](const fs::path& path) { return before.contains(path); })) return;
-    std::vector<std::pair<fs::path, gap::LoadedCase>> cases;
-    for (const fs::path& path : paths) {
-      if (auto c = load(path, done)) cases.emplace_back(path, std::move(*c));
-    }
-    if (cases.empty()) return;
-    std::vector<const gap::CaseData*> data;
-    for (const auto& [path, c] : cases) data.push_back(&c.data);
-    const gap::LoadedCase& usual = cases[gap::most_usual(data)].second;
-    const gap::Library library = gap::library_of(*usual.engine, list);
-    const int drawn = usual.engine->spares_runs() ? rules(*usual.engine).buildings : 0;
-    Progress bar("responses of " + usual.engine->description(),
-                 2 * (gap::runs_of(library, true) + static_cast<std::size_t>(drawn)));
-    const gap::SharedWindows shared(
-        *usual.engine, library, usual.data, jobs, [&bar] { bar.advance(); }, drawn);
-    bar.finish();
-    gap::in_parallel(cases.size(), jobs, [&](std::size_t i) {
-      const auto& [path, c] = cases[i];
-      if (!before.contains(path)) judge(path, c, shared.of(*c.engine, c.data, rules(*c.engine), 1), done);
-    });
   }
 
   void keep(const Found& found) const {
@@ -128,27 +96,20 @@ struct RunCasesCommand : GapOptions {
   }
 
   void judge_all(const std::vector<fs::path>& folders, const std::vector<sim::Effect>& list, Found& found) const {
-    std::map<std::string, std::vector<fs::path>> windows;
-    std::vector<fs::path> alone;
-    const Found before = found;
+    std::vector<fs::path> open;
     for (const fs::path& path : folders) {
-      const gap::CaseDescription c = gap::read_case(path);
-      // What a window shares depends on all of its cases, those that are done too.
-      if (before.contains(path) && !gap::shares_responses(c)) continue;
-      (gap::shares_responses(c) && !all_own ? windows[gap::shared_window_of(c)] : alone).push_back(path);
+      if (!found.contains(path)) open.push_back(path);
     }
     std::mutex mutex;
-    Progress bar(fmt::format("{} cases", folders.size() - before.size()), folders.size() - before.size());
+    Progress bar(fmt::format("{} cases", open.size()), open.size());
     const Done done = [&](const fs::path& path, nlohmann::json verdict) {
       const std::lock_guard lock(mutex);
-      if (before.contains(path)) return;
       found[path] = std::move(verdict);
       keep(found);  // what is known is kept if the run is ended
       bar.advance();
     };
-    for (const auto& [window, cases] : windows) judge_window(cases, list, before, done);
-    gap::in_parallel(alone.size(), jobs, [&](std::size_t i) {
-      if (const auto c = load(alone[i], done)) judge(alone[i], *c, responses_of(*c, list, 1, {}), done);
+    gap::in_parallel(open.size(), jobs, [&](std::size_t i) {
+      if (const auto c = load(open[i], done)) judge(open[i], *c, list, done);
     });
     bar.finish();
   }
@@ -259,7 +220,6 @@ void add_gap_run_cases(CLI::App& gap) {
   c->add_option("folder", cases->folder, "folder of cases")->required();
   c->add_option("-o,--out", cases->out, "file for the verdicts")->capture_default_str();
   c->add_option("--cache", cases->cache, "folder of finished EnergyPlus runs, used again");
-  c->add_flag("--all-own", cases->all_own, "share nothing: every response under the case's own commands");
   c->add_flag("--continue", cases->go_on, "keep the verdicts in --out, judge the other cases");
   c->add_flag("--propose", cases->propose, "list with each open verdict the tests on site that would decide it");
   c->add_flag("--after-tests", cases->after_tests,

@@ -97,12 +97,6 @@ void write_case(const fs::path& folder, const CaseDescription& c) {
   }
 }
 
-bool shares_responses(const CaseDescription& c) { return c.engine == "energyplus" && !c.window.empty(); }
-
-std::string shared_window_of(const CaseDescription& c) {
-  return fmt::format("{}|{}|{}|{}|{}|{}", c.engine, c.model, fmt::join(c.patches, ","), c.weather, c.window, c.duties);
-}
-
 nlohmann::json model_of(const CaseDescription& c) {
   if (c.engine == "energyplus") {
     const sim::EnergyPlusOptions options = energyplus_options_of(c);

@@ -25,7 +25,7 @@ struct CaseDescription {
   std::string site;
   /// Mapping file by which the model and logs of other columns are read; empty: the project's own columns.
   std::string map;
-  std::string window;  ///< cases of one window and one model may share responses; empty: shares with none
+  std::string window;  ///< a name for the stretch of weather; nothing depends on it
   bool duties = true;
 };
 
@@ -33,12 +33,6 @@ struct CaseDescription {
 CaseDescription read_case(const std::filesystem::path& folder);
 /// Writes case.json; paths are written as they stand.
 void write_case(const std::filesystem::path& folder, const CaseDescription& description);
-
-/// Whether it is worth asking what cases may share, which SharedWindows decides by their recordings: where a response
-/// costs a second.
-bool shares_responses(const CaseDescription& description);
-/// Equal for cases that may share responses.
-std::string shared_window_of(const CaseDescription& c);
 
 /// The model as the user has it, before any effect: the epJSON with its patches, or the room file.
 /// Errors: hal::InputError of unreadable files and unknown names.

@@ -14,11 +14,10 @@ namespace {
 constexpr std::uint64_t first_seed = 0x5eed0000;  // no case has one of these
 constexpr double least_variance = 1;              // whitened: a direction below is less than the noise of one value
 
-/// Buildings of a window: those that are known, else about the model as it is, else about the fitted one.
+/// Buildings of a window: those that are known, else about the fitted model.
 std::vector<Eigen::MatrixXd> buildings_of(const Engine& engine, const ReferenceFit& fit, const Responses& responses,
                                           const sim::Recording& recording, int rooms, int jobs) {
   if (std::ssize(responses.buildings) == rooms) return responses.buildings;
-  if (engine.spares_runs()) return drawn_buildings(engine, {}, responses.base, recording, rooms, jobs);
   const Changes at = fit.changes();
   return drawn_buildings(engine, at, binned(engine.simulate(at, recording), engine.channels()), recording, rooms, jobs);
 }

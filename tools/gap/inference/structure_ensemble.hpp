@@ -31,8 +31,7 @@ std::vector<Eigen::MatrixXd> drawn_buildings(const Engine& engine, const Changes
 ///   d_i = (J_r' J_r + I)^-1 J_r' r_i,  e_i = t_i - J_t d_i,  m = 1/n sum_i e_i,
 ///   C = 1/n sum_i (e_i - m) (e_i - m)'  = sum_k d_k d_k'
 /// `about`: the parameters' responses in the measured window, about the fitted model.
-/// Where an engine spares runs the buildings are drawn about the model as it is: cases of one model and the same
-/// commands then share them, as Responses::buildings.  The sums allow for it, since d_i moves freely.
+/// Responses::buildings, where there are any, are taken as they are: about the model as it is; d_i moves freely.
 /// Empty where the engine cannot draw buildings.
 /// Cost: 2 rooms + 2 simulations; none where the responses have the buildings.  Errors: as Engine::simulate.
 /// Source: docs/gap-workflow.md, "Buildings that differ".

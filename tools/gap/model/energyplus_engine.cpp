@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "sim/energyplus/adopted/model_index.hpp"
-#include "sim/energyplus/differing/differing_twin.hpp"
 #include "sim/json/merge_patch.hpp"
+#include "sim/rc/rc_room_file.hpp"
 #include "tools/gap/any_model/effect_patch.hpp"
 #include "tools/gap/any_model/model_graph.hpp"
 #include "tools/gap/model/patched_model.hpp"
@@ -13,26 +13,15 @@
 namespace airside::tools::gap {
 
 sim::ChannelTable EnergyPlusEngine::simulate(const Changes& changes, const sim::Recording& recording) const {
-  return shown_by(changed_twin(changes), changes, recording, &memory_);
-}
-
-sim::ChannelTable EnergyPlusEngine::simulate_differing(std::uint64_t seed, const Changes& changes,
-                                                       const sim::Recording& recording) const {
-  if (twin_.own) return {};
-  constexpr double numbers_share = 0.3;
-  return shown_by(sim::differing_twin(changed_twin(changes), seed, numbers_share), changes, recording, nullptr);
-}
-
-sim::ChannelTable EnergyPlusEngine::shown_by(const sim::EnergyPlusTwin& twin, const Changes& changes,
-                                             const sim::Recording& recording, sim::ReplayMemory* memory) const {
+  const sim::EnergyPlusTwin twin = changed_twin(changes);
   sim::Recording lived = sim::changed_recording(recording, changes);
   if (twin.own) lived.from.seconds -= lived.from.seconds % twin.step_s;  // a clock may run ahead by half a step
   const sim::Channels at = channels();
-  sim::ChannelTable table = sim::replay_energyplus(twin, lived, {.cache = cache_, .memory = memory});
+  sim::ChannelTable table = sim::replay_energyplus(twin, lived, {.cache = cache_, .memory = &memory_});
   if (twin.own) {
     if (!duties_) table.middleCols(at.fcu_duty(), at.fcus).setConstant(std::numeric_limits<double>::quiet_NaN());
   } else if (duties_) {
-    const auto free = sim::replay_energyplus(twin, lived, {.thermostats = true, .cache = cache_, .memory = memory});
+    const auto free = sim::replay_energyplus(twin, lived, {.thermostats = true, .cache = cache_, .memory = &memory_});
     table.rightCols(at.fcus) = free.rightCols(at.fcus);
   } else {
     table.rightCols(at.fcus).setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -69,6 +58,17 @@ std::string EnergyPlusEngine::why_not(const sim::EffectAt& at) const {
       (any(at.effect->any_model, sim::EffectOp::On::loop, "") || any(changes, sim::EffectOp::On::command, "setpoint")))
     return "no recorded supply setpoint is played";
   return why_not_applicable(twin_.model, *twin_.own, at);
+}
+
+std::optional<sim::RcRoom> EnergyPlusEngine::stand_in() const {
+  if (twin_.own) return std::nullopt;
+  const sim::Channels at = channels();
+  const std::vector<std::string> names = sim::room_names();
+  if (std::find(names.begin(), names.end(), name_) != names.end()) {
+    sim::RcRoom room = sim::load_room(name_);
+    if (room.vavs == at.rooms && room.fcus == at.fcus && room.powers == at.powers) return room;
+  }
+  return sim::make_room(at.rooms, at.fcus, at.powers);
 }
 
 std::array<bool, sim::facades> EnergyPlusEngine::has_facade() const {

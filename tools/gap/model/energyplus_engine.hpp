@@ -13,11 +13,6 @@ class EnergyPlusEngine final : public Engine {
   EnergyPlusEngine(sim::EnergyPlusTwin twin, std::string name, std::filesystem::path cache, bool duties)
       : twin_(std::move(twin)), name_(std::move(name)), cache_(std::move(cache)), duties_(duties) {}
   sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override;
-  /// About the model that is asked for, numbers differ by 0.3 of what they do in buildings: a reference period fits
-  /// the rest.  Empty for a model with controls of its own.
-  sim::ChannelTable simulate_differing(std::uint64_t seed, const Changes& changes,
-                                       const sim::Recording& recording) const override;
-  bool draws_buildings() const override { return !twin_.own; }
   sim::Channels channels() const override { return sim::channels_of(twin_); }
   std::array<bool, sim::facades> has_facade() const override;
   bool can(const sim::Effect& e) const override { return twin_.own ? e.on_any_model : e.on_energyplus; }
@@ -32,16 +27,15 @@ class EnergyPlusEngine final : public Engine {
     return (twin_.own ? e.any_model : e.energyplus).empty() && only_on_sensors(e.common);
   }
   bool spares_runs() const override { return true; }
+  /// The built-in RC room of the twin's name, else the default room of its counts; none for a model with controls of
+  /// its own.
+  std::optional<sim::RcRoom> stand_in() const override;
   std::string description() const override { return "EnergyPlus twin " + name_; }
   const sim::EnergyPlusTwin& twin() const { return twin_; }
   /// The twin with the changes that it can hold.
   sim::EnergyPlusTwin changed_twin(const Changes& changes) const;
 
  private:
-  /// `memory`: of runs that are asked for again soon; none: they would push out those that are.
-  sim::ChannelTable shown_by(const sim::EnergyPlusTwin& twin, const Changes& changes, const sim::Recording& recording,
-                             sim::ReplayMemory* memory) const;
-
   sim::EnergyPlusTwin twin_;
   std::string name_;
   std::filesystem::path cache_;

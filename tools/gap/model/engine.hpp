@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,8 @@ class Engine {
   virtual bool only_shows(const sim::Effect& /*effect*/) const { return false; }
   /// Whether a run costs so much that what other runs tell is not simulated again.
   virtual bool spares_runs() const { return false; }
+  /// An RC room of the same channels that does nearly as this model does; none where runs are cheap, or none is known.
+  virtual std::optional<sim::RcRoom> stand_in() const { return std::nullopt; }
   /// "rc room 301", for reports.
   virtual std::string description() const = 0;
 };

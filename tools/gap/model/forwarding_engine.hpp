@@ -26,6 +26,7 @@ class ForwardingEngine : public Engine {
   bool doubts(const sim::Effect& effect) const override { return engine_.doubts(effect); }
   bool only_shows(const sim::Effect& effect) const override { return engine_.only_shows(effect); }
   bool spares_runs() const override { return engine_.spares_runs(); }
+  std::optional<sim::RcRoom> stand_in() const override { return engine_.stand_in(); }
   std::string description() const override { return engine_.description(); }
 
  protected:

@@ -5,14 +5,13 @@
 
 #include "hal/text/input_error.hpp"
 #include "sim/json/merge_patch.hpp"
-#include "tools/gap/model/counted_engine.hpp"
 #include "tools/gap/model/energyplus_engine.hpp"
 #include "tools/gap/model/stretches.hpp"
 #include "tools/gap/run/gap_stages.hpp"
 #include "tools/gap/run/more_days.hpp"
 #include "tools/gap/run/proposed_tests.hpp"
+#include "tools/gap/surrogate/asked_model.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
-#include "tools/gap/verdict/workflow.hpp"
 
 namespace airside::tools::gap {
 
@@ -121,24 +120,22 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   GapRun run;
   run.request = request;
   run.loaded = load_case(request.source, request.site, request.cache);
-  run.rules.buildings = request.buildings.value_or(run.loaded.engine->usual_buildings());
+  AskedModel asked(
+      *run.loaded.engine, [&progress] { progress.advance(); }, [&progress] { progress.advance(replays_of_dear_run); });
+  const Engine& engine = asked.engine();
+  run.rules.buildings = request.buildings.value_or(engine.usual_buildings());
   run.request.buildings = run.rules.buildings;
   require_apart(run.loaded.logs);
   add_more_days(run, effects);
   Changes tries;
   for (const std::string& text : request.tries) tries.push_back(parse_tried(text, effects, *run.loaded.engine));
-  const CountedEngine counted(*run.loaded.engine, [&progress] { progress.advance(); });
-  const StretchedEngine engine(counted);
   const CaseData& data = run.loaded.data;
   const Library library = library_of(engine, effects);
   run.not_applicable = library.not_applicable;
   const GapStages stages(engine, library, static_cast<int>(data.test.measured.rows() / bins_per_day), request.jobs,
-                         run.rules.buildings);
-  progress.start("comparing the log with " + engine.description(), stages.stages());
-  const auto responses = [&](const Window& window) {
-    return simulate_responses(engine, library, window.recording, true, request.jobs);
-  };
-  run.responses = {responses(data.reference), responses(data.test)};
+                         run.rules.buildings, asked.by_surrogate());
+  progress.start("comparing the log with " + run.loaded.engine->description(), stages.stages());
+  run.responses = asked.responses(library, data, request.jobs);
   progress.enter(GapStage::fitting);
   const auto look = [&](const Outlook& outlook) {
     progress.expect(GapStage::searching, stages.search(outlook));
@@ -146,14 +143,14 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
     if (outlook.searching && outlook.found == 0) progress.enter(GapStage::searching);
   };
   const auto try_all = [&](const Analysed& analysed) {
-    for (const sim::EffectChange& asked : tries) run.suspicions.push_back({try_effect(analysed, asked), {}});
+    for (const sim::EffectChange& suspected : tries) run.suspicions.push_back({try_effect(analysed, suspected), {}});
   };
-  run.verdict = analyse(engine, data, run.responses, run.rules, request.jobs, look, try_all);
+  run.verdict = asked.analyse(data, run.responses, run.rules, request.jobs, look, try_all);
   const bool has_rivals = rivals_of(run.verdict, run.responses.test).size() > 1;
   progress.expect(GapStage::explaining, stages.explanation(run.verdict.kind, has_rivals));
   progress.enter(GapStage::explaining);
-  simulate_curves(run, engine);
-  simulate_suspicions(run, engine);
+  simulate_curves(run, asked.model());
+  simulate_suspicions(run, asked.model());
   explain(run, engine);
   progress.finish();
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tools/gap/explain/flux.hpp"
+#include "tools/gap/surrogate/analyse_dear.hpp"
 
 namespace airside::tools::gap {
 
@@ -23,18 +24,24 @@ constexpr double search_share = 0.7, test_share = 0.3;
 
 }  // namespace
 
-GapStages::GapStages(const Engine& engine, const Library& library, int days, int jobs, int buildings)
-    : responses_(2.0 * static_cast<double>(simulated_runs(engine, library))),
+GapStages::GapStages(const Engine& engine, const Library& library, int days, int jobs, int buildings, bool dear)
+    : responses_(2.0 * static_cast<double>(simulated_runs(engine, library)) + (dear ? 2 * replays_of_dear_run : 0)),
       parameters_(engine.spares_runs() ? 0.0 : static_cast<double>(library.parameters.size())),
       zones_(engine.channels().mau_temp()),
       jobs_(std::max(1, jobs)),
       buildings_(engine.draws_buildings() ? 2.0 * buildings : 0.0),
       days_(std::max(1, days)),
-      spares_(engine.spares_runs()) {}
+      spares_(engine.spares_runs()),
+      dear_(dear) {}
 
 std::vector<Stage> GapStages::stages() const {
-  const double fit_parallel = 3 * parameters_ + buildings_, fit_steps = serial_fit + fit_parallel;
-  const double fit_cost = serial_fit + fit_parallel / jobs_ + (spares_ ? 0 : fit_algebra);
+  const double once = 3 * parameters_, search = dear_ ? serial_search * 2 + parameters_ : 0;
+  const double rounds = dear_ ? dear_rounds : 1;  // all but the last with a search and what the model is run for
+  const double runs = (rounds - 1) * replays_of_dear_run * (2 + dear_effects);
+  const double fit_parallel = rounds * once + buildings_ + (rounds - 1) * search + runs;
+  const double fit_steps = rounds * serial_fit + fit_parallel;
+  const double fit_cost =
+      rounds * (serial_fit + (spares_ ? 0 : fit_algebra)) + (rounds - 1) * search_algebra + fit_parallel / jobs_;
   return {{"simulating every effect", responses_, 1.0 / jobs_},
           {"fitting", fit_steps, fit_cost / fit_steps},
           search_of(1, search_share),
@@ -58,7 +65,8 @@ Stage GapStages::search(const Outlook& outlook) const {
 
 Stage GapStages::explanation_of(double steps, double replays, double algebra) const {
   const double cost = replays / jobs_ + (spares_ ? 0 : algebra);
-  return {"explaining", 2 + steps, (2 + cost) / (2 + steps), false};
+  const double curves = dear_ ? 2 * replays_of_dear_run : 2;
+  return {"explaining", curves + steps, (curves + cost) / (curves + steps), false};
 }
 
 Stage GapStages::explanation(const Outlook& outlook) const {

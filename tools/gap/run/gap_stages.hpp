@@ -20,8 +20,8 @@ struct GapStage {
 /// Refitter, propose_experiments(), reconstruct_heat(), each with typical numbers of iterations.
 class GapStages {
  public:
-  /// `days`: of the measured window; `buildings`: as Rules::buildings.
-  GapStages(const Engine& engine, const Library& library, int days, int jobs, int buildings = 0);
+  /// `days`: of the measured window; `buildings`: as Rules::buildings; `dear`: an RC room answers in the model's stead.
+  GapStages(const Engine& engine, const Library& library, int days, int jobs, int buildings = 0, bool dear = false);
 
   /// Before anything is known: something will be found or not.
   std::vector<Stage> stages() const;
@@ -43,7 +43,10 @@ class GapStages {
   int zones_ = 0, jobs_ = 1;
   double buildings_ = 0;  ///< simulations of drawn buildings
   double days_ = 1;
-  bool spares_ = false;
+  bool spares_ = false, dear_ = false;
 };
+
+/// A run of a model in whose stead an RC room answers takes as long as so many replays of that room.
+constexpr double replays_of_dear_run = 60;
 
 }  // namespace airside::tools::gap

@@ -6,8 +6,8 @@
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
+#include "tools/gap/surrogate/asked_model.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
-#include "tools/gap/verdict/workflow.hpp"
 #include "tools/run/site.hpp"
 
 namespace airside::tools::gap {
@@ -21,13 +21,14 @@ class NightJudge {
       : jobs_(request.jobs),
         source_(request.source),
         loaded_(load_case(request.source, request.site, request.cache)),
-        buildings_(request.buildings.value_or(loaded_.engine->usual_buildings())),
-        library_(library_of(*loaded_.engine, effects)),
+        asked_(*loaded_.engine),
+        buildings_(request.buildings.value_or(asked_.engine().usual_buildings())),
+        library_(library_of(asked_.engine(), effects)),
         reference_(responses_in(loaded_.data.reference)) {}
 
   const LoadedCase& loaded() const { return loaded_; }
 
-  Night judge(const CleanLog& log, CivilTime from, CivilTime end) const {
+  Night judge(const CleanLog& log, CivilTime from, CivilTime end) {
     Night night{end, "refused", "", "", false};
     std::vector<hal::LogRow> rows;
     for (const hal::LogRow& row : log.rows) {
@@ -39,7 +40,8 @@ class NightJudge {
                                 loaded_.counts);
       Rules rules;
       rules.buildings = buildings_;
-      const Verdict verdict = analyse(*loaded_.engine, data, {reference_, responses_in(data.test)}, rules, jobs_);
+      WindowResponses responses{reference_, responses_in(data.test)};
+      const Verdict verdict = asked_.analyse(data, responses, rules, jobs_);
       night.verdict = text_of(verdict.kind);
       if (!verdict.findings.empty()) night.effect = verdict.findings.front().at.id();
       night.sentence = sentence_of(verdict);
@@ -51,12 +53,13 @@ class NightJudge {
 
  private:
   Responses responses_in(const Window& window) const {
-    return simulate_responses(*loaded_.engine, library_, window.recording, true, jobs_);
+    return simulate_responses(asked_.engine(), library_, window.recording, true, jobs_);
   }
 
   int jobs_;
   CaseDescription source_;
   LoadedCase loaded_;
+  AskedModel asked_;
   int buildings_;
   Library library_;
   Responses reference_;
@@ -80,7 +83,7 @@ void set_alarms(std::vector<Night>& nights, int stands) {
 std::vector<Night> judge_nights(const GapRequest& request, const std::string& logs,
                                 const std::vector<sim::Effect>& effects, const WatchRules& rules,
                                 const std::function<void()>& done) {
-  const NightJudge judge(request, effects);
+  NightJudge judge(request, effects);
   CleanUpContext context;
   context.counts = judge.loaded().counts;
   context.station = judge.loaded().data.reference.recording.station;

@@ -1,0 +1,80 @@
+#include "tools/gap/surrogate/analyse_dear.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "tools/gap/inference/structure_ensemble.hpp"
+
+namespace airside::tools::gap {
+
+namespace {
+
+constexpr double near_enough = 0.7;  // of its size, or over it: an effect that was run
+constexpr double least_probability = 0.01;
+
+/// The likely ones in each finding's place, as large as they are.
+std::vector<sim::EffectChange> likely(const Engine& engine, const Verdict& v, const WindowResponses& responses) {
+  std::vector<sim::EffectChange> changes;
+  std::set<std::string> ids;
+  const auto take = [&](const sim::EffectAt& at, double magnitude) {
+    if (magnitude == at.effect->null_value || engine.only_shows(*at.effect)) return;
+    if (ids.insert(at.id()).second) changes.push_back({at, magnitude});
+  };
+  for (std::size_t i = 0; i < v.posteriors.size(); ++i) {
+    int taken = 0;
+    for (const EffectProbability& e : v.posteriors[i].effects) {
+      const Alternative& a = v.alternatives[i].list[e.from];
+      if (taken == dear_effects || (taken >= dear_effects / 2 && e.probability < least_probability)) break;
+      if (!a.simulated) continue;
+      ++taken;
+      take(a.at, a.magnitude);
+    }
+  }
+  if (!v.posteriors.empty()) return changes;
+  for (const Finding& f : v.findings) take(f.at, f.magnitude);
+  for (const Score& score : v.ranking) {
+    if (std::ssize(changes) >= dear_effects) break;
+    const Candidate& c = responses.test.candidates[score.candidate];
+    const sim::Effect& e = *c.at.effect;
+    take(c.at, std::clamp(e.null_value + score.steps * (c.probe - e.null_value), e.low, e.high));
+  }
+  return changes;
+}
+
+bool was_run(double share) { return share > near_enough && share < 1 / near_enough; }
+
+void draw_once(const Engine& engine, const Window& window, Responses& responses, int buildings, int jobs) {
+  if (buildings > 0 && responses.buildings.empty())
+    responses.buildings = drawn_buildings(engine, {}, responses.base, window.recording, buildings, jobs);
+}
+
+}  // namespace
+
+Verdict analyse_dear(SurrogateEngine& surrogate, const Engine& engine, const CaseData& data, WindowResponses& responses,
+                     const Rules& rules, int jobs, const std::function<void(const Outlook&)>& look,
+                     const std::function<void(const Analysed&)>& judged) {
+  draw_once(engine, data.reference, responses.reference, rules.buildings, jobs);
+  draw_once(engine, data.test, responses.test, rules.buildings, jobs);
+  const sim::Recording& measured = data.test.recording;
+  const std::vector<Candidate> of_room = responses.test.candidates;
+  for (int round = 1;; ++round) {
+    if (round == dear_rounds) return analyse(engine, data, responses, rules, jobs, look, judged);
+    const Verdict v = analyse(engine, data, responses, rules, jobs);
+    std::vector<sim::EffectChange> changes = likely(surrogate, v, responses);
+    if (round > 1) {
+      std::erase_if(changes, [&](const sim::EffectChange& c) { return was_run(surrogate.learned(c, measured)); });
+    }
+    const Changes fitted = v.fit.changes();
+    surrogate.anchor(fitted, data.reference.recording);
+    surrogate.anchor(fitted, measured);
+    surrogate.learn(changes, measured, jobs);
+    for (std::size_t i = 0; i < of_room.size(); ++i) {
+      const Candidate& c = of_room[i];
+      const sim::ChannelTable added = surrogate.added_response({c.at, c.probe}, measured);
+      if (added.size() > 0) responses.test.candidates[i].response = c.response + binned(added, surrogate.channels());
+    }
+  }
+}
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,23 @@
+#pragma once
+// The verdict on a case whose model's runs are dear: an RC room ranks, the model itself is run for what is likely.
+
+#include "tools/gap/surrogate/surrogate_engine.hpp"
+#include "tools/gap/verdict/workflow.hpp"
+
+namespace airside::tools::gap {
+
+/// Rounds of analyse() with the surrogate; after each but the last the model is run at the parameters' estimate in both
+/// windows, and there with each of the likeliest effects, as large as they are, in the measured window. The next round
+/// then has the model's own answer there.
+/// `engine`: the surrogate, or what counts its replays; `responses`: its own in both windows, at the end with what was
+/// learned; `look` and `judged`: of the last round.
+/// Cost: some 25 runs of the model, and three times analyse() of an RC room.
+/// Errors: as Engine::simulate.  Source: docs/gap-workflow.md, "A model whose runs are dear".
+Verdict analyse_dear(SurrogateEngine& surrogate, const Engine& engine, const CaseData& data, WindowResponses& responses,
+                     const Rules& rules, int jobs, const std::function<void(const Outlook&)>& look = {},
+                     const std::function<void(const Analysed&)>& judged = {});
+
+/// The rounds of analyse_dear(), and how many effects one learns at most in a finding's place.
+constexpr int dear_rounds = 3, dear_effects = 8;
+
+}  // namespace airside::tools::gap

@@ -1,0 +1,122 @@
+#include "tools/gap/surrogate/surrogate_engine.hpp"
+
+#include <algorithm>
+#include <span>
+
+#include "hal/storage/digest64.hpp"
+#include "tools/gap/model/parallel.hpp"
+
+namespace airside::tools::gap {
+
+namespace {
+
+constexpr double farthest = 1.5;  // of what was learned
+
+/// Of commands, hours and weather; heat that is added to a zone is the RC room's matter.
+std::uint64_t key_of(const sim::Recording& recording) {
+  std::vector<double> all{static_cast<double>(recording.from.seconds), static_cast<double>(recording.rows.size())};
+  for (const sim::LaterStretch& stretch : recording.later) {
+    all.push_back(static_cast<double>(stretch.row));
+    all.push_back(static_cast<double>(stretch.from.seconds));
+  }
+  for (const sim::RecordedRow& row : recording.rows) {
+    all.insert(all.end(), {row.setpoint_degc, row.outdoor_temp_degc, row.rain});
+    all.insert(all.end(), row.vav_on.begin(), row.vav_on.end());
+    all.insert(all.end(), row.fcu_on.begin(), row.fcu_on.end());
+  }
+  return hal::digest64(std::as_bytes(std::span(all)));
+}
+
+double offset_of(const sim::EffectChange& change) { return change.magnitude - change.at.effect->null_value; }
+
+std::map<std::string, double> offsets_of(const Changes& changes, double sign, std::map<std::string, double> sum) {
+  for (const sim::EffectChange& c : changes) sum[c.at.id()] += sign * offset_of(c);
+  return sum;
+}
+
+}  // namespace
+
+SurrogateEngine::SurrogateEngine(const Engine& model, sim::RcRoom room)
+    : ForwardingEngine(model), rc_(std::move(room)), room_(rc_) {}
+
+std::pair<Changes, Changes> SurrogateEngine::divided(const Changes& changes) const {
+  std::pair<Changes, Changes> parts;
+  for (const sim::EffectChange& c : changes) (only_shows(*c.at.effect) ? parts.second : parts.first).push_back(c);
+  return parts;
+}
+
+SurrogateEngine::Known& SurrogateEngine::known(const sim::Recording& recording) const {
+  const std::lock_guard lock(mutex_);
+  std::unique_ptr<Known>& at = known_[key_of(recording)];
+  if (!at) {
+    auto made = std::make_unique<Known>();
+    made->lack = engine().simulate({}, recording) - room_.simulate({}, recording);
+    at = std::move(made);
+  }
+  return *at;
+}
+
+const SurrogateEngine::Learned* SurrogateEngine::find(const Known& at, const std::string& id, double offset) const {
+  const auto& side = offset > 0 ? at.up : at.down;
+  const auto found = side.find(id);
+  return offset == 0 || found == side.end() ? nullptr : &found->second;
+}
+
+sim::ChannelTable SurrogateEngine::corrected(sim::ChannelTable table, const Changes& lived, const Changes& shown,
+                                             const sim::Recording& recording) const {
+  const Known& at = known(recording);
+  table += at.lack;
+  for (const auto& [id, offset] : offsets_of(lived, 1, offsets_of(at.anchor, -1, {}))) {
+    if (const Learned* learned = find(at, id, offset))
+      table += std::min(farthest, offset / learned->offset) * learned->lack;
+  }
+  auto duties = table.rightCols(channels().fcus);
+  duties = (duties.array() < 0).select(0.0, (duties.array() > 1).select(1.0, duties));
+  return shown.empty() ? table : sim::changed_sensors(std::move(table), channels(), shown);
+}
+
+sim::ChannelTable SurrogateEngine::simulate(const Changes& changes, const sim::Recording& recording) const {
+  const auto [lived, shown] = divided(changes);
+  return corrected(room_.simulate(lived, recording), lived, shown, recording);
+}
+
+sim::ChannelTable SurrogateEngine::simulate_differing(std::uint64_t seed, const Changes& changes,
+                                                      const sim::Recording& recording) const {
+  const auto [lived, shown] = divided(changes);
+  return corrected(room_.simulate_differing(seed, lived, recording), lived, shown, recording);
+}
+
+void SurrogateEngine::anchor(const Changes& at, const sim::Recording& recording) {
+  Known& here = known(recording);
+  here.anchor = divided(at).first;
+  here.lack = engine().simulate(here.anchor, recording) - room_.simulate(here.anchor, recording);
+}
+
+void SurrogateEngine::learn(const std::vector<sim::EffectChange>& changes, const sim::Recording& recording, int jobs) {
+  Known& here = known(recording);
+  std::vector<Learned> learned(changes.size());
+  in_parallel(changes.size(), jobs, [&](std::size_t i) {
+    Changes with = here.anchor;
+    with.push_back(changes[i]);
+    learned[i] = {offset_of(changes[i]),
+                  engine().simulate(with, recording) - room_.simulate(with, recording) - here.lack};
+  });
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    auto& side = learned[i].offset > 0 ? here.up : here.down;
+    side[changes[i].at.id()] = std::move(learned[i]);
+  }
+}
+
+double SurrogateEngine::learned(const sim::EffectChange& change, const sim::Recording& recording) const {
+  const Learned* found = find(known(recording), change.at.id(), offset_of(change));
+  return found != nullptr ? found->offset / offset_of(change) : 0;
+}
+
+sim::ChannelTable SurrogateEngine::added_response(const sim::EffectChange& change,
+                                                  const sim::Recording& recording) const {
+  const Learned* found = find(known(recording), change.at.id(), offset_of(change));
+  if (found == nullptr) return {};
+  return std::min(farthest, offset_of(change) / found->offset) * found->lack;
+}
+
+}  // namespace airside::tools::gap
