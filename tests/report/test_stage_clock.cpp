@@ -11,6 +11,7 @@
 #include "sim/rc/rc_room_file.hpp"
 #include "tools/gap/model/forwarding_engine.hpp"
 #include "tools/gap/run/gap_stages.hpp"
+#include "tools/gap/surrogate/analyse_dear.hpp"
 #include "tools/run/progress/stage_clock.hpp"
 #include "tools/run/progress/staged_progress.hpp"
 
@@ -164,6 +165,24 @@ TEST(GapStages, PredictTheTimeOfTheWholeWorkflow) {
 
 /// Of one stage.
 double weighed(const Stage& stage) { return stage.steps * stage.weight; }
+
+TEST(GapStages, CountRunsOfAModelInWhoseSteadARoomAnswers) {
+  auto effects = sim::load_effects(sim::find_effects());
+  std::erase_if(effects, [](const sim::Effect& e) {
+    return e.name != "fan_heat" && e.name != "chiller_cop" && e.name != "clock_shift" && e.name != "gain_zone";
+  });
+  const gap::RcEngine engine(sim::load_room("301"));
+  const gap::Library library = gap::library_of(engine, effects);
+  const auto cheap = gap::GapStages(engine, library, 8, 1).stages(),
+             dear = gap::GapStages(engine, library, 8, 1, 0, true).stages();
+  const double run = gap::replays_of_dear_run;
+  EXPECT_EQ(dear.at(gap::GapStage::responding).steps, cheap.at(gap::GapStage::responding).steps + 2 * run);
+  const double more = dear.at(gap::GapStage::fitting).steps - cheap.at(gap::GapStage::fitting).steps;
+  const double runs = 2 * (2 + gap::dear_effects);  // in two rounds
+  EXPECT_GT(more, runs * run);
+  EXPECT_LT(more, runs * run + 500) << "replays of the room";
+  EXPECT_EQ(dear.at(gap::GapStage::searching).steps, cheap.at(gap::GapStage::searching).steps);
+}
 
 TEST(GapStages, CountDrawnBuildingsWhereThereAreSome) {
   const auto effects = sim::load_effects(sim::find_effects());

@@ -46,7 +46,7 @@ class GapStages {
   bool spares_ = false, dear_ = false;
 };
 
-/// A run of a model in whose stead an RC room answers takes as long as so many replays of that room.
+/// A run of a model in whose stead an RC room answers takes as long as this many replays of that room.
 constexpr double replays_of_dear_run = 60;
 
 }  // namespace airside::tools::gap

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "tools/gap/inference/reference_fit.hpp"
 #include "tools/gap/inference/structure_ensemble.hpp"
 
 namespace airside::tools::gap {
@@ -42,6 +43,24 @@ std::vector<sim::EffectChange> likely(const Engine& engine, const Verdict& v, co
   return changes;
 }
 
+/// The model is run at the estimate of the reference period until what it shows there is what was expected of it.
+void anchor_at_fit(SurrogateEngine& surrogate, const Engine& engine, const CaseData& data,
+                   const WindowResponses& responses, int jobs) {
+  constexpr int most_fits = 4;
+  constexpr double as_expected_k = 0.03;
+  const sim::Recording& days = data.reference.recording;
+  Changes fitted;
+  for (int i = 0; i < most_fits; ++i) {
+    fitted = fit_reference(engine, responses.reference, data.reference, jobs).changes();
+    const sim::ChannelTable expected = engine.simulate(fitted, days);
+    surrogate.anchor(fitted, days);
+    const Eigen::Index temperatures = engine.channels().mau_temp();
+    const sim::ChannelTable off = (engine.simulate(fitted, days) - expected).leftCols(temperatures);
+    if (off.norm() < as_expected_k * std::sqrt(static_cast<double>(off.size()))) break;
+  }
+  surrogate.anchor(fitted, data.test.recording);
+}
+
 bool was_run(double share) { return share > near_enough && share < 1 / near_enough; }
 
 void draw_once(const Engine& engine, const Window& window, Responses& responses, int buildings, int jobs) {
@@ -59,15 +78,13 @@ Verdict analyse_dear(SurrogateEngine& surrogate, const Engine& engine, const Cas
   const sim::Recording& measured = data.test.recording;
   const std::vector<Candidate> of_room = responses.test.candidates;
   for (int round = 1;; ++round) {
+    anchor_at_fit(surrogate, engine, data, responses, jobs);
     if (round == dear_rounds) return analyse(engine, data, responses, rules, jobs, look, judged);
     const Verdict v = analyse(engine, data, responses, rules, jobs);
     std::vector<sim::EffectChange> changes = likely(surrogate, v, responses);
     if (round > 1) {
       std::erase_if(changes, [&](const sim::EffectChange& c) { return was_run(surrogate.learned(c, measured)); });
     }
-    const Changes fitted = v.fit.changes();
-    surrogate.anchor(fitted, data.reference.recording);
-    surrogate.anchor(fitted, measured);
     surrogate.learn(changes, measured, jobs);
     for (std::size_t i = 0; i < of_room.size(); ++i) {
       const Candidate& c = of_room[i];

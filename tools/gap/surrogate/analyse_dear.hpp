@@ -6,12 +6,13 @@
 
 namespace airside::tools::gap {
 
-/// Rounds of analyse() with the surrogate; after each but the last the model is run at the parameters' estimate in both
-/// windows, and there with each of the likeliest effects, as large as they are, in the measured window. The next round
-/// then has the model's own answer there.
+/// Rounds of analyse() with the surrogate. Before each the model is run at the estimate of the reference period, again
+/// until what it shows there is what was expected to 0.03 K, and there in the measured window. After each but the last
+/// it is run with each of the likeliest effects, as large as they are, in the measured window. The next round has the
+/// model's own answer there.
 /// `engine`: the surrogate, or what counts its replays; `responses`: its own in both windows, at the end with what was
 /// learned; `look` and `judged`: of the last round.
-/// Cost: some 25 runs of the model, and three times analyse() of an RC room.
+/// Cost: some 30 runs of the model, and three times analyse() of an RC room.
 /// Errors: as Engine::simulate.  Source: docs/gap-workflow.md, "A model whose runs are dear".
 Verdict analyse_dear(SurrogateEngine& surrogate, const Engine& engine, const CaseData& data, WindowResponses& responses,
                      const Rules& rules, int jobs, const std::function<void(const Outlook&)>& look = {},
