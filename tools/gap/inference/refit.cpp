@@ -37,32 +37,23 @@ Eigen::VectorXd steps_between(const std::vector<Chosen>& from, const std::vector
 
 }  // namespace
 
-Tangent::Tangent(const std::vector<Candidate>& candidates, NuisanceResponses nuisance, Eigen::MatrixXd mixing,
+Tangent::Tangent(const std::vector<Candidate>& candidates, const NuisanceResponses& nuisance, Eigen::MatrixXd mixing,
                  std::shared_ptr<const Eigen::MatrixXd> z, std::vector<Parameter> responses)
     : responses_(std::move(responses)),
-      nuisance_(std::move(nuisance)),
+      parameters_(nuisance.directions.leftCols(count())),
       mixing_(std::move(mixing)),
-      j_(nuisance_.mixed(mixing_)),
-      evidence_(candidates, std::move(z), Metric(j_)),
-      others_(j_.rightCols(mixing_.cols() - count())) {
-  j_.resize(0, 0);
-}
+      evidence_(candidates, std::move(z), Metric(nuisance.mixed(mixing_))),
+      others_(metric().without_first(count())) {}
 
 Eigen::VectorXd Tangent::mean(const Eigen::VectorXd& r) const {
-  const Eigen::VectorXd m_r = metric().times(r);
-  Eigen::VectorXd along(mixing_.rows());
-  along.head(along.size() - nuisance_.structure.cols()) << nuisance_.directions.transpose() * m_r,
-      nuisance_.day_gain.transpose() * m_r, nuisance_.day_shift.transpose() * m_r;
-  along.tail(nuisance_.structure.cols()) = nuisance_.structure.transpose() * m_r;
-  const auto root = mixing_.triangularView<Eigen::Lower>();
-  const Eigen::VectorXd all = root * (root.transpose() * along);
+  const Eigen::VectorXd all = mixing_.triangularView<Eigen::Lower>() * metric().along(metric().times(r));
   return all.head(count());
 }
 
+/// J C's first columns times u are J_p C_pp u + J_o C_op u, and C_pp u is what moved.
 Eigen::VectorXd Tangent::without_moved(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const {
-  const Eigen::Index structure = nuisance_.directions.cols() - count();
   const Eigen::VectorXd u = mixing_.topLeftCorner(count(), count()).triangularView<Eigen::Lower>().solve(moved);
-  return r - nuisance_.directions.rightCols(structure) * (mixing_.block(count(), 0, structure, count()) * u);
+  return r - (metric().first(u) - parameters_ * moved);
 }
 
 double Tangent::distance(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const {
@@ -112,10 +103,9 @@ NuisanceResponses Refitter::nuisance_of(const std::vector<Parameter>& parameters
 }
 
 std::shared_ptr<const Tangent> Refitter::tangent_with(std::vector<Parameter> parameters) const {
-  NuisanceResponses nuisance = nuisance_of(parameters, kept_);
+  const NuisanceResponses nuisance = nuisance_of(parameters, kept_);
   Eigen::MatrixXd mixing = nuisance.mixing(fit_.covariance, sizes_);
-  return std::make_shared<const Tangent>(responses_.candidates, std::move(nuisance), std::move(mixing), z_,
-                                         std::move(parameters));
+  return std::make_shared<const Tangent>(responses_.candidates, nuisance, std::move(mixing), z_, std::move(parameters));
 }
 
 std::vector<Parameter> Refitter::parameters_at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const {

@@ -21,13 +21,13 @@ struct Chosen {
 class Tangent {
  public:
   /// `nuisance` and `z`: whitened responses of `responses` and of the candidates.
-  Tangent(const std::vector<Candidate>& candidates, NuisanceResponses nuisance, Eigen::MatrixXd mixing,
+  Tangent(const std::vector<Candidate>& candidates, const NuisanceResponses& nuisance, Eigen::MatrixXd mixing,
           std::shared_ptr<const Eigen::MatrixXd> z, std::vector<Parameter> responses);
 
   const CandidateEvidence& evidence() const { return evidence_; }
   const Metric& metric() const { return evidence_.metric(); }
   /// Whitened responses to one prior standard deviation of each parameter.
-  auto parameters() const { return nuisance_.directions.leftCols(count()); }
+  const Eigen::MatrixXd& parameters() const { return parameters_; }
   /// The same of all bins, as they are.
   const std::vector<Parameter>& responses() const { return responses_; }
   /// The parameters' mean given r, in prior standard deviations: (L J'M r), first rows.
@@ -45,9 +45,7 @@ class Tangent {
   Eigen::Index count() const { return std::ssize(responses_); }
 
   std::vector<Parameter> responses_;
-  NuisanceResponses nuisance_;
-  Eigen::MatrixXd mixing_;
-  Eigen::MatrixXd j_;  // while it is made
+  Eigen::MatrixXd parameters_, mixing_;
   CandidateEvidence evidence_;
   Metric others_;  // structure and days
 };

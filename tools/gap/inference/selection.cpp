@@ -6,21 +6,38 @@
 
 namespace airside::tools::gap {
 
-Metric::Metric(Eigen::MatrixXd j) : j_(std::move(j)) {
-  Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(j_.cols(), j_.cols());
-  if (j_.cols() > 0) inner.selfadjointView<Eigen::Lower>().rankUpdate(j_.transpose());
-  inner_.compute(inner.selfadjointView<Eigen::Lower>());
+namespace {
+
+Eigen::MatrixXd gram_of(const Eigen::MatrixXd& j) {
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Identity(j.cols(), j.cols());
+  if (j.cols() > 0) gram.selfadjointView<Eigen::Lower>().rankUpdate(j.transpose());
+  return gram;
 }
 
-Eigen::VectorXd Metric::times(const Eigen::VectorXd& v) const { return v - j_ * inner_.solve(j_.transpose() * v); }
+}  // namespace
+
+Metric::Metric(Eigen::MatrixXd j)
+    : all_(std::make_shared<const Eigen::MatrixXd>(std::move(j))),
+      gram_(gram_of(*all_)),
+      inner_(gram_.selfadjointView<Eigen::Lower>()) {}
+
+Metric Metric::without_first(Eigen::Index columns) const {
+  const Eigen::Index left = gram_.cols() - columns;
+  return {all_, from_ + columns, gram_.bottomRightCorner(left, left)};
+}
+
+Eigen::VectorXd Metric::along(const Eigen::VectorXd& v) const { return j().transpose() * v; }
+
+Eigen::VectorXd Metric::first(const Eigen::VectorXd& u) const { return j().leftCols(u.size()) * u; }
+
+Eigen::VectorXd Metric::times(const Eigen::VectorXd& v) const { return v - j() * inner_.solve(along(v)); }
 
 double Metric::dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
-  const Eigen::VectorXd ja = j_.transpose() * a, jb = j_.transpose() * b;
-  return a.dot(b) - ja.dot(inner_.solve(jb));
+  return a.dot(b) - along(a).dot(inner_.solve(along(b)));
 }
 
 Eigen::VectorXd Metric::squares(const Eigen::MatrixXd& z) const {
-  const Eigen::MatrixXd jz = j_.transpose() * z;
+  const Eigen::MatrixXd jz = j().transpose() * z;
   return z.colwise().squaredNorm().transpose() - jz.cwiseProduct(inner_.solve(jz)).colwise().sum().transpose();
 }
 

@@ -13,6 +13,8 @@ class Metric {
  public:
   /// `j`: whitened responses, one column a direction, already times the square root of L.
   explicit Metric(Eigen::MatrixXd j);
+  /// The same without the first columns of J.  Cost: no copy of J.
+  Metric without_first(Eigen::Index columns) const;
   double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
   /// M v.
   Eigen::VectorXd times(const Eigen::VectorXd& v) const;
@@ -20,10 +22,20 @@ class Metric {
   Eigen::VectorXd squares(const Eigen::MatrixXd& z) const;
   /// ln det(I + J L J').
   double log_det() const { return inner_.vectorD().array().log().sum(); }
+  /// J'v.
+  Eigen::VectorXd along(const Eigen::VectorXd& v) const;
+  /// J u, u of J's first columns alone.
+  Eigen::VectorXd first(const Eigen::VectorXd& u) const;
 
  private:
-  Eigen::MatrixXd j_;
-  Eigen::LDLT<Eigen::MatrixXd> inner_;  // I + J'J
+  Metric(std::shared_ptr<const Eigen::MatrixXd> all, Eigen::Index from, Eigen::MatrixXd gram)
+      : all_(std::move(all)), from_(from), gram_(std::move(gram)), inner_(gram_.selfadjointView<Eigen::Lower>()) {}
+  auto j() const { return all_->rightCols(all_->cols() - from_); }
+
+  std::shared_ptr<const Eigen::MatrixXd> all_;
+  Eigen::Index from_ = 0;  // columns of `all_` before J
+  Eigen::MatrixXd gram_;   // I + J'J, lower part
+  Eigen::LDLT<Eigen::MatrixXd> inner_;
 };
 
 /// Parameter directions of a window: the reference's posterior, inflated, and whole days of more or fewer people.

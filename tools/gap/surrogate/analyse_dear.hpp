@@ -12,7 +12,7 @@ namespace airside::tools::gap {
 /// model's own answer there.
 /// `engine`: the surrogate, or what counts its replays; `responses`: its own in both windows, at the end with what was
 /// learned; `look` and `judged`: of the last round.
-/// Cost: some 30 runs of the model, and three times analyse() of an RC room.
+/// Cost: 30 to 50 runs of the model, and three times analyse() of an RC room.
 /// Errors: as Engine::simulate.  Source: docs/gap-workflow.md, "A model whose runs are dear".
 Verdict analyse_dear(SurrogateEngine& surrogate, const Engine& engine, const CaseData& data, WindowResponses& responses,
                      const Rules& rules, int jobs, const std::function<void(const Outlook&)>& look = {},
