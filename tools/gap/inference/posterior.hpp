@@ -58,6 +58,8 @@ struct PosteriorModel {
   double set_probability = 0.9;    ///< that the smallest set holds
 
   static const PosteriorModel& learned();
+  /// Of models in whose stead an RC room answers.
+  static const PosteriorModel& learned_by_surrogate();
 };
 
 struct EffectProbability {

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "tools/gap/inference/posterior.hpp"
 #include "tools/gap/inference/refit.hpp"
 #include "tools/gap/inference/structure_ensemble.hpp"
 #include "tools/gap/verdict/rules.hpp"
@@ -41,6 +42,10 @@ struct FittedCase {
   bool already(const Refit& now, std::size_t candidate) const;
   /// Instead of the rules, where buildings are drawn.
   bool posterior_decides() const { return ensemble.rooms > 0 && rules.most_effects > 0; }
+  /// Of the posterior.
+  const PosteriorModel& constants() const {
+    return engine.stand_in() ? PosteriorModel::learned_by_surrogate() : PosteriorModel::learned();
+  }
   /// As Rules::alternatives.
   int alternatives() const { return engine.spares_runs() ? rules.dear_alternatives : rules.alternatives; }
   /// Values that are fitted, at least 1.

@@ -150,7 +150,7 @@ class Analysis {
     v_.alternatives.clear();
     v_.posteriors.clear();
     v_.alternatives = alternatives_of(c_, search_, now_);
-    for (const Alternatives& tried : v_.alternatives) v_.posteriors.push_back(posterior_of(tried));
+    for (const Alternatives& tried : v_.alternatives) v_.posteriors.push_back(posterior_of(tried, c_.constants()));
   }
 
   void set_residual_ratio() {
