@@ -30,8 +30,8 @@ class SurrogateEngine final : public ForwardingEngine {
 
   /// Cost: one run of the model.  Errors: as Engine::simulate.
   void anchor(const Changes& at, const sim::Recording& recording);
-  /// What the model shows of these changes beside its anchor in that recording; `learned` of the last call, or empty.
-  /// Cost: one run of the model each, on `jobs` threads.
+  /// Runs the model with each of these changes beside its anchor in that recording, and keeps what the room lacked.
+  /// Errors: as Engine::simulate.  Cost: one run of the model each, on `jobs` threads.
   void learn(const std::vector<sim::EffectChange>& changes, const sim::Recording& recording, int jobs);
   /// How far the change is learned in that recording: 0 not at all, 1 at its own size.
   double learned(const sim::EffectChange& change, const sim::Recording& recording) const;
