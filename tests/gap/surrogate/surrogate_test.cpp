@@ -1,5 +1,5 @@
 // An RC room in the stead of a model whose runs are dear: what it says where the model was run, what it keeps of that
-// elsewhere, and verdicts that end where the model itself would end, for a small part of its runs.
+// elsewhere, and what is hidden comes first for a small part of the model's runs, named or not.
 
 #include <gtest/gtest.h>
 
@@ -139,7 +139,7 @@ TEST(Surrogate, StandsInWhereTheModelSaysSoAlone) {
   EXPECT_EQ(runs, 1);
 }
 
-TEST(Surrogate, NamesWhatIsHiddenForASmallPartOfTheRuns) {
+TEST(Surrogate, FindsWhatIsHiddenForASmallPartOfTheRuns) {
   const sim::RcRoom built = other_room();
   const Days days;
   for (const auto& [effect, magnitude] : {std::pair("chiller_cop", 0.7), std::pair("vav_flow", 0.55)}) {
