@@ -10,6 +10,7 @@
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/blind/blind.hpp"
+#include "tools/gap/inference/reference_fit.hpp"
 #include "tools/gap/model/log_window.hpp"
 #include "tools/gap/surrogate/asked_model.hpp"
 
@@ -73,6 +74,11 @@ struct Days {
 
 double largest(const sim::ChannelTable& a, const sim::ChannelTable& b) { return (a - b).cwiseAbs().maxCoeff(); }
 
+/// Of all but duties.
+double largest_but_duties(const sim::ChannelTable& a, const sim::ChannelTable& b) {
+  return largest(a.leftCols(a.cols() - 5), b.leftCols(b.cols() - 5));
+}
+
 /// Of the rooms' temperatures, K: when a thermostat switches is chance.
 double in_rooms(const sim::ChannelTable& a, const sim::ChannelTable& b) { return (a - b).leftCols(5).norm(); }
 
@@ -95,10 +101,76 @@ TEST(Surrogate, SaysWhatTheModelSaysWhereItWasRun) {
   EXPECT_EQ(room.learned(found.back(), days), 0);
   room.learn({found.back()}, days, 1);
   EXPECT_EQ(room.learned(found.back(), days), 1);
-  EXPECT_LT(largest(room.simulate(found, days), model.simulate(found, days)), 1e-9);
+  EXPECT_LT(largest_but_duties(room.simulate(found, days), model.simulate(found, days)), 1e-9);
   EXPECT_LT(in_rooms(room.simulate(half, days), model.simulate(half, days)), 0.7 * unlearned) << "half as far";
   found.back().magnitude = 1.3;
   EXPECT_EQ(room.learned(found.back(), days), 0) << "the other way nothing is known";
+}
+
+TEST(Surrogate, KeepsOfDutiesWhatTheHoursOfADayHaveAlike) {
+  const DearModel model(other_room());
+  const sim::Recording days = Days().window(other_room(), {}, 0, 3, 1).recording;
+  SurrogateEngine room(model, *model.stand_in());
+  const sim::EffectChange weak = change("fcu_degraded", 0.6, 1);
+  room.learn({weak}, days, 1);
+  const sim::ChannelTable added = room.added_response(weak, days).rightCols(5);
+  EXPECT_GT(added.cwiseAbs().maxCoeff(), 0.001);
+  for (const Eigen::Index hour : {8, 13, 17}) {
+    const Eigen::Index row = hour * 10 + 5;
+    EXPECT_EQ(added.row(row), added.row(row + 1));
+    EXPECT_EQ(added.row(row), added.row(row + rows_per_day));
+  }
+  // Their mean over the days is what the model would have added.
+  const sim::ChannelTable lack = model.simulate({weak}, days) - model.simulate({}, days);
+  const RcEngine stand_in(*model.stand_in());
+  const sim::ChannelTable own = stand_in.simulate({weak}, days) - stand_in.simulate({}, days);
+  const Eigen::RowVectorXd off = (lack - own).rightCols(5).colwise().mean() - added.colwise().mean();
+  EXPECT_LT(off.cwiseAbs().maxCoeff(), 1e-9);
+}
+
+/// It is known at the model as it is, and doubted beside that.
+class Doubted final : public ForwardingEngine {
+ public:
+  Doubted(const Engine& engine, double share) : ForwardingEngine(engine), doubt_(share) {}
+  sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override {
+    return engine().simulate(changes, recording);
+  }
+  std::optional<KnownRun> known_run(const sim::Recording&) const override { return KnownRun{{}, doubt_}; }
+
+ private:
+  double doubt_;
+};
+
+TEST(Surrogate, ParametersStayWhereTheModelWasRunAsFarAsTheRestIsDoubted) {
+  const RcEngine room(sim::load_room("301"));
+  EXPECT_FALSE(room.known_run({}).has_value());
+  const Window reference = Days().window(other_room(), {}, 0, 8, 1);
+  const Responses responses = simulate_responses(room, library_of(room, some_effects()), reference.recording, true, 2);
+  const auto estimate = [&](const Engine& engine) {
+    return fit_reference(engine, responses, reference, 2).estimate.head(std::ssize(responses.parameters)).eval();
+  };
+  const Eigen::VectorXd free = estimate(room);
+  EXPECT_GT(free.norm(), 1);
+  EXPECT_LT((estimate(Doubted(room, 0)) - free).norm(), 1e-9);
+  const double half = estimate(Doubted(room, 0.5)).norm(), firm = estimate(Doubted(room, 1000)).norm();
+  EXPECT_LT(half, free.norm());
+  EXPECT_LT(firm, 0.01);
+}
+
+TEST(Surrogate, ModelShowsAtTheEstimateWhatWasExpectedOfIt) {
+  const DearModel model(other_room());
+  const Window reference = Days().window(other_room(), {}, 0, 8, 1);
+  SurrogateEngine room(model, *model.stand_in());
+  const Responses responses = simulate_responses(room, library_of(room, some_effects()), reference.recording, true, 2);
+  double off_k = 1;
+  for (int turn = 0; turn < 3; ++turn) {
+    const Changes fitted = fit_reference(room, responses, reference, 2).changes();
+    const sim::ChannelTable expected = room.simulate(fitted, reference.recording);
+    room.anchor(fitted, reference.recording);
+    off_k = in_rooms(room.simulate(fitted, reference.recording), expected) / std::sqrt(5.0 * 8 * rows_per_day);
+    EXPECT_EQ(room.known_run(reference.recording)->changes.size(), fitted.size() - 5) << "all but sensors";
+  }
+  EXPECT_LT(off_k, 0.03);
 }
 
 TEST(Surrogate, SensorsShowTheModelsRoomsAndNotItsOwn) {

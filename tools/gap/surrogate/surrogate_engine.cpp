@@ -11,6 +11,7 @@ namespace airside::tools::gap {
 namespace {
 
 constexpr double farthest = 1.5;  // of what was learned
+constexpr double doubt = 0.1;     // of what the RC room makes of a change
 
 /// Of commands, hours and weather; heat that is added to a zone is the RC room's matter.
 std::uint64_t key_of(const sim::Recording& recording) {
@@ -25,6 +26,23 @@ std::uint64_t key_of(const sim::Recording& recording) {
     all.insert(all.end(), row.fcu_on.begin(), row.fcu_on.end());
   }
   return hal::digest64(std::as_bytes(std::span(all)));
+}
+
+/// Duties as their means over the days, by 3 h of the day: when a thermostat switches is another chance in each run.
+void smooth_duties(sim::ChannelTable& lack, Eigen::Index fcus) {
+  constexpr Eigen::Index blocks = 8, rows_per_block = rows_per_day / blocks;
+  for (Eigen::Index block = 0; block < blocks; ++block) {
+    const auto in_block = [&](Eigen::Index row) { return row % rows_per_day / rows_per_block == block; };
+    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(fcus);
+    Eigen::Index count = 0;
+    for (Eigen::Index row = 0; row < lack.rows(); ++row) {
+      if (!in_block(row)) continue;
+      sum += lack.row(row).tail(fcus);
+      ++count;
+    }
+    for (Eigen::Index row = 0; row < lack.rows(); ++row)
+      if (in_block(row)) lack.row(row).tail(fcus) = sum / static_cast<double>(count);
+  }
 }
 
 double offset_of(const sim::EffectChange& change) { return change.magnitude - change.at.effect->null_value; }
@@ -86,6 +104,10 @@ sim::ChannelTable SurrogateEngine::simulate_differing(std::uint64_t seed, const 
   return corrected(room_.simulate_differing(seed, lived, recording), lived, shown, recording);
 }
 
+std::optional<KnownRun> SurrogateEngine::known_run(const sim::Recording& recording) const {
+  return KnownRun{known(recording).anchor, doubt};
+}
+
 void SurrogateEngine::anchor(const Changes& at, const sim::Recording& recording) {
   Known& here = known(recording);
   here.anchor = divided(at).first;
@@ -100,6 +122,7 @@ void SurrogateEngine::learn(const std::vector<sim::EffectChange>& changes, const
     with.push_back(changes[i]);
     learned[i] = {offset_of(changes[i]),
                   engine().simulate(with, recording) - room_.simulate(with, recording) - here.lack};
+    smooth_duties(learned[i].lack, channels().fcus);
   });
   for (std::size_t i = 0; i < changes.size(); ++i) {
     auto& side = learned[i].offset > 0 ? here.up : here.down;

@@ -111,19 +111,39 @@ class Analysis {
       switch (instead_of(found ? &v_.findings[i] : nullptr, v_.posteriors[i])) {
         case Instead::nothing_else: continue;
         case Instead::nobody: set_model(search_.without(now_, i)); return true;
-        case Instead::another: {
-          const Refit& others = found ? search_.without(now_, i) : now_;
-          Score score;
-          score.candidate = v_.alternatives[i].list[v_.posteriors[i].effects.front().from].candidate;
-          set_model(c_.refitter.about_itself(c_.refitter.add(others, score, others.tangent)));
-          return true;
-        }
+        case Instead::another: take_likeliest(i); return true;
       }
     }
     return false;
   }
 
+  /// The likeliest effect of posterior i in the place of finding i, or beside the findings; it comes last.
+  void take_likeliest(std::size_t i) {
+    const Refit& others = i < v_.findings.size() ? search_.without(now_, i) : now_;
+    Score score;
+    score.candidate = v_.alternatives[i].list[v_.posteriors[i].effects.front().from].candidate;
+    set_model(c_.refitter.about_itself(c_.refitter.add(others, score, others.tangent)));
+  }
+
+  /// Where nothing is sure, people are shown what is likeliest.
+  void show_likeliest() {
+    for (std::size_t i = 0; i < v_.findings.size(); ++i) {
+      const auto& effects = v_.posteriors[i].effects;
+      if (effects.empty() || v_.posteriors[i].sure || effects.front().at.id() == v_.findings[i].at.id()) continue;
+      const auto places = std::ssize(v_.findings);
+      const auto to_end = [&](auto& of_places) {
+        const auto at = of_places.begin() + static_cast<std::ptrdiff_t>(i);
+        std::rotate(at, at + 1, of_places.begin() + places);
+      };
+      take_likeliest(i);
+      to_end(v_.posteriors);
+      to_end(v_.alternatives);
+      return;
+    }
+  }
+
   void decide(bool more_needed) {
+    show_likeliest();
     for (std::size_t i = 0; i < v_.findings.size(); ++i) tell(v_.findings[i], v_.posteriors[i], v_.alternatives[i]);
     if (!v_.findings.empty()) check_locked_days(now_);
     const Decision decision = decision_of(v_.findings, v_.posteriors, more_needed);
