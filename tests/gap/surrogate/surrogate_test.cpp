@@ -10,7 +10,6 @@
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
 #include "tools/gap/blind/blind.hpp"
-#include "tools/gap/inference/reference_fit.hpp"
 #include "tools/gap/model/log_window.hpp"
 #include "tools/gap/surrogate/asked_model.hpp"
 
@@ -126,51 +125,6 @@ TEST(Surrogate, KeepsOfDutiesWhatTheHoursOfADayHaveAlike) {
   const sim::ChannelTable own = stand_in.simulate({weak}, days) - stand_in.simulate({}, days);
   const Eigen::RowVectorXd off = (lack - own).rightCols(5).colwise().mean() - added.colwise().mean();
   EXPECT_LT(off.cwiseAbs().maxCoeff(), 1e-9);
-}
-
-/// It is known at the model as it is, and doubted beside that.
-class Doubted final : public ForwardingEngine {
- public:
-  Doubted(const Engine& engine, double share) : ForwardingEngine(engine), doubt_(share) {}
-  sim::ChannelTable simulate(const Changes& changes, const sim::Recording& recording) const override {
-    return engine().simulate(changes, recording);
-  }
-  std::optional<KnownRun> known_run(const sim::Recording&) const override { return KnownRun{{}, doubt_}; }
-
- private:
-  double doubt_;
-};
-
-TEST(Surrogate, ParametersStayWhereTheModelWasRunAsFarAsTheRestIsDoubted) {
-  const RcEngine room(sim::load_room("301"));
-  EXPECT_FALSE(room.known_run({}).has_value());
-  const Window reference = Days().window(other_room(), {}, 0, 8, 1);
-  const Responses responses = simulate_responses(room, library_of(room, some_effects()), reference.recording, true, 2);
-  const auto estimate = [&](const Engine& engine) {
-    return fit_reference(engine, responses, reference, 2).estimate.head(std::ssize(responses.parameters)).eval();
-  };
-  const Eigen::VectorXd free = estimate(room);
-  EXPECT_GT(free.norm(), 1);
-  EXPECT_LT((estimate(Doubted(room, 0)) - free).norm(), 1e-9);
-  const double half = estimate(Doubted(room, 0.5)).norm(), firm = estimate(Doubted(room, 1000)).norm();
-  EXPECT_LT(half, free.norm());
-  EXPECT_LT(firm, 0.01);
-}
-
-TEST(Surrogate, ModelShowsAtTheEstimateWhatWasExpectedOfIt) {
-  const DearModel model(other_room());
-  const Window reference = Days().window(other_room(), {}, 0, 8, 1);
-  SurrogateEngine room(model, *model.stand_in());
-  const Responses responses = simulate_responses(room, library_of(room, some_effects()), reference.recording, true, 2);
-  double off_k = 1;
-  for (int turn = 0; turn < 3; ++turn) {
-    const Changes fitted = fit_reference(room, responses, reference, 2).changes();
-    const sim::ChannelTable expected = room.simulate(fitted, reference.recording);
-    room.anchor(fitted, reference.recording);
-    off_k = in_rooms(room.simulate(fitted, reference.recording), expected) / std::sqrt(5.0 * 8 * rows_per_day);
-    EXPECT_EQ(room.known_run(reference.recording)->changes.size(), fitted.size() - 5) << "all but sensors";
-  }
-  EXPECT_LT(off_k, 0.03);
 }
 
 TEST(Surrogate, SensorsShowTheModelsRoomsAndNotItsOwn) {

@@ -43,19 +43,6 @@ Changes changes_of(const std::vector<Parameter>& parameters, const Eigen::Vector
   return changes;
 }
 
-/// In prior standard deviations, one a parameter.
-Eigen::VectorXd estimate_of(const std::vector<Parameter>& parameters, const Changes& changes) {
-  Eigen::VectorXd estimate = Eigen::VectorXd::Zero(std::ssize(parameters));
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const auto of = std::find_if(changes.begin(), changes.end(), [&](const sim::EffectChange& c) {
-      return c.at.effect == parameters[i].at.effect && c.at.place == parameters[i].at.place;
-    });
-    if (of == changes.end()) continue;
-    estimate(static_cast<Eigen::Index>(i)) = (of->magnitude - of->at.effect->null_value) / parameters[i].prior_sd;
-  }
-  return estimate;
-}
-
 }  // namespace
 
 std::vector<bool> counted_bins(Eigen::Index bins) {
@@ -118,14 +105,7 @@ ReferenceFit fit_reference(const Engine& engine, const Responses& responses, con
   const auto kept = counted_bins(window.measured.rows());
   ReferenceFit fit;
   fit.parameters = responses.parameters;
-  const auto shown_at = [&](const Eigen::VectorXd& estimate) {
-    return binned(engine.simulate(changes_of(responses.parameters, estimate), window.recording), engine.channels());
-  };
-  const KnownRun run = engine.known_run(window.recording).value_or(KnownRun{});
-  const Eigen::VectorXd known = estimate_of(fit.parameters, run.changes);
-  const Eigen::Index moving = known.size();
-  fit.estimate = known;
-  Eigen::MatrixXd shown = known.isZero() ? responses.base : shown_at(known), residual = window.measured - shown;
+  Eigen::MatrixXd shown = responses.base, residual = window.measured - shown;
   const auto noise_of = [&](const Eigen::MatrixXd& x) {
     return NoiseModel::fit(x.bottomRows(x.rows() - bins_per_day), engine.channels());
   };
@@ -145,16 +125,12 @@ ReferenceFit fit_reference(const Engine& engine, const Responses& responses, con
     const Eigen::VectorXd r = fit.noise.whiten(residual, kept, window.measured);
     Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(count, count);
     inner.selfadjointView<Eigen::Lower>().rankUpdate(j.transpose());
-    // The step from where the residual stands, drawn to the prior's mean, not to the last estimate.
-    Eigen::VectorXd slope = j.transpose() * r - fit.estimate;
-    fit.covariance = Eigen::LDLT<Eigen::MatrixXd>(inner.selfadjointView<Eigen::Lower>())
-                         .solve(Eigen::MatrixXd::Identity(count, count));
-    const Eigen::VectorXd doubt = run.doubt * run.doubt * (inner.diagonal().head(moving).array() - 1);
-    inner.diagonal().head(moving) += doubt;
-    slope.head(moving) -= doubt.cwiseProduct(fit.estimate.head(moving) - known);
     const Eigen::LDLT<Eigen::MatrixXd> normal(inner.selfadjointView<Eigen::Lower>());
-    fit.estimate = (fit.estimate + normal.solve(slope)).cwiseMax(-8.0).cwiseMin(8.0);
-    shown = shown_at(fit.estimate);
+    // The step from where the residual stands, drawn to the prior's mean, not to the last estimate.
+    fit.estimate = (fit.estimate + normal.solve(j.transpose() * r - fit.estimate)).cwiseMax(-8.0).cwiseMin(8.0);
+    fit.covariance = normal.solve(Eigen::MatrixXd::Identity(count, count));
+    shown =
+        binned(engine.simulate(changes_of(responses.parameters, fit.estimate), window.recording), engine.channels());
     residual = window.measured - shown - fit.structural(responses);
   }
   fit.noise = noise_of(residual);

@@ -44,11 +44,8 @@ struct ReferenceFit {
 /// fan's power and its flow) must be the same combination in the reference and in the measured period. An engine that
 /// spares runs keeps the responses about the twin itself, in both periods.
 ///   d = (J'J + I)^-1 J' r, J and r whitened.
-/// Where others answer about a known run of the model (Engine::known_run), it starts at that run's parameters a and
-/// stays nearer to them the more the others are doubted; the covariance does not know of it:
-///   d = (J'J + I + G)^-1 (J'r - e - G (e - a)), e the estimate, G = doubt^2 diag(J'J) of the parameters.
 /// Errors: as simulate.  Cost: six simulations and one a parameter, beside the responses.
-/// Source: docs/gap-workflow.md, "3. Reference period" and "A model whose runs are dear".
+/// Source: docs/gap-workflow.md, "3. Reference period".
 ReferenceFit fit_reference(const Engine& engine, const Responses& responses, const Window& window, int jobs = 1);
 
 /// Bins that count: not the first day, which remembers an unknown start.

@@ -19,13 +19,6 @@ using Changes = std::vector<sim::EffectChange>;
 /// Whether every change is one to a sensor, and there is one.
 bool only_on_sensors(const std::vector<sim::EffectOp>& ops);
 
-/// Changes at which an answer is a run of the model itself. What others answer beside them is doubted: by this share of
-/// what each change from there does.
-struct KnownRun {
-  Changes changes;
-  double doubt = 0;
-};
-
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -62,8 +55,6 @@ class Engine {
   virtual bool spares_runs() const { return false; }
   /// An RC room of the same channels that does nearly as this model does; none where runs are cheap, or none is known.
   virtual std::optional<sim::RcRoom> stand_in() const { return std::nullopt; }
-  /// The last run of the model about which an RC room answers; none where every answer is a run of the model.
-  virtual std::optional<KnownRun> known_run(const sim::Recording& /*recording*/) const { return std::nullopt; }
   /// "rc room 301", for reports.
   virtual std::string description() const = 0;
 };

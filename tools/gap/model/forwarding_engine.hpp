@@ -27,9 +27,6 @@ class ForwardingEngine : public Engine {
   bool only_shows(const sim::Effect& effect) const override { return engine_.only_shows(effect); }
   bool spares_runs() const override { return engine_.spares_runs(); }
   std::optional<sim::RcRoom> stand_in() const override { return engine_.stand_in(); }
-  std::optional<KnownRun> known_run(const sim::Recording& recording) const override {
-    return engine_.known_run(recording);
-  }
   std::string description() const override { return engine_.description(); }
 
  protected:

@@ -46,7 +46,7 @@ std::vector<sim::EffectChange> likely(const Engine& engine, const Verdict& v, co
 /// The model is run at the estimate of the reference period until what it shows there is what was expected of it.
 void anchor_at_fit(SurrogateEngine& surrogate, const Engine& engine, const CaseData& data,
                    const WindowResponses& responses, int jobs) {
-  constexpr int most_fits = 3;
+  constexpr int most_fits = 6;
   constexpr double as_expected_k = 0.03;
   const sim::Recording& days = data.reference.recording;
   Changes fitted;

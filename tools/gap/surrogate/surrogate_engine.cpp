@@ -11,7 +11,6 @@ namespace airside::tools::gap {
 namespace {
 
 constexpr double farthest = 1.5;  // of what was learned
-constexpr double doubt = 0.1;     // of what the RC room makes of a change
 
 /// Of commands, hours and weather; heat that is added to a zone is the RC room's matter.
 std::uint64_t key_of(const sim::Recording& recording) {
@@ -102,10 +101,6 @@ sim::ChannelTable SurrogateEngine::simulate_differing(std::uint64_t seed, const 
                                                       const sim::Recording& recording) const {
   const auto [lived, shown] = divided(changes);
   return corrected(room_.simulate_differing(seed, lived, recording), lived, shown, recording);
-}
-
-std::optional<KnownRun> SurrogateEngine::known_run(const sim::Recording& recording) const {
-  return KnownRun{known(recording).anchor, doubt};
 }
 
 void SurrogateEngine::anchor(const Changes& at, const sim::Recording& recording) {

@@ -27,7 +27,6 @@ class SurrogateEngine final : public ForwardingEngine {
   bool draws_buildings() const override { return true; }
   int usual_buildings() const override { return room_.usual_buildings(); }
   bool spares_runs() const override { return false; }
-  std::optional<KnownRun> known_run(const sim::Recording& recording) const override;
 
   /// Cost: one run of the model.  Errors: as Engine::simulate.
   void anchor(const Changes& at, const sim::Recording& recording);
