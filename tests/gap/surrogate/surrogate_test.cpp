@@ -182,6 +182,7 @@ TEST(Surrogate, FindsWhatIsHiddenForASmallPartOfTheRuns) {
     std::printf("  %s: %s, %d of %zu runs\n", effect, v.reason.c_str(), model.runs.load(), 2 * all);
     ASSERT_FALSE(v.findings.empty()) << effect;
     EXPECT_EQ(v.findings.front().at.effect->name, effect);
+    EXPECT_EQ(v.findings.front().at.id(), v.posteriors.front().effects.front().at.id());
     EXPECT_NEAR(v.findings.front().magnitude, magnitude, 0.1);
     EXPECT_LT(model.runs, static_cast<int>(all) / 2);
   }

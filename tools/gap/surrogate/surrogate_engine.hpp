@@ -14,7 +14,8 @@ namespace airside::tools::gap {
 /// What the model shows at an anchor, and what the RC room makes of every change from there:
 ///   y(c) = y_rc(c) + l + sum_k s_k l_k,  l = y(a) - y_rc(a),  l_k = y(a + k) - y_rc(a + k) - l
 /// a the anchor, first the model as it is; k the changes that were learned; s_k how far c goes in the direction of k,
-/// 1: as far as k, at most 1.5. Sensors come after that. Duties stay within 0..1.
+/// 1: as far as k, at most 1.5. Of duties l_k has the means over the days alone, by 3 h of the day: when a thermostat
+/// switches is another chance in each run. Sensors come after that. Duties stay within 0..1.
 /// simulate() is thread-safe; anchor() and learn() are not.
 class SurrogateEngine final : public ForwardingEngine {
  public:

@@ -125,7 +125,8 @@ class Analysis {
     set_model(c_.refitter.about_itself(c_.refitter.add(others, score, others.tangent)));
   }
 
-  /// Where nothing is sure, people are shown what is likeliest.
+  /// People are shown what is likeliest where a finding is not sure. One alone: what the others' posteriors say is said
+  /// beside the finding that it replaces.
   void show_likeliest() {
     for (std::size_t i = 0; i < v_.findings.size(); ++i) {
       const auto& effects = v_.posteriors[i].effects;
