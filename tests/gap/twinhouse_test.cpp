@@ -103,8 +103,7 @@ HouseVerdict verdict_on(const FittedHouse& houses, const HouseLog& log) {
     fmt::print("  finding {}: {:.2f} +- {:.2f}, gain {:.0f}, margin {:.2f}, same sign {:.0f} %{}{}\n", f.at.id(),
                f.magnitude, f.sd, f.log_likelihood_ratio, f.margin, 100 * f.same_sign, f.why_not.empty() ? "" : ", ",
                f.why_not);
-    for (const Rival& r : f.rivals)
-      fmt::print("    rival {}: gain {:.0f}, cosine {:.2f}\n", r.at.id(), r.log_likelihood_ratio, r.cosine);
+    for (const Rival& r : f.rivals) fmt::print("    rival {}: gain {:.0f}\n", r.at.id(), r.log_likelihood_ratio);
   }
   fmt::print("  ranking:");
   for (std::size_t i = 0; i < std::min<std::size_t>(6, v.ranking.size()); ++i) {

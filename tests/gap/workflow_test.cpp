@@ -140,7 +140,8 @@ TEST(Workflow, NamesWhatIsHiddenAndNothingElse) {
   const Stage s(true);
   const Verdict nothing = s.verdict({});
   EXPECT_EQ(nothing.kind, VerdictKind::none) << nothing.reason;
-  EXPECT_TRUE(nothing.posteriors.empty()) << "without drawn buildings";
+  ASSERT_EQ(nothing.posteriors.size(), 1U) << "one, although nothing was found";
+  EXPECT_EQ(nothing.posteriors[0].set.front(), "nothing");
 
   const Verdict box = s.verdict({{"vav_flow", 2, 0.7}});
   EXPECT_EQ(box.kind, VerdictKind::named) << box.reason;

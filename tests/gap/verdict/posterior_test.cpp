@@ -83,13 +83,34 @@ TEST(Posterior, GivesWhatIsLeftToSomethingElse) {
 }
 
 TEST(Posterior, SaysSomethingElseOfWhatNoEffectTouches) {
-  Alternatives untouched = tried(8, 6, 3);
-  for (const double left : {1.0, 1.2}) {
-    untouched.residual_ratio = left;
-    EXPECT_GT(posterior_of(untouched).nothing, 0.5) << left;
-  }
-  untouched.residual_ratio = 1.8;
-  EXPECT_EQ(posterior_of(untouched).set.front(), "other") << "chance leaves 1.5 at most";
+  const auto untouched = [](double left) {
+    Alternatives all = tried(8, 6, 3);
+    all.residual_ratio = left;
+    for (Alternative& a : all.list) a.residual_ratio = left;
+    return posterior_of(all);
+  };
+  for (const double left : {1.0, 1.2}) EXPECT_GT(untouched(left).nothing, 0.5) << left;
+  EXPECT_EQ(untouched(1.8).set.front(), "other") << "chance leaves 1.5 at most";
+}
+
+TEST(Posterior, NamesWhatExplainsAlmostAllOfWhatIsManyTimesTheNoise) {
+  Alternatives large = tried(170, 3400, 45);
+  large.residual_ratio = 19.6;
+  for (Alternative& a : large.list) a.residual_ratio = 19;
+  large.list[1].residual_ratio = 1.13;
+  EXPECT_TRUE(posterior_of(large).sure) << posterior_of(large).other;
+  EXPECT_EQ(posterior_of(large).effects.front().at.id(), "sun");
+}
+
+TEST(Posterior, IsNotSureOfWhatIsNearerToItsNullThanSuchAnEffectIs) {
+  sim::Effect exchanged = sun;
+  exchanged.least = 0.9;
+  Alternatives small = tried(20, 400, 30);
+  ASSERT_TRUE(posterior_of(small).sure);
+  small.list[1].at.effect = &exchanged;
+  const Posterior p = posterior_of(small);
+  EXPECT_FALSE(p.sure);
+  EXPECT_EQ(p.effects.front().at.id(), "sun");
 }
 
 TEST(Posterior, TakesOffWhatTheReferencesOwnDaysGain) {

@@ -71,6 +71,8 @@ const PosteriorModel& PosteriorModel::learned() {
   return model;
 }
 
+const PosteriorModel& PosteriorModel::learned_without_buildings() { return learned(); }
+
 /// Learned on 52 EnergyPlus rooms of ten days, --rough: --only single --ratio 1 (24, --seed 841, --window 2) and 3 (24,
 /// 842, 4), null (4 of 12, 843, 2). None of them is outside or a pair: what weighs something else is that of RC rooms.
 const PosteriorModel& PosteriorModel::learned_by_surrogate() {
@@ -110,6 +112,11 @@ bool locked_days_veto(const Alternative& a, const PosteriorModel& model) {
   return std::erfc(z / std::sqrt(2.0)) / 2 < model.veto_p;
 }
 
+double sure_excess(double log_likelihood_ratio, const PosteriorModel& model) {
+  const double p = model.name_probability;
+  return 2 * std::log(p / (1 - p)) * model.temperature * (1 + log_likelihood_ratio / model.temperature_gain);
+}
+
 Posterior posterior_of(const Alternatives& tried, const PosteriorModel& model) {
   const Lead lead = lead_of(tried, model);
   std::vector<double> scores;
@@ -126,7 +133,7 @@ Posterior posterior_of(const Alternatives& tried, const PosteriorModel& model) {
   const double chance = std::max(least_excess_of_chance, tried.residual_ratio_chance - 1);
   const double explained = std::max(0.0, tried.residual_ratio - lead.residual_ratio);
   const double excess = std::max(0.0, lead.residual_ratio - 1) / (chance + model.shape_share * explained);
-  const double unexplained = std::max(0.0, tried.residual_ratio - 1) / chance;
+  const double unexplained = std::max(0.0, lead.residual_ratio - 1) / chance;
   const double other = std::max(
       best + model.other + model.other_left * excess * excess + model.other_overlap * lead.overlap * lead.overlap,
       nothing + unexplained_weight * (unexplained * unexplained - 1));
@@ -150,8 +157,10 @@ Posterior posterior_of(const Alternatives& tried, const PosteriorModel& model) {
   std::vector<std::pair<std::string, double>> all{{"nothing", p.nothing}, {"other", p.other}};
   for (const EffectProbability& e : p.effects) all.emplace_back(e.at.id(), e.probability);
   p.set = smallest_set(std::move(all), model.set_probability);
-  p.sure = !p.effects.empty() && p.effects.front().probability > model.name_probability * (1 - p.other) &&
-           p.other < model.name_other && !p.effects.front().vetoed;
+  if (p.effects.empty()) return p;
+  const EffectProbability& first = p.effects.front();
+  p.sure = first.probability > model.name_probability * (1 - p.other) && p.other < model.name_other && !first.vetoed &&
+           first.at.effect->plausible(tried.list[first.from].magnitude);
   return p;
 }
 

@@ -58,6 +58,8 @@ struct PosteriorModel {
   double set_probability = 0.9;    ///< that the smallest set holds
 
   static const PosteriorModel& learned();
+  /// Where no buildings are drawn: of models with controls of their own.
+  static const PosteriorModel& learned_without_buildings();
   /// Of models in whose stead an RC room answers.
   static const PosteriorModel& learned_by_surrogate();
 };
@@ -75,7 +77,7 @@ struct Posterior {
   double nothing = 0, other = 0;
   std::vector<std::string> set;  ///< ids, "nothing", "other": the fewest that hold PosteriorModel::set_probability
   /// Its first effect is more probable than PosteriorModel::name_probability of what is not something else, which is
-  /// less probable than PosteriorModel::name_other, and no locked day contradicts it.
+  /// less probable than PosteriorModel::name_other, no locked day contradicts it, and it is as large as it is at least.
   bool sure = false;
   double likeliest() const { return effects.empty() ? 0 : effects.front().probability; }
 };
@@ -84,10 +86,14 @@ struct Posterior {
 ///   x_k = max(0, g_k - a n_k),  X = max x,  T_k = T_0 max(1, rho) (1 + x_k / G)
 ///   s_k = (w l_k - (X - x_k)) / 2 T_k - c ln places + ln prior(size),  s_nothing = b - X / 2 T_0
 ///   s_other = max(max_k s_k + d + e (max(0, rho - 1) / (rho_chance - 1 + v (rho_0 - rho)))^2 + h o^2,
-///                 s_nothing + f (max(0, rho_0 - 1) / (rho_chance - 1))^2 - f),  f = 4
+///                 s_nothing + f (max(0, rho - 1) / (rho_chance - 1))^2 - f),  f = 4
 /// g gains, n the reference's own, l came on locked days, rho what the effect with the largest x leaves, rho_0 what is
 /// left without it, o its overlap with other findings. Source: docs/gap-workflow.md, "How probable each effect is".
 Posterior posterior_of(const Alternatives& tried, const PosteriorModel& model = PosteriorModel::learned());
+
+/// By which a ratio must exceed a rival's for a name, were there only these two: 2 T ln(p / (1 - p)), T the
+/// temperature at this ratio, p PosteriorModel::name_probability.
+double sure_excess(double log_likelihood_ratio, const PosteriorModel& model);
 
 /// The fewest explanations whose probabilities sum to `wanted`, the most probable first; of equal ones the first of
 /// `all`.

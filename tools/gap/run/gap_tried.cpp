@@ -36,8 +36,7 @@ json suspicion_json(const GapRun& run, const Suspicion& s) {
   const TriedEffect& t = s.tried;
   const MagnitudeInterval interval = interval_of(t.best);
   json rivals = json::array(), alike = json::array();
-  for (const Rival& r : t.rivals)
-    rivals.push_back({{"id", r.at.id()}, {"gain", r.log_likelihood_ratio}, {"cosine", r.cosine}});
+  for (const Rival& r : t.rivals) rivals.push_back({{"id", r.at.id()}, {"gain", r.log_likelihood_ratio}});
   for (const sim::EffectAt& at : t.cannot_tell_from) alike.push_back(at.id());
   return {{"id", t.asked.at.id()},
           {"text", t.asked.at.text()},

@@ -15,7 +15,7 @@ constexpr double near_enough = 0.7;  // of its size, or over it: an effect that 
 constexpr double least_probability = 0.01;
 
 /// The likely ones in each finding's place, as large as they are.
-std::vector<sim::EffectChange> likely(const Engine& engine, const Verdict& v, const WindowResponses& responses) {
+std::vector<sim::EffectChange> likely(const Engine& engine, const Verdict& v) {
   std::vector<sim::EffectChange> changes;
   std::set<std::string> ids;
   const auto take = [&](const sim::EffectAt& at, double magnitude) {
@@ -31,14 +31,6 @@ std::vector<sim::EffectChange> likely(const Engine& engine, const Verdict& v, co
       ++taken;
       take(a.at, a.magnitude);
     }
-  }
-  if (!v.posteriors.empty()) return changes;
-  for (const Finding& f : v.findings) take(f.at, f.magnitude);
-  for (const Score& score : v.ranking) {
-    if (std::ssize(changes) >= dear_effects) break;
-    const Candidate& c = responses.test.candidates[score.candidate];
-    const sim::Effect& e = *c.at.effect;
-    take(c.at, std::clamp(e.null_value + score.steps * (c.probe - e.null_value), e.low, e.high));
   }
   return changes;
 }
@@ -81,7 +73,7 @@ Verdict analyse_dear(SurrogateEngine& surrogate, const Engine& engine, const Cas
     anchor_at_fit(surrogate, engine, data, responses, jobs);
     if (round == dear_rounds) return analyse(engine, data, responses, rules, jobs, look, judged);
     const Verdict v = analyse(engine, data, responses, rules, jobs);
-    std::vector<sim::EffectChange> changes = likely(surrogate, v, responses);
+    std::vector<sim::EffectChange> changes = likely(surrogate, v);
     if (round > 1) {
       std::erase_if(changes, [&](const sim::EffectChange& c) { return was_run(surrogate.learned(c, measured)); });
     }

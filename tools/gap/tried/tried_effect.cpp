@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/gap/verdict/locked_days.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 
 namespace airside::tools::gap {
 
 namespace {
+
+constexpr int most_rivals = 4;  // in the asked effect's stead
 
 class Trial {
  public:
@@ -34,7 +35,7 @@ class Trial {
     t_.locked_expected = locked.expected;
     fit_size(held, chosen);
     if (std::max(t_.log_likelihood_ratio, t_.best.log_likelihood_ratio) >= t_.log_likelihood_limit) add_rivals();
-    answer(chosen);
+    answer();
     return std::move(t_);
   }
 
@@ -115,39 +116,43 @@ class Trial {
 
   void add_rivals() {
     const double gain = std::max(t_.log_likelihood_ratio, t_.best.log_likelihood_ratio);
-    const Selection selection = beside(rest_, rest_.chosen.size());
-    const std::size_t own = chosen_of(t_.asked).candidate;
     int tried = 0;
-    for (const Score& s : selection.scores(c_.refitter.effective(rest_))) {
+    for (const Score& s : beside(rest_, rest_.chosen.size()).scores(c_.refitter.effective(rest_))) {
       const Candidate& other = c_.responses.test.candidates[s.candidate];
       if (other.at.id() == t_.asked.at.id() || c_.already(rest_, s.candidate)) continue;
-      if (++tried > c_.rules.rivals) break;
+      if (++tried > most_rivals) break;
       const Refit in_its_stead = c_.refitter.add(rest_, s, rest_.tangent);
       if (!c_.plausible(in_its_stead)) continue;
-      const Rival rival{other.at, rest_.cost - in_its_stead.cost, selection.cosine(own, s.candidate)};
-      t_.rivals.push_back(rival);
-      const bool alike = std::abs(rival.cosine) > c_.rules.class_cosine;
-      if (rival.log_likelihood_ratio < c_.rules.rival_share * gain) continue;
-      if (alike || gain - rival.log_likelihood_ratio < least_excess(c_.rules, gain, rival))
-        t_.cannot_tell_from.push_back(other.at);
+      t_.rivals.push_back({other.at, rest_.cost - in_its_stead.cost});
+      if (!exceeds(gain, t_.rivals.back().log_likelihood_ratio)) t_.cannot_tell_from.push_back(other.at);
     }
   }
 
   bool another_size() const {
     const MagnitudeInterval interval = interval_of(t_.best);
     return t_.best.log_likelihood_ratio >= t_.log_likelihood_limit &&
-           t_.best.log_likelihood_ratio - t_.log_likelihood_ratio > c_.rules.margin_log_likelihood &&
+           exceeds(t_.best.log_likelihood_ratio, t_.log_likelihood_ratio) &&
            (t_.asked.magnitude < interval.low || t_.asked.magnitude > interval.high);
   }
 
   /// Whether it explains nearly as much as what was found, instead of it.
-  bool in_place_of_what_was_found(const Chosen& chosen) const {
-    if (found_.empty() || t_.over_nothing < t_.log_likelihood_limit) return false;
-    const double cosine = beside(none_, 0).cosine(chosen.candidate, rest_.chosen.front().candidate);
-    return t_.found - t_.over_nothing < least_excess(c_.rules, t_.found, {found_.front().at, t_.over_nothing, cosine});
+  bool in_place_of_what_was_found() const {
+    return !found_.empty() && t_.over_nothing >= t_.log_likelihood_limit && !exceeds(t_.found, t_.over_nothing);
   }
 
-  void answer(const Chosen& chosen) {
+  bool exceeds(double ratio, double of_another) const {
+    return ratio - of_another >= sure_excess(ratio, c_.constants());
+  }
+
+  bool locked_days_contradict() const {
+    Alternative a;
+    a.locked = true;
+    a.locked_log_likelihood_ratio = t_.locked;
+    a.locked_expected = t_.locked_expected;
+    return locked_days_veto(a, c_.constants());
+  }
+
+  void answer() {
     const double gain = t_.log_likelihood_ratio;
     const bool shows = gain >= t_.log_likelihood_limit;
     const auto say = [this](TriedAnswer is, std::string because) {
@@ -160,12 +165,12 @@ class Trial {
                                             f.magnitude, unit_suffix(*f.at.effect), 1.96 * f.sd));
     } else if (shows && !t_.cannot_tell_from.empty()) {
       say(TriedAnswer::cannot_tell, "it explains much, but so does: " + t_.cannot_tell_from.front().text());
-    } else if (shows && t_.locked < contradiction(c_.rules, t_.locked_expected)) {
+    } else if (shows && locked_days_contradict()) {
       say(TriedAnswer::cannot_tell, "it explains the fitted days, but the locked days contradict it");
     } else if (shows) {
       say(TriedAnswer::supported,
           found_.empty() ? "no other effect explains nearly as much" : "it is needed beside what was found");
-    } else if (gain <= -refusal && in_place_of_what_was_found(chosen)) {
+    } else if (gain <= -refusal && in_place_of_what_was_found()) {
       say(TriedAnswer::cannot_tell, "it may be there instead of: " + found_.front().at.text());
     } else if (gain <= -refusal) {
       say(TriedAnswer::refused,

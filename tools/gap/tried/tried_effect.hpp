@@ -31,7 +31,7 @@ struct TriedEffect {
 
 /// Answer: `supported` where the ratio exceeds the effect's limit, no other effect does nearly as well in its stead,
 /// and the locked days do not contradict it; `refused` where the ratio is below -refusal, or another size fits better
-/// by the margin between two effects; else, and where the effect would not show at that size, `cannot_tell`.
+/// by sure_excess(); else, and where the effect would not show at that size, `cannot_tell`.
 ///   expected = d' M d, d what the effect does to the sensors, M the metric in which parameters and findings are free
 /// Cost: as Analysis for one effect and its rivals, three tangents.
 /// Errors: as Engine::simulate.

@@ -27,6 +27,14 @@ std::string set_text(const Posterior& p) {
   return text;
 }
 
+std::string why_too_small(const Finding& f) {
+  const sim::Effect& e = *f.at.effect;
+  return fmt::format(
+      "its gain is {:.1f} x its limit, but at {:.2g} it is too near to {:g}: such an effect is {:g} or {}",
+      f.log_likelihood_ratio / f.log_likelihood_limit, f.magnitude, e.null_value, e.least,
+      e.least > e.null_value ? "more" : "less");
+}
+
 }  // namespace
 
 Instead instead_of(const Finding* found, const Posterior& p) {
@@ -46,7 +54,7 @@ void tell(Finding& f, const Posterior& p, const Alternatives& tried) {
   for (const Alternative& a : tried.list) {
     if (a.at.id() == f.at.id() || !a.simulated) continue;
     next = std::max(next, a.log_likelihood_ratio);
-    f.rivals.push_back({a.at, a.log_likelihood_ratio, 0});
+    f.rivals.push_back({a.at, a.log_likelihood_ratio});
     if (in_set(p, a.at.id())) f.cannot_tell_from.push_back(a.at);
   }
   f.margin = next > 0 ? f.log_likelihood_ratio / next : 1e9;
@@ -56,6 +64,8 @@ void tell(Finding& f, const Posterior& p, const Alternatives& tried) {
     f.why_not.clear();
   else if (is_first && first->vetoed && first->probability > as_good_as_all)
     f.why_not = "the locked days contradict it";
+  else if (is_first && !f.at.effect->plausible(f.magnitude))
+    f.why_not = why_too_small(f);
   else
     f.why_not = "not sure: " + set_text(p);
 }

@@ -28,11 +28,11 @@ const Refit& EffectSearch::without(const Refit& now, std::size_t left_out) const
   return refit(c_.refitter.at(fewer, now.moved, now.tangent));
 }
 
-Refit EffectSearch::forward(std::optional<TooSmall>& too_small, const std::function<void(const Refit&)>& look) const {
+Refit EffectSearch::forward(const std::function<void(const Refit&)>& look) const {
   Refit now = unpatched();
   // Backward deletion may give back what forward selection took: the rounds are counted.
   for (int round = 0; round < 2 * c_.rules.most_effects && std::ssize(now.chosen) < c_.rules.most_effects; ++round) {
-    const auto next = better(now, too_small);
+    const auto next = better(now);
     if (!next) break;
     now = *next;
     if (look) look(now);
@@ -41,24 +41,19 @@ Refit EffectSearch::forward(std::optional<TooSmall>& too_small, const std::funct
 }
 
 std::optional<Refit> EffectSearch::better(const Refit& now) const {
-  std::optional<TooSmall> ignored;
-  return better(now, ignored);
+  const std::optional<Refit> trial = tried_out(now);
+  if (!trial) return std::nullopt;
+  const Refit& fitted = refit(*trial);
+  if (now.cost - fitted.cost < c_.limit(fitted.chosen.back().candidate) || !c_.plausible(fitted)) return std::nullopt;
+  return without_superfluous(fitted);
 }
 
-std::optional<Refit> EffectSearch::better(const Refit& now, std::optional<TooSmall>& too_small) const {
-  const Trials trials = tried_out(now);
-  for (const std::optional<Refit>& trial : {trials.best, trials.small}) {
-    if (!trial) continue;
-    const Refit& fitted = refit(*trial);
-    if (now.cost - fitted.cost < c_.limit(fitted.chosen.back().candidate)) continue;
-    if (c_.plausible(fitted)) return without_superfluous(fitted);
-    if (now.chosen.empty()) too_small = TooSmall{fitted, now.cost - fitted.cost};
-  }
-  return std::nullopt;
-}
-
-EffectSearch::Trials EffectSearch::tried_out(const Refit& now) const {
-  Trials trials;
+std::optional<Refit> EffectSearch::tried_out(const Refit& now) const {
+  std::optional<Refit> best;
+  const auto keep = [&](Refit trial) {
+    // What is too small is the shape of something else.
+    if (c_.plausible(trial) && (!best || trial.cost < best->cost)) best = std::move(trial);
+  };
   int tried = 0;
   double first_ratio = 0;
   for (const Score& score : beside(now, now.chosen.size()).scores(c_.refitter.effective(now))) {
@@ -69,27 +64,17 @@ EffectSearch::Trials EffectSearch::tried_out(const Refit& now) const {
     if (tried >= c_.rules.first_looks || score.log_likelihood_ratio < c_.rules.first_look_share * first_ratio) break;
     ++tried;
     Refit trial = c_.refitter.add(now, score, now.tangent);
-    if (now.cost - trial.cost < least) continue;
-    // Beside other effects one that is too small is their shape; alone it counts once it is fitted.
-    if (!c_.plausible(trial) && !now.chosen.empty()) continue;
-    keep(trials, std::move(trial));
+    if (now.cost - trial.cost >= least) keep(std::move(trial));
   }
-  if (c_.rules.most_effects == 0) return trials;  // a ranking is all that is asked
   tried = 0;
   for (const Refit& start : c_.refitter.far(now, [&](std::size_t i) { return !c_.already(now, i); })) {
     const std::size_t candidate = start.chosen.back().candidate;
     const double least =
         c_.limit(candidate) + shape_error(c_.rules, *now.tangent, now.chosen, explained(now), candidate);
     if (now.cost - start.cost < least || ++tried > c_.rules.first_looks) break;
-    Refit trial = c_.refitter.refit(start, now.tangent);
-    if (c_.plausible(trial)) keep(trials, std::move(trial));
+    keep(c_.refitter.refit(start, now.tangent));
   }
-  return trials;
-}
-
-void EffectSearch::keep(Trials& trials, Refit trial) const {
-  std::optional<Refit>& kind = c_.plausible(trial) ? trials.best : trials.small;
-  if (!kind || trial.cost < kind->cost) kind = std::move(trial);
+  return best;
 }
 
 /// Backward: an effect that the others have made superfluous goes.

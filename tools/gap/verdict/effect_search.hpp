@@ -11,13 +11,6 @@
 
 namespace airside::tools::gap {
 
-/// What the search left out, although it gains more than its limit: it is smaller than such an effect is at
-/// least.
-struct TooSmall {
-  Refit at;                         ///< the model with it
-  double log_likelihood_ratio = 0;  ///< 2 ln likelihood, by real simulation
-};
-
 class EffectSearch {
  public:
   /// `c` must outlive it.
@@ -27,9 +20,9 @@ class EffectSearch {
   const Refit& unpatched() const;
   /// Without one of its effects.
   const Refit& without(const Refit& now, std::size_t left_out) const;
-  /// With as many effects as the rules allow and the data ask for. `too_small`: what was left out where none got in.
-  /// `look`: called with the model after each effect.
-  Refit forward(std::optional<TooSmall>& too_small, const std::function<void(const Refit&)>& look = {}) const;
+  /// With as many effects as the rules allow and the data ask for. `look`: called with the model
+  /// after each effect.
+  Refit forward(const std::function<void(const Refit&)>& look = {}) const;
   /// The model with one more effect, the best of the few most likely ones by real simulation. One that its own limit
   /// keeps out is no candidate here, but stays a rival of whatever gets in.
   std::optional<Refit> better(const Refit& now) const;
@@ -37,15 +30,8 @@ class EffectSearch {
   double explained(const Refit& now) const { return unexplained_ - now.cost; }
 
  private:
-  /// One effect more in the tangent of the model: the best of those that are as large as they are at least, and of
-  /// those that are not.
-  struct Trials {
-    std::optional<Refit> best, small;
-  };
-
-  std::optional<Refit> better(const Refit& now, std::optional<TooSmall>& too_small) const;
-  Trials tried_out(const Refit& now) const;
-  void keep(Trials& trials, Refit trial) const;
+  /// One effect more in the tangent of the model: the best of those that are as large as they are at least.
+  std::optional<Refit> tried_out(const Refit& now) const;
   Refit without_superfluous(const Refit& now) const;
   const Refit& refit(const Refit& near) const;
 

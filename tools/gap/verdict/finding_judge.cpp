@@ -24,17 +24,6 @@ class FindingJudge {
     f.log_likelihood_ratio = others.cost - now.cost;
     f.same_sign = same_sign(others.chosen, c.candidate);
     f.log_likelihood_limit = c_.limit(c.candidate);
-    if (c_.posterior_decides()) return f;
-    const double rival = add_rivals(f, now, others, selection, c.candidate);
-    f.margin = rival > 0 ? f.log_likelihood_ratio / rival : 1e9;
-    if (f.log_likelihood_ratio < f.log_likelihood_limit)
-      f.why_not = "its gain is within the noise";
-    else if (f.log_likelihood_ratio < rival + c_.rules.margin_log_likelihood)
-      f.why_not = "another effect explains nearly as much";
-    else if (!f.cannot_tell_from.empty())
-      f.why_not = "effects of one class: the data cannot tell them apart";
-    else if (f.same_sign < c_.rules.same_sign_share)
-      f.why_not = "its sign changes from day to day";
     return f;
   }
 
@@ -141,42 +130,6 @@ class FindingJudge {
     const double null_value = c.at.effect->null_value;
     return std::hypot((c.probe - null_value) / std::sqrt(std::max(1e-12, norm)),
                       c_.rules.magnitude_share * (magnitude - null_value));
-  }
-
-  /// Every other effect in its stead, the likely ones by real simulation: who does nearly as well joins the class.
-  /// Returns the gain of the best that does not look the same.
-  double add_rivals(Finding& f, const Refit& now, const Refit& others, const Selection& selection,
-                    std::size_t found) const {
-    const auto scores = selection.scores(c_.refitter.effective(others));
-    double best = 0;
-    int tried = 0;
-    std::vector<sim::EffectAt> nearly;
-    for (const Score& s : scores) {
-      const Candidate& other = c_.responses.test.candidates[s.candidate];
-      if (other.at.id() == f.at.id() || c_.already(others, s.candidate)) continue;
-      if (++tried > c_.rules.rivals) break;
-      const Refit in_its_stead = c_.refitter.add(others, s, now.tangent);
-      if (!c_.plausible(in_its_stead)) continue;
-      const double log_likelihood_ratio = others.cost - in_its_stead.cost;
-      const Rival rival{other.at, log_likelihood_ratio, selection.cosine(found, s.candidate)};
-      f.rivals.push_back(rival);
-      const bool alike = std::abs(rival.cosine) > c_.rules.class_cosine;
-      if (!alike) best = std::max(best, rival.log_likelihood_ratio);
-      if (rival.log_likelihood_ratio < c_.rules.rival_share * f.log_likelihood_ratio) continue;
-      if (alike ||
-          f.log_likelihood_ratio - rival.log_likelihood_ratio < least_excess(c_.rules, f.log_likelihood_ratio, rival))
-        f.cannot_tell_from.push_back(other.at);
-      if (f.log_likelihood_ratio < c_.rules.class_ratio * rival.log_likelihood_ratio) nearly.push_back(other.at);
-    }
-    // Once it is a class, all that do nearly as well are in it.
-    if (!f.cannot_tell_from.empty()) {
-      for (const sim::EffectAt& at : nearly) {
-        const bool listed = std::any_of(f.cannot_tell_from.begin(), f.cannot_tell_from.end(),
-                                        [&at](const sim::EffectAt& other) { return other.id() == at.id(); });
-        if (!listed) f.cannot_tell_from.push_back(at);
-      }
-    }
-    return best;
   }
 
   /// A magnitude for every two days, each counted by its information; seen from the reference's model, as another one

@@ -40,11 +40,10 @@ struct FittedCase {
   bool plausible(const Refit& at) const;
   /// Whether this effect at this place is chosen already, in either direction.
   bool already(const Refit& now, std::size_t candidate) const;
-  /// Instead of the rules, where buildings are drawn.
-  bool posterior_decides() const { return ensemble.rooms > 0 && rules.most_effects > 0; }
   /// Of the posterior.
   const PosteriorModel& constants() const {
-    return engine.stand_in() ? PosteriorModel::learned_by_surrogate() : PosteriorModel::learned();
+    if (engine.stand_in()) return PosteriorModel::learned_by_surrogate();
+    return ensemble.rooms > 0 ? PosteriorModel::learned() : PosteriorModel::learned_without_buildings();
   }
   /// As Rules::alternatives.
   int alternatives() const { return engine.spares_runs() ? rules.dear_alternatives : rules.alternatives; }

@@ -68,17 +68,4 @@ LockedDays locked_days(const FittedCase& c, const Eigen::MatrixXd& before, const
   return locked;
 }
 
-double contradiction(const Rules& rules, double expected) {
-  return std::min(0.0, expected - 2 * rules.contradiction_sd * std::sqrt(std::max(0.0, expected)));
-}
-
-bool locked_days_agree(const Rules& rules, const LockedDays& locked) {
-  const double fell = 1 - locked.score_after / locked.score_before;
-  const double enough =
-      std::max(rules.locked_log_likelihood, rules.locked_log_likelihood_share * locked.predicted_log_likelihood_ratio);
-  return (fell >= rules.locked_share_gained &&
-          locked.log_likelihood_ratio >= contradiction(rules, locked.predicted_log_likelihood_ratio)) ||
-         (fell >= -rules.locked_share_lost && locked.log_likelihood_ratio >= enough);
-}
-
 }  // namespace airside::tools::gap

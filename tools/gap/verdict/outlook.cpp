@@ -7,14 +7,10 @@ namespace airside::tools::gap {
 namespace {
 
 /// Whether another single effect does so nearly as well as the best that a test on site must tell them apart.
-bool has_rival(const FittedCase& c, const Selection& selection, const std::vector<Score>& scores, const Score& best) {
+bool has_rival(const FittedCase& c, const std::vector<Score>& scores, const Score& best) {
+  const double least = best.log_likelihood_ratio - sure_excess(best.log_likelihood_ratio, c.constants());
   return std::any_of(scores.begin(), scores.end(), [&](const Score& other) {
-    if (other.candidate == best.candidate) return false;
-    if (other.log_likelihood_ratio < c.rules.rival_share * best.log_likelihood_ratio) return false;
-    const Rival rival{c.responses.test.candidates[other.candidate].at, other.log_likelihood_ratio,
-                      selection.cosine(best.candidate, other.candidate)};
-    return best.log_likelihood_ratio - rival.log_likelihood_ratio <
-           least_excess(c.rules, best.log_likelihood_ratio, rival);
+    return other.candidate != best.candidate && other.log_likelihood_ratio > least;
   });
 }
 
@@ -35,14 +31,14 @@ Outlook outlook_of(const FittedCase& c, const Refit& now, double explained) {
     const double gain = best->log_likelihood_ratio;
     if (gain < c.limit(best->candidate) + shape_error(c.rules, *now.tangent, then.chosen, explained, best->candidate))
       break;
-    if (then.chosen.empty()) outlook.alike = has_rival(c, selection, scores, *best);
+    if (then.chosen.empty()) outlook.alike = has_rival(c, scores, *best);
     then.chosen.push_back({best->candidate, best->steps});
     explained += gain;
     left -= gain;
     ++outlook.more;
   }
   const double noise = c.samples() * c.fit.residual_ratio;
-  outlook.unknown = left / noise > c.residual_ratio_of_chance() + c.rules.shape_share * explained / noise;
+  outlook.unknown = left / noise > c.residual_ratio_of_chance() + c.constants().shape_share * explained / noise;
   return outlook;
 }
 

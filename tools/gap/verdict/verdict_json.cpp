@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "hal/text/civil_text.hpp"
 
@@ -23,27 +22,16 @@ json place_json(const sim::EffectAt& at) {
   return mark == std::string::npos ? json(nullptr) : json(id.substr(mark + 1));
 }
 
-/// Of the closest rival: the gain's excess over what it should be at least.
-double margin_over_limit(const Finding& f, const Rules& rules) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Rival& r : f.rivals) {
-    least = std::min(
-        least, (f.log_likelihood_ratio - r.log_likelihood_ratio) / least_excess(rules, f.log_likelihood_ratio, r));
-  }
-  return least;
-}
-
 json buildings_json(const Verdict& v) {
   if (v.buildings == 0) return nullptr;
   return {{"drawn", v.buildings}, {"add_alone", v.buildings_add_alone}, {"add", v.buildings_add}};
 }
 
-json finding_json(const Finding& f, const Rules& rules) {
+json finding_json(const Finding& f) {
   json alike = json::array();
   for (const sim::EffectAt& at : f.cannot_tell_from) alike.push_back(at.id());
   json rivals = json::array();
-  for (const Rival& r : f.rivals)
-    rivals.push_back({{"id", r.at.id()}, {"gain", r.log_likelihood_ratio}, {"cosine", r.cosine}});
+  for (const Rival& r : f.rivals) rivals.push_back({{"id", r.at.id()}, {"gain", r.log_likelihood_ratio}});
   const sim::Effect& effect = *f.at.effect;
   const MagnitudeInterval interval = interval_of(f);
   return {{"id", f.at.id()},
@@ -61,7 +49,6 @@ json finding_json(const Finding& f, const Rules& rules) {
           {"gain_over_limit",
            f.log_likelihood_limit > 0 ? finite_json(f.log_likelihood_ratio / f.log_likelihood_limit) : json()},
           {"margin", f.margin},
-          {"margin_over_limit", finite_json(margin_over_limit(f, rules))},
           {"same_sign_share", f.same_sign},
           {"class", alike},
           {"rivals", rivals},
@@ -140,8 +127,8 @@ json json_of(const Verdict& v, const std::string& name, const Responses& respons
              const Rules& rules) {
   json effects = json::array(), unsure = json::array(), ranking = json::array(), ratios = json::array(),
        null_ratios = json::array(), limits = json::array();
-  for (const Finding& f : v.findings) effects.push_back(finding_json(f, rules));
-  for (const Finding& f : v.unsure) unsure.push_back(finding_json(f, rules));
+  for (const Finding& f : v.findings) effects.push_back(finding_json(f));
+  for (const Finding& f : v.unsure) unsure.push_back(finding_json(f));
   for (std::size_t i = 0; i < v.ranking.size() && i < 10; ++i) {
     ranking.push_back(responses.candidates[v.ranking[i].candidate].at.id());
     ratios.push_back(v.ranking[i].log_likelihood_ratio);
@@ -169,16 +156,7 @@ json json_of(const Verdict& v, const std::string& name, const Responses& respons
            {{"gain", v.log_likelihood_limit},
             {"gain_anywhere", rules.log_likelihood_limit},
             {"gain_share_of_reference", rules.null_share},
-            {"margin_share", rules.margin_share},
-            {"margin_gain", rules.margin_log_likelihood},
-            {"class_ratio", rules.class_ratio},
-            {"class_cosine", rules.class_cosine},
-            {"same_sign_share", rules.same_sign_share},
-            {"leftover", finite_json(v.residual_ratio_limit)},
-            {"locked_gain_share", rules.locked_share_gained},
-            {"locked_share_lost", rules.locked_share_lost},
-            {"locked_gain", rules.locked_log_likelihood},
-            {"locked_gain_share_of_predicted", rules.locked_log_likelihood_share}}},
+            {"leftover", finite_json(v.residual_ratio_limit)}}},
           {"locked", locked_json(v.locked, channels)}};
 }
 
