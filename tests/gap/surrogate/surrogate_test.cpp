@@ -106,6 +106,24 @@ TEST(Surrogate, SaysWhatTheModelSaysWhereItWasRun) {
   EXPECT_EQ(room.learned(found.back(), days), 0) << "the other way nothing is known";
 }
 
+TEST(Surrogate, SaysWhatTheModelSaysAtEachSizeAndBetweenThemGoesAlongTheLine) {
+  const DearModel model(other_room());
+  const sim::Recording days = Days().window(other_room(), {}, 0, 2, 1).recording;
+  SurrogateEngine room(model, *model.stand_in());
+  const auto at = [](double flow) { return change("vav_flow", flow, 1); };
+  room.learn({at(0.4), at(0.8)}, days, 1);
+  for (const double flow : {0.8, 0.4})
+    EXPECT_LT(largest_but_duties(room.simulate({at(flow)}, days), model.simulate({at(flow)}, days)), 1e-9) << flow;
+  const sim::ChannelTable first = room.added_response(at(0.8), days), last = room.added_response(at(0.4), days);
+  EXPECT_LT(largest(room.added_response(at(0.6), days), (first + last) / 2), 1e-9);
+  EXPECT_LT(largest(room.added_response(at(0.9), days), first / 2), 1e-9);
+  EXPECT_LT(largest(room.added_response(at(0.2), days), last * 0.8 / 0.6), 1e-9);
+  EXPECT_DOUBLE_EQ(room.learned(at(0.5), days), 0.6 / 0.5) << "the nearer one";
+  EXPECT_DOUBLE_EQ(room.learned(at(0.85), days), 0.2 / 0.15);
+  room.learn({at(0.42)}, days, 1);
+  EXPECT_DOUBLE_EQ(room.learned(at(0.4), days), 0.58 / 0.6) << "of nearly the same size the later run counts";
+}
+
 TEST(Surrogate, KeepsOfDutiesWhatTheHoursOfADayHaveAlike) {
   const DearModel model(other_room());
   const sim::Recording days = Days().window(other_room(), {}, 0, 3, 1).recording;

@@ -13,6 +13,8 @@ namespace {
 
 constexpr double near_enough = 0.7;  // of its size, or over it: an effect that was run
 constexpr double least_probability = 0.01;
+constexpr int most_bent = 3;
+constexpr double bent = 0.3;  // of what an effect shows at its bound: so much is not in proportion to its size
 
 /// The likely ones in each finding's place, as large as they are.
 std::vector<sim::EffectChange> likely(const Engine& engine, const Verdict& v) {
@@ -55,6 +57,35 @@ void anchor_at_fit(SurrogateEngine& surrogate, const Engine& engine, const CaseD
 
 bool was_run(double share) { return share > near_enough && share < 1 / near_enough; }
 
+/// Whether at its bound the effect shows something else than it does now, in proportion.
+bool bends(const Engine& engine, const sim::EffectChange& change, double bound, const sim::Recording& days) {
+  const Eigen::Index shown = engine.channels().fcu_duty();
+  const double null = change.at.effect->null_value;
+  const sim::ChannelTable none = engine.simulate({}, days).leftCols(shown);
+  const sim::ChannelTable now = engine.simulate({change}, days).leftCols(shown) - none;
+  const sim::ChannelTable far = engine.simulate({{change.at, bound}}, days).leftCols(shown) - none;
+  return (far - (bound - null) / (change.magnitude - null) * now).norm() > bent * far.norm();
+}
+
+/// The first of them that bend, half as large as they may be and wholly: a fit that begins at their size now need not
+/// come there.
+std::vector<sim::EffectChange> far_sizes(const Engine& engine, const std::vector<sim::EffectChange>& likely,
+                                         const sim::Recording& days) {
+  std::vector<sim::EffectChange> sizes;
+  int found = 0;
+  for (const sim::EffectChange& c : likely) {
+    const sim::Effect& e = *c.at.effect;
+    const double bound = c.magnitude < e.null_value ? e.low : e.high;
+    if (!std::isfinite(bound) || !bends(engine, c, bound, days)) continue;
+    if (++found > most_bent) break;
+    for (const double share : {0.5, 1.0}) {
+      const double magnitude = e.null_value + share * (bound - e.null_value);
+      if (!was_run((c.magnitude - e.null_value) / (magnitude - e.null_value))) sizes.push_back({c.at, magnitude});
+    }
+  }
+  return sizes;
+}
+
 void draw_once(const Engine& engine, const Window& window, Responses& responses, int buildings, int jobs) {
   if (buildings > 0 && responses.buildings.empty())
     responses.buildings = drawn_buildings(engine, {}, responses.base, window.recording, buildings, jobs);
@@ -76,6 +107,9 @@ Verdict analyse_dear(SurrogateEngine& surrogate, const Engine& engine, const Cas
     std::vector<sim::EffectChange> changes = likely(surrogate, v);
     if (round > 1) {
       std::erase_if(changes, [&](const sim::EffectChange& c) { return was_run(surrogate.learned(c, measured)); });
+    }
+    if (round == 1) {
+      for (const sim::EffectChange& c : far_sizes(engine, changes, measured)) changes.push_back(c);
     }
     surrogate.learn(changes, measured, jobs);
     for (std::size_t i = 0; i < of_room.size(); ++i) {

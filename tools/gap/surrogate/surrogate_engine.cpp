@@ -1,6 +1,8 @@
 #include "tools/gap/surrogate/surrogate_engine.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <span>
 
 #include "hal/storage/digest64.hpp"
@@ -10,7 +12,8 @@ namespace airside::tools::gap {
 
 namespace {
 
-constexpr double farthest = 1.5;  // of what was learned
+constexpr double farthest = 1.5;   // of what was learned
+constexpr double same_size = 0.8;  // of another, or over it: the later run takes the earlier one's place
 
 /// Of commands, hours and weather; heat that is added to a zone is the RC room's matter.
 std::uint64_t key_of(const sim::Recording& recording) {
@@ -73,10 +76,21 @@ SurrogateEngine::Known& SurrogateEngine::known(const sim::Recording& recording) 
   return *at;
 }
 
-const SurrogateEngine::Learned* SurrogateEngine::find(const Known& at, const std::string& id, double offset) const {
+const std::vector<SurrogateEngine::Learned>* SurrogateEngine::find(const Known& at, const std::string& id,
+                                                                   double offset) {
   const auto& side = offset > 0 ? at.up : at.down;
   const auto found = side.find(id);
   return offset == 0 || found == side.end() ? nullptr : &found->second;
+}
+
+sim::ChannelTable SurrogateEngine::lack_at(const std::vector<Learned>& sizes, double offset) {
+  const auto beyond =
+      std::ranges::find_if(sizes, [offset](const Learned& size) { return std::abs(size.offset) >= std::abs(offset); });
+  if (beyond == sizes.begin()) return offset / beyond->offset * beyond->lack;
+  const Learned& within = *std::prev(beyond);
+  if (beyond == sizes.end()) return std::min(farthest, offset / within.offset) * within.lack;
+  const double way = (offset - within.offset) / (beyond->offset - within.offset);
+  return (1 - way) * within.lack + way * beyond->lack;
 }
 
 sim::ChannelTable SurrogateEngine::corrected(sim::ChannelTable table, const Changes& lived, const Changes& shown,
@@ -84,8 +98,7 @@ sim::ChannelTable SurrogateEngine::corrected(sim::ChannelTable table, const Chan
   const Known& at = known(recording);
   table += at.lack;
   for (const auto& [id, offset] : offsets_of(lived, 1, offsets_of(at.anchor, -1, {}))) {
-    if (const Learned* learned = find(at, id, offset))
-      table += std::min(farthest, offset / learned->offset) * learned->lack;
+    if (const auto* sizes = find(at, id, offset)) table += lack_at(*sizes, offset);
   }
   auto duties = table.rightCols(channels().fcus);
   duties = (duties.array() < 0).select(0.0, (duties.array() > 1).select(1.0, duties));
@@ -120,21 +133,30 @@ void SurrogateEngine::learn(const std::vector<sim::EffectChange>& changes, const
     smooth_duties(learned[i].lack, channels().fcus);
   });
   for (std::size_t i = 0; i < changes.size(); ++i) {
-    auto& side = learned[i].offset > 0 ? here.up : here.down;
-    side[changes[i].at.id()] = std::move(learned[i]);
+    const double offset = learned[i].offset;
+    auto& sizes = (offset > 0 ? here.up : here.down)[changes[i].at.id()];
+    std::erase_if(sizes, [offset](const Learned& size) {
+      const double share = size.offset / offset;
+      return share > same_size && share < 1 / same_size;
+    });
+    const auto after =
+        std::ranges::find_if(sizes, [offset](const Learned& size) { return std::abs(size.offset) > std::abs(offset); });
+    sizes.insert(after, std::move(learned[i]));
   }
 }
 
 double SurrogateEngine::learned(const sim::EffectChange& change, const sim::Recording& recording) const {
-  const Learned* found = find(known(recording), change.at.id(), offset_of(change));
-  return found != nullptr ? found->offset / offset_of(change) : 0;
+  const auto* sizes = find(known(recording), change.at.id(), offset_of(change));
+  if (sizes == nullptr) return 0;
+  const auto share = [&change](const Learned& size) { return size.offset / offset_of(change); };
+  return share(
+      *std::ranges::min_element(*sizes, {}, [&share](const Learned& size) { return std::abs(std::log(share(size))); }));
 }
 
 sim::ChannelTable SurrogateEngine::added_response(const sim::EffectChange& change,
                                                   const sim::Recording& recording) const {
-  const Learned* found = find(known(recording), change.at.id(), offset_of(change));
-  if (found == nullptr) return {};
-  return std::min(farthest, offset_of(change) / found->offset) * found->lack;
+  const auto* sizes = find(known(recording), change.at.id(), offset_of(change));
+  return sizes == nullptr ? sim::ChannelTable{} : lack_at(*sizes, offset_of(change));
 }
 
 }  // namespace airside::tools::gap

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "tools/gap/model/forwarding_engine.hpp"
 #include "tools/gap/model/stretches.hpp"
@@ -12,11 +13,11 @@
 namespace airside::tools::gap {
 
 /// What the model shows at an anchor, and what the RC room makes of every change from there:
-///   y(c) = y_rc(c) + l + sum_k s_k l_k,  l = y(a) - y_rc(a),  l_k = y(a + k) - y_rc(a + k) - l
-/// a the anchor, first the model as it is; k the changes that were learned; s_k how far c goes in the direction of k,
-/// 1: as far as k, at most 1.5. Of duties l_k has the means over the days alone, by 3 h of the day: when a thermostat
-/// switches is another chance in each run. Sensors come after that. Duties stay within 0..1.
-/// simulate() is thread-safe; anchor() and learn() are not.
+///   y(c) = y_rc(c) + l + sum_e l_e(c_e),  l = y(a) - y_rc(a),  l_e(m) = y(a + e at m) - y_rc(a + e at m) - l
+/// a the anchor, first the model as it is; e the effects that were learned, at one size or several; between two sizes
+/// l_e goes along the line, below the first one and beyond the last in proportion, there to 1.5 times it at most. Of
+/// duties l_e has the means over the days alone, by 3 h of the day: when a thermostat switches is another chance in
+/// each run. Sensors come after that. Duties stay within 0..1. simulate() is thread-safe; anchor() and learn() are not.
 class SurrogateEngine final : public ForwardingEngine {
  public:
   /// `model` is kept by reference and lives through stretches by itself; the room has its channels.
@@ -34,7 +35,7 @@ class SurrogateEngine final : public ForwardingEngine {
   /// Runs the model with each of these changes beside its anchor in that recording, and keeps what the room lacked.
   /// Errors: as Engine::simulate.  Cost: one run of the model each, on `jobs` threads.
   void learn(const std::vector<sim::EffectChange>& changes, const sim::Recording& recording, int jobs);
-  /// How far the change is learned in that recording: 0 not at all, 1 at its own size.
+  /// The size at which the change is learned in that recording, of several the nearest, over its own; 0: at none.
   double learned(const sim::EffectChange& change, const sim::Recording& recording) const;
   /// What was learned of the change adds to a response of the RC room.  Shape: rows x channels, empty for nothing.
   sim::ChannelTable added_response(const sim::EffectChange& change, const sim::Recording& recording) const;
@@ -46,13 +47,14 @@ class SurrogateEngine final : public ForwardingEngine {
   };
   struct Known {
     Changes anchor;
-    sim::ChannelTable lack;                   // at the anchor
-    std::map<std::string, Learned> up, down;  // by id of the effect at its place
+    sim::ChannelTable lack;                                // at the anchor
+    std::map<std::string, std::vector<Learned>> up, down;  // by id of the effect at its place; the smallest first
   };
   /// The changes that a model lives through, and those that sensors alone show.
   std::pair<Changes, Changes> divided(const Changes& changes) const;
   Known& known(const sim::Recording& recording) const;
-  const Learned* find(const Known& at, const std::string& id, double offset) const;
+  static const std::vector<Learned>* find(const Known& at, const std::string& id, double offset);
+  static sim::ChannelTable lack_at(const std::vector<Learned>& sizes, double offset);
   sim::ChannelTable corrected(sim::ChannelTable table, const Changes& lived, const Changes& shown,
                               const sim::Recording& recording) const;
 
