@@ -315,9 +315,8 @@ void add_gap_buildings(CLI::App& command, std::optional<int>& buildings) {
   command
       .add_option(
           "--buildings", buildings,
-          "buildings drawn for how far a right model may be off in the measured days; with them the verdict says how "
-          "probable each explanation is; 0: the reference period alone, and rules (default: 96, 0 of a "
-          "model with controls of its own)")
+          "buildings drawn for how far a right model may be off in the measured days; 0: the reference period alone "
+          "says it (default: 96, 0 of a model with controls of its own)")
       ->check(CLI::Range(0, 1000));
 }
 

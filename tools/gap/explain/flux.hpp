@@ -18,7 +18,7 @@ struct HeatRules {
   int refinements = 4;                               ///< real simulations that correct the linear responses
   double limit_sd = 4;                               ///< standard deviations below which it is noise ..
   double least_kw = 0.3;                             ///< .. and below this nobody would look for it
-  double model_share = Rules{}.magnitude_share;      ///< sd of an amount from the twin's other errors, of the amount
+  double model_share = 0.18;                         ///< sd of an amount from the twin's other errors, of the amount
   Nuisance nuisance = {};
 };
 

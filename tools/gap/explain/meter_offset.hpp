@@ -12,9 +12,9 @@
 namespace airside::tools::gap {
 
 struct MeterOffsetRules {
-  double limit_sd = 6;                           ///< below which it is noise: days are few, a peak is looked for ..
-  double least_kw = 0.1;                         ///< .. and below this nobody would look for it
-  double model_share = Rules{}.magnitude_share;  ///< sd from the twin's other errors, of the amount
+  double limit_sd = 6;        ///< below which it is noise: days are few, a peak is looked for ..
+  double least_kw = 0.1;      ///< .. and below this nobody would look for it
+  double model_share = 0.18;  ///< sd from the twin's other errors, of the amount
 };
 
 /// Measured less simulated, in the hours in which the mean day is above half of its peak.

@@ -17,6 +17,14 @@ void add_model(const GapPage& page, ReportInput& input) {
   }
   if (const std::string& map = page.run.request.source.map; !map.empty())
     input.blocks.push_back(ReportNote{"Columns of the log", gap::lines_of(gap::read_mapping(map))});
+  if (engine.stand_in()) {
+    input.blocks.push_back(ReportNote{
+        "A simpler room in the twin's stead",
+        {"A run of the twin is dear. So a room of resistances and capacities (RC) stood in for it where effects were "
+         "ranked and sizes fitted. It was corrected by runs of the twin: at the fitted parameters, and with each of "
+         "the "
+         "likeliest effects. The curves, the errors before and after and the patched model are the twin's own."}});
+  }
   ReportTable table;
   table.title = "What these sensors could show";
   table.note =

@@ -103,7 +103,6 @@ void explain(GapRun& run, const Engine& engine) {
   } else if (v.kind == VerdictKind::unknown) {
     HeatRules rules;
     rules.nuisance = v.nulls.nuisance;
-    rules.model_share = run.rules.magnitude_share;
     run.heat = reconstruct_heat(engine, test, v.fit, run.responses.test, fitted, run.request.jobs, rules);
     const Eigen::MatrixXd with_heat =
         binned(engine.simulate(fitted, heated(test.recording, run.heat->heat_kw)), engine.channels());

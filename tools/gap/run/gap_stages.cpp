@@ -37,7 +37,8 @@ GapStages::GapStages(const Engine& engine, const Library& library, int days, int
 std::vector<Stage> GapStages::stages() const {
   const double once = 3 * parameters_, search = dear_ ? serial_search * 2 + parameters_ : 0;
   const double rounds = dear_ ? dear_rounds : 1;  // all but the last with a search and what the model is run for
-  const double runs = dear_ ? replays_of_dear_run * (rounds - 1) * (2 + dear_effects) : 0;
+  const double runs =
+      dear_ ? replays_of_dear_run * (rounds * (dear_fits + 1) + (rounds - 1) * dear_effects + dear_sizes) : 0;
   const double fit_parallel = rounds * once + buildings_ + (rounds - 1) * search + runs;
   const double fit_steps = rounds * serial_fit + fit_parallel;
   const double fit_cost =

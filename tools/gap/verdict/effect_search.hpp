@@ -20,7 +20,7 @@ class EffectSearch {
   const Refit& unpatched() const;
   /// Without one of its effects.
   const Refit& without(const Refit& now, std::size_t left_out) const;
-  /// With as many effects as the rules allow and the data ask for. `look`: called with the model
+  /// With as many effects as Rules::most_effects allows and the data ask for. `look`: called with the model
   /// after each effect.
   Refit forward(const std::function<void(const Refit&)>& look = {}) const;
   /// The model with one more effect, the best of the few most likely ones by real simulation. One that its own limit
