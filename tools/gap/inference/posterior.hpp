@@ -20,6 +20,7 @@ struct Alternative {
   double residual_ratio = 0;        ///< what it leaves, over the reference's
   int places = 1;                   ///< at which its effect was tried
   double overlap = 0;               ///< of the channels in which it shows with those of the findings beside it, 0 to 1
+  double cosine = 0;                ///< of its whitened response with that of the simulated one that gains most, 0 to 1
   bool simulated = false;           ///< false: linear responses alone
   bool found = false;               ///< it is the model's own finding
   bool locked = false;              ///< the two below are known

@@ -55,8 +55,10 @@ class FindingJudge {
     std::stable_sort(all.list.begin(), all.list.end(), [](const Alternative& a, const Alternative& b) {
       return a.log_likelihood_ratio > b.log_likelihood_ratio;
     });
+    const auto lead = std::ranges::find_if(all.list, [](const Alternative& a) { return a.simulated; });
     int looks = 0;
     for (Alternative& a : all.list) {
+      if (lead != all.list.end()) a.cosine = std::abs(selection.cosine(lead->candidate, a.candidate));
       a.places = places_of(*a.at.effect);
       a.overlap = channel_overlap(*others.tangent, others.chosen, a.candidate);
       if (!a.simulated || ++looks > c_.rules.locked_looks) continue;

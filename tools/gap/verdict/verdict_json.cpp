@@ -97,6 +97,7 @@ json posterior_json(const Posterior& p, const Alternatives& tried) {
                 {"gain_of_reference", a.of_reference},
                 {"places", a.places},
                 {"overlap", a.overlap},
+                {"cosine", a.cosine},
                 {"simulated", a.simulated},
                 {"residual_ratio", a.simulated ? finite_json(a.residual_ratio) : json()},
                 {"locked_gain", a.locked ? finite_json(a.locked_log_likelihood_ratio) : json()},
