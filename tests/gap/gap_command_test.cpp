@@ -32,7 +32,7 @@ TEST(GapCommand, NamesWhatIsHiddenReportsPatchesTheRoomAndTakesThePatchBack) {
   EXPECT_LT(effect["interval"][0].get<double>(), effect["magnitude"].get<double>());
   EXPECT_GT(effect["interval"][1].get<double>(), effect["magnitude"].get<double>());
   EXPECT_GT(effect["gain_over_limit"].get<double>(), 1);
-  EXPECT_GT(effect["margin_over_limit"].get<double>(), 1);
+  EXPECT_FALSE(j["stand_in"]);
   EXPECT_EQ(j["locked_days"]["days"], 2);
   EXPECT_LT(j["locked_days"]["after"]["temp_rmse_k"].get<double>(),
             0.5 * j["locked_days"]["before"]["temp_rmse_k"].get<double>());
@@ -101,6 +101,22 @@ std::set<std::string> outputs(const GapDesk& desk) {
   std::set<std::string> found = desk.names();
   std::erase_if(found, [](const std::string& name) { return !name.starts_with("out"); });
   return found;
+}
+
+TEST(GapCommand, WithoutAReferencePeriodSaysSoAndLeavesTheTwinsOwnParameters) {
+  const GapDesk desk;
+  const Outcome o = desk.run("run --site site.toml --measured measured.csv --no-reference --effects effects --json");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const json j = json::parse(o.out);
+  EXPECT_TRUE(j["reference"].is_null());
+  EXPECT_EQ(j["clean_up"].size(), 1U) << "one log";
+  EXPECT_NE(j["sentence"].get<std::string>().find("there was no reference period"), std::string::npos);
+  EXPECT_EQ(j["ranking"][0], "vav_flow@2") << "a box at half its flow";
+  const std::string page = text_of_file(desk.path("gap-report/index.html"));
+  EXPECT_NE(page.find("none: the twin"), std::string::npos);
+  // What was made can be gone on with: more days need no reference either.
+  EXPECT_EQ(j["inputs"]["reference"], json());
+  EXPECT_EQ(j["inputs"]["reference_days"], 0);
 }
 
 TEST(GapCommand, LeavesItsFolderWholeOrNotAtAllWhereItIsInterrupted) {
@@ -183,6 +199,8 @@ TEST(GapCommand, SaysWhatIsMissingAndWhatToDo) {
       {"--site site.toml --reference reference.csv", "", "--measured", 2},
       {"--site site.toml --measured measured.csv", "--reference", "as the twin describes"},
       {"--site site.toml --measured measured.csv --reference reference.csv --reference-days 3", "--reference", "one "},
+      {"--site site.toml --measured measured.csv --reference reference.csv --no-reference", "--reference",
+       "--no-reference beside it"},
       {"--site site.toml --measured measured.csv --reference-days 1", "", "1 not in range", 2},
       {"--site bare.toml --measured measured.csv --reference reference.csv", "--twin", "--plant rc"},
       {"--site bare.toml --measured measured.csv --reference reference.csv --plant rc", "--weather", "sun, humidity"},

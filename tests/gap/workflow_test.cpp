@@ -185,6 +185,22 @@ TEST(Workflow, SaysHowProbableEachIsWithDrawnBuildings) {
   }
 }
 
+TEST(Workflow, WithoutAReferencePeriodNamesWhatNoPriorCoversAndNothingElse) {
+  const Stage s(true);
+  const auto verdict_on = [&s](const std::vector<Hidden>& hidden) {
+    const CaseData alone{{}, s.window(hide(s.real, hidden, s.effects), s.after(), hidden)};
+    return analyse(s.engine, alone, {{}, s.responses_in(alone.test)}, Rules{});
+  };
+  EXPECT_NE(verdict_on({}).kind, VerdictKind::named);
+  const Verdict late = verdict_on({{"clock_shift", 0, -1.5}});
+  EXPECT_EQ(late.kind, VerdictKind::named) << late.reason;
+  ASSERT_FALSE(late.findings.empty()) << late.reason;
+  EXPECT_EQ(late.findings[0].at.id(), "clock_shift");
+  EXPECT_NEAR(late.findings[0].magnitude, -1.5, 0.4);
+  EXPECT_EQ(late.nulls.blocks, 0);
+  EXPECT_TRUE(late.fit.estimate.isZero());
+}
+
 TEST(Workflow, NamesPeopleWhoComeHoursLate) {
   const Stage s(true, {"occupancy_shift", "gain_occupied", "gain_after_hours", "setpoint_lag", "duct_leak"});
   for (const double hours : {2.3, -2.3}) {

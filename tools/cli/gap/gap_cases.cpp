@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 
 struct RunCasesCommand : GapOptions {
   std::string folder, out = "verdicts.json", cache;
-  bool go_on = false, propose = false, after_tests = false;
+  bool go_on = false, propose = false, after_tests = false, no_reference = false;
   std::optional<int> buildings;
 
   using Done = std::function<void(const fs::path&, nlohmann::json)>;
@@ -62,7 +62,9 @@ struct RunCasesCommand : GapOptions {
   std::optional<gap::LoadedCase> load(const fs::path& path, const Done& done) const {
     const std::string name = path.filename().string();
     try {
-      return gap::load_case(gap::read_case(path), name, cache);
+      gap::CaseDescription c = gap::read_case(path);
+      if (no_reference) c.reference_log.clear();
+      return gap::load_case(c, name, cache);
     } catch (const gap::RefusedLog& e) {
       fmt::print(stderr, "{}: refused: {}\n", name, e.what());
       done(path, gap::refused_json(name, e.what()));
@@ -222,8 +224,12 @@ void add_gap_run_cases(CLI::App& gap) {
   c->add_option("--cache", cases->cache, "folder of finished EnergyPlus runs, used again");
   c->add_flag("--continue", cases->go_on, "keep the verdicts in --out, judge the other cases");
   c->add_flag("--propose", cases->propose, "list with each open verdict the tests on site that would decide it");
-  c->add_flag("--after-tests", cases->after_tests,
-              "judge the cases anew on which test-cases has done a test, and keep both verdicts in --out");
+  CLI::Option* alone = c->add_flag("--no-reference", cases->no_reference,
+                                   "leave the reference logs aside: parameters are what their priors have");
+  CLI::Option* tested =
+      c->add_flag("--after-tests", cases->after_tests,
+                  "judge the cases anew on which test-cases has done a test, and keep both verdicts in --out");
+  alone->excludes(tested);
   add_gap_buildings(*c, cases->buildings);
   cases->add_effects(*c);
   cases->add_jobs(*c);

@@ -31,7 +31,8 @@ struct SiteCommand : GapOptions {
   double price = 0;
   int reference_days = 0, seeds = 5, pretrain_days = 31, control_days = 7;
   std::optional<int> buildings;
-  bool best_guess = false, findings_only = false, no_duties = false, sun_on_site = false, retrain = false;
+  bool no_reference = false, best_guess = false, findings_only = false, no_duties = false, sun_on_site = false,
+       retrain = false;
 
   /// All options, so that a subcommand can refuse them.
   std::vector<CLI::Option*> add_to(CLI::App& c) {
@@ -46,6 +47,8 @@ struct SiteCommand : GapOptions {
     c.add_option("--reference", reference, "log of days on which plant and room were as the twin describes");
     c.add_option("--reference-days", reference_days, "the first days of --measured are the reference")
         ->check(CLI::Range(2, 366));
+    c.add_flag("--no-reference", no_reference,
+               "there are no such days: parameters are what their priors have, and answers are wider");
     c.add_option("--twin", twin, "epJSON model of the room (default: the site's)");
     c.add_option("--patch", patches, "merge patches on the twin, in order (default: the site's)");
     c.add_option("--plant", plant, "rc or energyplus: the kind of model where no --twin is given")
@@ -121,6 +124,7 @@ struct SiteCommand : GapOptions {
       add("--price", fmt::format("{:g}", price));
       add("--currency", currency);
     }
+    if (no_reference) text += " --no-reference";
     if (findings_only) text += " --findings-only";
     if (best_guess) text += " --best-guess";
     if (no_duties) text += " --no-duties";
@@ -242,12 +246,15 @@ struct SiteCommand : GapOptions {
       throw hal::InputError("--keep-run " + keep_run, "an RC room", "an EnergyPlus twin",
                             "leave the option out: plain energyplus cannot run an RC room");
     }
-    if (reference.empty() == (reference_days == 0)) {
+    const int given = (reference.empty() ? 0 : 1) + (reference_days > 0 ? 1 : 0) + (no_reference ? 1 : 0);
+    if (given != 1) {
+      const char* beside =
+          reference.empty() || reference_days == 0 ? "--no-reference beside it" : "--reference-days beside it";
       throw hal::InputError(
-          "--reference", reference.empty() ? "no reference period" : "--reference-days beside it",
+          "--reference", given == 0 ? "no reference period" : beside,
           "one reference period: days on which plant and room were as the twin describes",
-          "give --reference LOG, or --reference-days N if the first N days of --measured are such days; without them "
-          "the workflow cannot tell a wrong parameter from a missing effect");
+          "give --reference LOG, or --reference-days N if the first N days of --measured are such days; with "
+          "--no-reference parameters are what their priors have, and a wrong one and a missing effect look more alike");
     }
     return r;
   }

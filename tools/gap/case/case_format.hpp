@@ -27,6 +27,7 @@ struct CaseDescription {
   std::string map;
   std::string window;  ///< a name for the stretch of weather; nothing depends on it
   bool duties = true;
+  bool has_reference() const { return !reference_log.empty() || reference_days > 0; }
 };
 
 /// Errors: hal::InputError with file and key.

@@ -66,6 +66,7 @@ CaseLogs read_case_logs(const CaseDescription& c, const CleanUpContext& context)
     logs.measured = read_log_of(c, c.measured_log, context);
     if (c.reference_log.empty()) {
       logs.measured.require_usable();
+      if (!c.has_reference()) return logs;
       return divided_log(c, std::move(logs.measured));
     }
     logs.reference = read_log_of(c, c.reference_log, context);
@@ -114,7 +115,7 @@ LoadedCase load_case(const CaseDescription& c, const std::string& name, const fs
     return window_of_log(c, log.rows, channels, weather, log.place, counts);
   };
   try {
-    loaded.data.reference = window(loaded.logs.reference);
+    if (c.has_reference()) loaded.data.reference = window(loaded.logs.reference);
     loaded.data.test = window(loaded.logs.measured);
   } catch (const hal::InputError& reason) {
     throw RefusedLog(reason, loaded.logs);

@@ -65,6 +65,14 @@ Nuisance most_probable(const std::vector<LeftOut>& blocks) {
 
 }  // namespace
 
+NullBlocks no_null_blocks(const Responses& responses) {
+  NullBlocks none;
+  none.nuisance.inflation = 1;
+  none.nuisance.structural_sd = 0;
+  none.log_likelihood_ratio.assign(responses.candidates.size(), 0.0);
+  return none;
+}
+
 NullBlocks null_blocks(const ReferenceFit& fit, const Responses& responses, const Window& window, int block_days) {
   const Eigen::Index bins = window.measured.rows(), width = window.measured.cols();
   const auto counted = counted_bins(bins);

@@ -17,6 +17,9 @@ struct NullBlocks {
   double residual_ratio = 1;  ///< largest mean square of a block's whitened residual, over that of the whole fit
 };
 
+/// Where there is no reference period: no blocks, priors as they are.
+NullBlocks no_null_blocks(const Responses& responses);
+
 /// Every block in turn is left out, the linearised fit is repeated on the others, and all candidates are scored on the
 /// block as if it were the measured period. Nothing is missing there, so every gain is noise or structure.
 ///   d_b = (J_o' J_o + I)^-1 (J_o' r_o - e), r_b' = r_b - J_b d_b; o: the other blocks, e: the estimate

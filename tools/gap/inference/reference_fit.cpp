@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace airside::tools::gap {
 
@@ -138,6 +139,21 @@ ReferenceFit fit_reference(const Engine& engine, const Responses& responses, con
   const Eigen::VectorXd r = fit.noise.whiten(residual, kept, window.measured);
   const double samples = static_cast<double>((r.array() != 0).count());
   fit.residual_ratio = samples > 0 ? r.squaredNorm() / samples : 1;
+  return fit;
+}
+
+ReferenceFit prior_fit(const Engine& engine, const Responses& responses, const Window& window,
+                       const std::vector<bool>& kept, int jobs) {
+  Window seen = window;
+  for (std::size_t b = 0; b < kept.size(); ++b) {
+    if (!kept[b]) seen.measured.row(static_cast<Eigen::Index>(b)).setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  ReferenceFit fit = fit_reference(engine, responses, seen, jobs);
+  fit.parameters = responses.parameters;
+  fit.estimate.setZero();
+  fit.covariance.setIdentity();
+  fit.structural_scale.setZero();
+  fit.residual = window.measured - responses.base;
   return fit;
 }
 

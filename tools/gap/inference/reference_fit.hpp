@@ -48,6 +48,12 @@ struct ReferenceFit {
 /// Source: docs/gap-workflow.md, "3. Reference period".
 ReferenceFit fit_reference(const Engine& engine, const Responses& responses, const Window& window, int jobs = 1);
 
+/// Where there is no reference period: parameters as their priors have them, no structure, and the noise of what
+/// neither parameters nor effects of the library explain in the bins of the measured window that are `kept`.
+/// Errors: as simulate.  Cost: as fit_reference().  Source: docs/gap-workflow.md, "Without a reference period".
+ReferenceFit prior_fit(const Engine& engine, const Responses& responses, const Window& window,
+                       const std::vector<bool>& kept, int jobs = 1);
+
 /// Bins that count: not the first day, which remembers an unknown start.
 std::vector<bool> counted_bins(Eigen::Index bins);
 

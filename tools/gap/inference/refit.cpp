@@ -149,6 +149,8 @@ Eigen::MatrixXd Refitter::unmoved_residual(const std::vector<Chosen>& chosen) co
 
 Predicted Refitter::predicted(const Refit& with, const Refit& without) const {
   struct Unfitted {
+    Eigen::MatrixXd parameters;  // of all bins
+    Eigen::VectorXd left;
     Eigen::VectorXd all, kept;
     Metric metric;
     const Metric& metric_kept;
@@ -159,12 +161,21 @@ Predicted Refitter::predicted(const Refit& with, const Refit& without) const {
   };
   const auto unfitted = [this](const Refit& at) {
     const NuisanceResponses nuisance = nuisance_of(at.tangent->responses(), all_);
-    return Unfitted{fit_.noise.whiten(at.residual, all_, window_.measured) +
-                        nuisance.directions.leftCols(at.moved.size()) * at.moved,
-                    effective(at), Metric(nuisance.scaled(fit_.covariance, sizes_)), at.tangent->metric()};
+    Eigen::MatrixXd parameters = nuisance.directions.leftCols(at.moved.size());
+    Eigen::VectorXd left = fit_.noise.whiten(at.residual, all_, window_.measured), all = left + parameters * at.moved;
+    return Unfitted{std::move(parameters),
+                    std::move(left),
+                    std::move(all),
+                    effective(at),
+                    Metric(nuisance.scaled(fit_.covariance, sizes_)),
+                    at.tangent->metric()};
   };
   const Unfitted one = unfitted(with), other = unfitted(without);
-  return {other.cost() - one.cost(), other.dot(other.all - one.all, other.kept - one.kept)};
+  // Far from the reference's parameters the two tangents differ by more than the effect does: one for both.
+  const Eigen::VectorXd moved = without.moved - with.moved;
+  const Eigen::VectorXd all = other.left - one.left + other.parameters * moved,
+                        kept = whiten(without.residual) - whiten(with.residual) + without.tangent->parameters() * moved;
+  return {other.cost() - one.cost(), other.dot(all, kept)};
 }
 
 Eigen::VectorXd Refitter::effective(const Refit& at) const {

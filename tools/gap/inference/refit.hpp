@@ -110,7 +110,8 @@ class Refitter {
   Eigen::VectorXd whiten(const Eigen::MatrixXd& x) const;
   /// Of the bins outside `kept`, each model about itself, its parameters as free as the kept bins leave them.  With e
   /// the residual at the reference's parameters, M of all bins and M_k of the kept, d = e_without - e_with:
-  ///   -2 ln p = e' (M - M_k) e + ln det M^-1 - ln det M_k^-1,  expected = d' (M - M_k) d in the metrics of `without`
+  ///   -2 ln p = e' (M - M_k) e + ln det M^-1 - ln det M_k^-1,  expected = d' (M - M_k) d, d and the metrics in the
+  /// tangent of `without`
   Predicted predicted(const Refit& with, const Refit& without) const;
   /// Of r at the reference's parameters.
   Eigen::VectorXd effective(const Refit& at) const;

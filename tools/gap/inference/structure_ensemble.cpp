@@ -39,6 +39,24 @@ double mean_left_by_others(const Eigen::MatrixXd& inner) {
   return sum / static_cast<double>(n);
 }
 
+/// What the fit of the model's parameters to each building's reference days takes off its measured days.
+void take_off_fitted(std::vector<Eigen::MatrixXd>& of_test, const std::vector<Eigen::MatrixXd>& of_reference,
+                     const ReferenceFit& fit, const Window& reference, const WindowResponses& responses,
+                     const std::vector<Parameter>& about) {
+  const auto kept = counted_bins(reference.measured.rows());
+  const NuisanceResponses j_r =
+      nuisance_responses(fit, fit.parameters, responses.reference.candidates, kept, reference.measured);
+  const Eigen::MatrixXd& j = j_r.directions;
+  Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(j.cols(), j.cols());
+  inner.selfadjointView<Eigen::Lower>().rankUpdate(j.transpose());
+  const Eigen::LDLT<Eigen::MatrixXd> normal(inner.selfadjointView<Eigen::Lower>());
+  const auto along = directions_of(about, responses.test.candidates, fit.structural_scale);
+  for (std::size_t i = 0; i < of_test.size(); ++i) {
+    const Eigen::VectorXd d = normal.solve(j.transpose() * fit.noise.whiten(of_reference[i], kept, reference.measured));
+    for (std::size_t k = 0; k < along.size(); ++k) of_test[i] -= d(static_cast<Eigen::Index>(k)) * along[k];
+  }
+}
+
 }  // namespace
 
 std::vector<Eigen::MatrixXd> drawn_buildings(const Engine& engine, const Changes& at, const Eigen::MatrixXd& shown,
@@ -59,21 +77,11 @@ StructureEnsemble structure_ensemble(const Engine& engine, const ReferenceFit& f
                                      const Window& test, const WindowResponses& responses,
                                      const std::vector<Parameter>& about, int rooms, int jobs) {
   StructureEnsemble out;
-  const auto of_reference = buildings_of(engine, fit, responses.reference, reference.recording, rooms, jobs);
-  if (of_reference.empty()) return out;
   auto of_test = buildings_of(engine, fit, responses.test, test.recording, rooms, jobs);
-
-  const auto kept = counted_bins(reference.measured.rows());
-  const NuisanceResponses j_r =
-      nuisance_responses(fit, fit.parameters, responses.reference.candidates, kept, reference.measured);
-  const Eigen::MatrixXd& j = j_r.directions;
-  Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(j.cols(), j.cols());
-  inner.selfadjointView<Eigen::Lower>().rankUpdate(j.transpose());
-  const Eigen::LDLT<Eigen::MatrixXd> normal(inner.selfadjointView<Eigen::Lower>());
-  const auto along = directions_of(about, responses.test.candidates, fit.structural_scale);
-  for (std::size_t i = 0; i < of_test.size(); ++i) {
-    const Eigen::VectorXd d = normal.solve(j.transpose() * fit.noise.whiten(of_reference[i], kept, reference.measured));
-    for (std::size_t k = 0; k < along.size(); ++k) of_test[i] -= d(static_cast<Eigen::Index>(k)) * along[k];
+  if (of_test.empty()) return out;
+  if (reference.measured.rows() > 0) {
+    const auto of_reference = buildings_of(engine, fit, responses.reference, reference.recording, rooms, jobs);
+    take_off_fitted(of_test, of_reference, fit, reference, responses, about);
   }
 
   out.mean = Eigen::MatrixXd::Zero(test.measured.rows(), test.measured.cols());

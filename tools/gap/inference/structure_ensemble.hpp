@@ -32,6 +32,7 @@ std::vector<Eigen::MatrixXd> drawn_buildings(const Engine& engine, const Changes
 ///   C = 1/n sum_i (e_i - m) (e_i - m)'  = sum_k d_k d_k'
 /// `about`: the parameters' responses in the measured window, about the fitted model.
 /// Responses::buildings, where there are any, are taken as they are: about the model as it is; d_i moves freely.
+/// Without a reference period all of it stays.
 /// Empty where the engine cannot draw buildings.
 /// Cost: 2 rooms + 2 simulations; none where the responses have the buildings.  Errors: as Engine::simulate.
 /// Source: docs/gap-workflow.md, "Buildings that differ".

@@ -45,7 +45,8 @@ struct Responses {
 
 /// Both periods of a case.
 struct CaseData {
-  Window reference, test;
+  Window reference, test;  ///< no rows: there is no reference period
+  bool has_reference() const { return reference.measured.rows() > 0; }
 };
 
 /// Responses of the two windows; shared by cases that have the same weather and hours.

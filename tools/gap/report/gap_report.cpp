@@ -30,7 +30,8 @@ std::string versions_of(const gap::GapRun& run) {
 }
 
 void add_facts(const GapPage& page, ReportInput& input) {
-  const auto period = [](const gap::Window& window, const gap::CleanLog& log) {
+  const auto period = [](const gap::Window& window, const gap::CleanLog& log) -> std::string {
+    if (window.measured.rows() == 0) return "none: the twin's parameters are what their priors have";
     const gap::Span span = gap::span_of(window.recording);
     return fmt::format("{}: {} to {}, {} days", log.place, date_text(span.from), date_text({span.to.seconds - 1}),
                        window.measured.rows() / gap::bins_per_day);

@@ -29,7 +29,9 @@ void add_model(const GapPage& page, ReportInput& input) {
   table.title = "What these sensors could show";
   table.note =
       "From which size each effect would stand out in these days: its expected gain then reaches its limit, by linear "
-      "responses and the noise of the reference period. What was measured does not count here.";
+      "responses and the noise of the reference period, or, without one, of what nothing explains. What was measured "
+      "does "
+      "not count here.";
   table.row_header = "effect";
   table.prose = true;
   table.columns = {{"stands out from", "", 2, false}, {"largest that is possible", "", 2, false}, {"", "", 0, false}};

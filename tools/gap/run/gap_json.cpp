@@ -125,6 +125,7 @@ json detectable_json(const GapRun& run) {
 }
 
 json period_json(const Window& window) {
+  if (window.measured.rows() == 0) return nullptr;
   const Span span = span_of(window.recording);
   return {{"from", hal::civil_text(span.from)},
           {"to", hal::civil_text(span.to)},

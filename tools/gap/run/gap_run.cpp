@@ -129,6 +129,7 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   Changes tries;
   for (const std::string& text : request.tries) tries.push_back(parse_tried(text, effects, *run.loaded.engine));
   const CaseData& data = run.loaded.data;
+  if (!data.has_reference()) run.request.findings_only = true;  // nothing was fitted to days without an effect
   const Library library = library_of(engine, effects);
   run.not_applicable = library.not_applicable;
   const GapStages stages(engine, library, static_cast<int>(data.test.measured.rows() / bins_per_day), request.jobs,
@@ -168,6 +169,11 @@ std::string sentence_of(const GapRun& run) {
       const std::string name = run.energy.size() > 1 ? f.at.id() + ": " : "";
       text += "; " + name + (energy.empty() ? "" : energy + "; ") + "to confirm it on site: " + f.at.effect->confirm;
     }
+  }
+  if (!run.loaded.data.has_reference()) {
+    text +=
+        "; there was no reference period, so whatever the twin's parameters may be off by their priors counts against "
+        "every effect";
   }
   if (!run.experiments.empty()) text += "; " + sentence_of(run.experiments);
   if (run.heat) text += ". " + run.heat->text;

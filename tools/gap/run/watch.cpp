@@ -24,7 +24,7 @@ class NightJudge {
         asked_(*loaded_.engine),
         buildings_(request.buildings.value_or(asked_.engine().usual_buildings())),
         library_(library_of(asked_.engine(), effects)),
-        reference_(responses_in(loaded_.data.reference)) {}
+        reference_(loaded_.data.has_reference() ? responses_in(loaded_.data.reference) : Responses{}) {}
 
   const LoadedCase& loaded() const { return loaded_; }
 
@@ -36,8 +36,8 @@ class NightJudge {
     }
     try {
       CaseData data = loaded_.data;
-      data.test = window_of_log(source_, rows, loaded_.engine->channels(), data.reference.recording.station, log.place,
-                                loaded_.counts);
+      data.test = window_of_log(source_, rows, loaded_.engine->channels(), loaded_.data.test.recording.station,
+                                log.place, loaded_.counts);
       Rules rules;
       rules.buildings = buildings_;
       WindowResponses responses{reference_, responses_in(data.test)};
@@ -86,9 +86,10 @@ std::vector<Night> judge_nights(const GapRequest& request, const std::string& lo
   NightJudge judge(request, effects);
   CleanUpContext context;
   context.counts = judge.loaded().counts;
-  context.station = judge.loaded().data.reference.recording.station;
+  context.station = judge.loaded().data.test.recording.station;
   CleanLog log = read_log_of(request.source, logs, context);
-  same_room(judge.loaded().logs.reference, log, context);
+  const CaseLogs& known = judge.loaded().logs;
+  same_room(known.reference.rows.empty() ? known.measured : known.reference, log, context);
   log.require_usable();
   const std::int64_t last = midnight_s(log.rows.back().time.seconds + row_s), length = rules.days * seconds_per_day;
   if (log.rows.front().time.seconds > last - length) {

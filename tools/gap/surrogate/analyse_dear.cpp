@@ -42,6 +42,7 @@ void anchor_at_fit(SurrogateEngine& surrogate, const Engine& engine, const CaseD
                    const WindowResponses& responses, int jobs) {
   constexpr int most_fits = 6;
   constexpr double as_expected_k = 0.03;
+  if (!data.has_reference()) return;  // parameters are what their priors have
   const sim::Recording& days = data.reference.recording;
   Changes fitted;
   for (int i = 0; i < most_fits; ++i) {
@@ -96,7 +97,7 @@ void draw_once(const Engine& engine, const Window& window, Responses& responses,
 Verdict analyse_dear(SurrogateEngine& surrogate, const Engine& engine, const CaseData& data, WindowResponses& responses,
                      const Rules& rules, int jobs, const std::function<void(const Outlook&)>& look,
                      const std::function<void(const Analysed&)>& judged) {
-  draw_once(engine, data.reference, responses.reference, rules.buildings, jobs);
+  if (data.has_reference()) draw_once(engine, data.reference, responses.reference, rules.buildings, jobs);
   draw_once(engine, data.test, responses.test, rules.buildings, jobs);
   const sim::Recording& measured = data.test.recording;
   const std::vector<Candidate> of_room = responses.test.candidates;

@@ -13,8 +13,9 @@ AskedModel::AskedModel(const Engine& model, std::function<void()> replayed, std:
 }
 
 WindowResponses AskedModel::responses(const Library& library, const CaseData& data, int jobs) const {
-  return {simulate_responses(engine(), library, data.reference.recording, true, jobs),
-          simulate_responses(engine(), library, data.test.recording, true, jobs)};
+  return {
+      data.has_reference() ? simulate_responses(engine(), library, data.reference.recording, true, jobs) : Responses{},
+      simulate_responses(engine(), library, data.test.recording, true, jobs)};
 }
 
 Verdict AskedModel::analyse(const CaseData& data, WindowResponses& responses, const Rules& rules, int jobs,

@@ -6,11 +6,30 @@ namespace airside::tools::gap {
 
 EffectSearch::EffectSearch(const FittedCase& c) : c_(c), unexplained_(unpatched().cost) {}
 
+namespace {
+
+std::vector<std::size_t> candidates_of(const Refit& at) {
+  std::vector<std::size_t> candidates;
+  for (const Chosen& c : at.chosen) candidates.push_back(c.candidate);
+  return candidates;
+}
+
+}  // namespace
+
+const std::vector<Refit>& EffectSearch::far(const Refit& now) const {
+  const auto [at, added] = far_.try_emplace(candidates_of(now));
+  Far& known = at->second;
+  if (added || known.cost != now.cost) {
+    known = {now.cost, c_.refitter.far(now, [&](std::size_t i) { return !c_.already(now, i); })};
+    const auto most = static_cast<std::size_t>(c_.rules.first_looks);
+    known.best.resize(std::min(known.best.size(), most));
+  }
+  return known.best;
+}
+
 /// The model with these effects, about itself; `near` it another simulated one with the same effects.
 const Refit& EffectSearch::refit(const Refit& near) const {
-  std::vector<std::size_t> key;
-  for (const Chosen& c : near.chosen) key.push_back(c.candidate);
-  const auto [at, added] = refits_.try_emplace(key);
+  const auto [at, added] = refits_.try_emplace(candidates_of(near));
   if (added) at->second = c_.refitter.about_itself(c_.refitter.refit(near, near.tangent));
   return at->second;
 }
@@ -66,12 +85,11 @@ std::optional<Refit> EffectSearch::tried_out(const Refit& now) const {
     Refit trial = c_.refitter.add(now, score, now.tangent);
     if (now.cost - trial.cost >= least) keep(std::move(trial));
   }
-  tried = 0;
-  for (const Refit& start : c_.refitter.far(now, [&](std::size_t i) { return !c_.already(now, i); })) {
+  for (const Refit& start : far(now)) {
     const std::size_t candidate = start.chosen.back().candidate;
     const double least =
         c_.limit(candidate) + shape_error(c_.rules, *now.tangent, now.chosen, explained(now), candidate);
-    if (now.cost - start.cost < least || ++tried > c_.rules.first_looks) break;
+    if (now.cost - start.cost < least) break;
     keep(c_.refitter.refit(start, now.tangent));
   }
   return best;

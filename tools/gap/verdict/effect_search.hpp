@@ -26,6 +26,8 @@ class EffectSearch {
   /// The model with one more effect, the best of the few most likely ones by real simulation. One that its own limit
   /// keeps out is no candidate here, but stays a rival of whatever gets in.
   std::optional<Refit> better(const Refit& now) const;
+  /// The best of Refitter::far() about one of the models above, as many as a round of the search tries.
+  const std::vector<Refit>& far(const Refit& now) const;
   /// 2 ln likelihood that the effects of a model gain.
   double explained(const Refit& now) const { return unexplained_ - now.cost; }
 
@@ -36,7 +38,12 @@ class EffectSearch {
   const Refit& refit(const Refit& near) const;
 
   const FittedCase& c_;
+  struct Far {
+    double cost = 0;  // of the model that they are about
+    std::vector<Refit> best;
+  };
   mutable std::map<std::vector<std::size_t>, Refit> refits_;  // by candidates, in the order in which they were found
+  mutable std::map<std::vector<std::size_t>, Far> far_;       // the same
   double unexplained_ = 0;                                    // cost of the model without effects
 };
 

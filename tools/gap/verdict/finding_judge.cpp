@@ -105,11 +105,7 @@ class FindingJudge {
       if (++looks > c_.alternatives() || s.log_likelihood_ratio <= 1) break;
       if (!tried.contains(candidate(s).at.id())) keep(c_.refitter.add(others, s, others.tangent));
     }
-    looks = 0;
-    for (const Refit& start : c_.refitter.far(others, [&](std::size_t k) { return !c_.already(others, k); })) {
-      if (++looks > c_.rules.first_looks) break;
-      keep(c_.refitter.refit(start, others.tangent));
-    }
+    for (const Refit& start : search_.far(others)) keep(c_.refitter.refit(start, others.tangent));
   }
 
   Alternative alternative(const Tried& t, const Refit& others, const Selection& selection) const {

@@ -27,10 +27,11 @@ FittedCase::FittedCase(const Engine& with, const CaseData& of, const WindowRespo
       data{evidence_of(of.reference, with.channels()), evidence_of(of.test, with.channels())},
       responses(shown),
       rules(by),
-      fit(fit_reference(with, shown.reference, data.reference, threads)),
-      jobs(threads),
       kept(fitted_bins(by, data.test.measured.rows())),
-      nulls(null_blocks(fit, shown.reference, data.reference)),
+      fit(data.has_reference() ? fit_reference(with, shown.reference, data.reference, threads)
+                               : prior_fit(with, shown.test, data.test, kept, threads)),
+      jobs(threads),
+      nulls(data.has_reference() ? null_blocks(fit, shown.reference, data.reference) : no_null_blocks(shown.test)),
       refitter(with, data.test, shown.test, fit, nulls.nuisance, kept, threads, start) {}
 
 void FittedCase::draw_buildings() {

@@ -23,9 +23,9 @@ struct FittedCase {
   const CaseData data;  ///< evidence_of() both windows
   const WindowResponses& responses;
   const Rules& rules;
-  const ReferenceFit fit;
-  const int jobs;
   const std::vector<bool> kept;  ///< bins of the measured window that are fitted: neither the first day nor locked ones
+  const ReferenceFit fit;        ///< prior_fit() without a reference period
+  const int jobs;
   const NullBlocks nulls;
   StructureEnsemble ensemble;
   Refitter refitter;
