@@ -4,20 +4,20 @@
 
 namespace airside::tools::gap {
 
-EffectSearch::EffectSearch(const FittedCase& c) : c_(c), unexplained_(unpatched().cost) {}
-
 namespace {
 
-std::vector<std::size_t> candidates_of(const Refit& at) {
+std::vector<std::size_t> candidates_of(const std::vector<Chosen>& chosen) {
   std::vector<std::size_t> candidates;
-  for (const Chosen& c : at.chosen) candidates.push_back(c.candidate);
+  for (const Chosen& c : chosen) candidates.push_back(c.candidate);
   return candidates;
 }
 
 }  // namespace
 
+EffectSearch::EffectSearch(const FittedCase& c) : c_(c), unexplained_(unpatched().cost) {}
+
 const std::vector<Refit>& EffectSearch::far(const Refit& now) const {
-  const auto [at, added] = far_.try_emplace(candidates_of(now));
+  const auto [at, added] = far_.try_emplace(candidates_of(now.chosen));
   Far& known = at->second;
   if (added || known.cost != now.cost) {
     known = {now.cost, c_.refitter.far(now, [&](std::size_t i) { return !c_.already(now, i); })};
@@ -29,7 +29,7 @@ const std::vector<Refit>& EffectSearch::far(const Refit& now) const {
 
 /// The model with these effects, about itself; `near` it another simulated one with the same effects.
 const Refit& EffectSearch::refit(const Refit& near) const {
-  const auto [at, added] = refits_.try_emplace(candidates_of(near));
+  const auto [at, added] = refits_.try_emplace(candidates_of(near.chosen));
   if (added) at->second = c_.refitter.about_itself(c_.refitter.refit(near, near.tangent));
   return at->second;
 }
@@ -44,6 +44,7 @@ const Refit& EffectSearch::without(const Refit& now, std::size_t left_out) const
   std::vector<Chosen> fewer = now.chosen;
   fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(left_out));
   if (fewer.empty()) return unpatched();
+  if (const auto at = refits_.find(candidates_of(fewer)); at != refits_.end()) return at->second;
   return refit(c_.refitter.at(fewer, now.moved, now.tangent));
 }
 
