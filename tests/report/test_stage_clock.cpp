@@ -178,7 +178,9 @@ TEST(GapStages, CountRunsOfAModelInWhoseSteadARoomAnswers) {
   const double run = gap::replays_of_dear_run;
   EXPECT_EQ(dear.at(gap::GapStage::responding).steps, cheap.at(gap::GapStage::responding).steps + 2 * run);
   const double more = dear.at(gap::GapStage::fitting).steps - cheap.at(gap::GapStage::fitting).steps;
-  const double runs = 2 * (2 + gap::dear_effects);  // in two rounds
+  // Estimates and where they lead before every round, likely effects after all but the last.
+  const double runs =
+      gap::dear_rounds * (gap::dear_fits + 1) + (gap::dear_rounds - 1) * gap::dear_effects + gap::dear_sizes;
   EXPECT_GT(more, runs * run);
   EXPECT_LT(more, runs * run + 500) << "replays of the room";
   EXPECT_EQ(dear.at(gap::GapStage::searching).steps, cheap.at(gap::GapStage::searching).steps);
