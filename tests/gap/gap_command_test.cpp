@@ -112,6 +112,11 @@ TEST(GapCommand, WithoutAReferencePeriodSaysSoAndLeavesTheTwinsOwnParameters) {
   EXPECT_EQ(j["clean_up"].size(), 1U) << "one log";
   EXPECT_NE(j["sentence"].get<std::string>().find("there was no reference period"), std::string::npos);
   EXPECT_EQ(j["ranking"][0], "vav_flow@2") << "a box at half its flow";
+  // As a parameter its flow would be many standard deviations of its prior off.
+  const bool found = !j["effects"].empty() && j["effects"][0]["id"] == "vav_flow@2";
+  const bool far = !j["far_parameters"].empty() && j["far_parameters"][0]["id"] == "vav_flow@2";
+  EXPECT_TRUE(found || far) << j["sentence"];
+  for (const json& p : j["far_parameters"]) EXPECT_GE(std::abs(p["prior_sds"].get<double>()), 2) << p;
   const std::string page = text_of_file(desk.path("gap-report/index.html"));
   EXPECT_NE(page.find("none: the twin"), std::string::npos);
   // What was made can be gone on with: more days need no reference either.

@@ -216,6 +216,10 @@ json json_of(const GapRun& run) {
   for (std::size_t i = 0; i < run.energy.size(); ++i)
     j["energy"].push_back(json_of(run.energy[i], run.verdict.findings[i], at, run.request.price));
   j["after_curve"] = after_curve_json(run);
+  j["far_parameters"] = json::array();
+  for (const FarParameter& p : far_parameters(run))
+    j["far_parameters"].push_back(
+        {{"id", p.change.at.id()}, {"magnitude", p.change.magnitude}, {"prior_sds", p.prior_sds}});
   j["stand_in"] = run.loaded.engine->stand_in().has_value();
   j["own_control"] = run.loaded.engine->plays_commands() ? json() : json(own_control_text(*run.loaded.engine));
   if (!run.request.source.map.empty()) j["map"] = json_of(read_mapping(run.request.source.map));

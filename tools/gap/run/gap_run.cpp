@@ -1,5 +1,7 @@
 #include "tools/gap/run/gap_run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -159,6 +161,21 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   return run;
 }
 
+std::vector<FarParameter> far_parameters(const GapRun& run) {
+  constexpr double far = 2;
+  std::vector<FarParameter> list;
+  if (run.loaded.data.has_reference()) return list;
+  const std::vector<Parameter>& parameters = run.responses.test.parameters;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const sim::Effect& e = *parameters[i].at.effect;
+    const double sds = run.verdict.moved(static_cast<Eigen::Index>(i));
+    if (std::abs(sds) < far) continue;
+    list.push_back({{parameters[i].at, std::clamp(e.null_value + sds * parameters[i].prior_sd, e.low, e.high)}, sds});
+  }
+  std::ranges::sort(list, [](const auto& a, const auto& b) { return std::abs(a.prior_sds) > std::abs(b.prior_sds); });
+  return list;
+}
+
 std::string sentence_of(const GapRun& run) {
   const std::string continued = continued_text(run);
   std::string text = continued.empty() ? sentence_of(run.verdict) : continued + ". " + sentence_of(run.verdict);
@@ -174,6 +191,12 @@ std::string sentence_of(const GapRun& run) {
     text +=
         "; there was no reference period, so whatever the twin's parameters may be off by their priors counts against "
         "every effect";
+    std::string far;
+    for (const FarParameter& p : far_parameters(run)) {
+      far += fmt::format("{}{} {:.3g}{} ({:.1f} standard deviations of its prior)", far.empty() ? "" : ", ",
+                         p.change.at.text(), p.change.magnitude, unit_suffix(*p.change.at.effect), p.prior_sds);
+    }
+    if (!far.empty()) text += "; these days want parameters far from there: " + far;
   }
   if (!run.experiments.empty()) text += "; " + sentence_of(run.experiments);
   if (run.heat) text += ". " + run.heat->text;

@@ -56,6 +56,12 @@ struct Suspicion {
   Eigen::MatrixXd residual;  ///< as GapRun's, with this effect alone
 };
 
+/// A parameter that the measured days want far from its prior, where no reference period speaks for it.
+struct FarParameter {
+  sim::EffectChange change;
+  double prior_sds = 0;  ///< from null
+};
+
 /// A parameter of the twin, as the reference period wants it.
 struct ReferenceParameter {
   sim::EffectChange change;
@@ -89,6 +95,9 @@ struct GapRun {
   /// First bin of the days that were locked away.
   Eigen::Index locked_from() const;
 };
+
+/// Those at two prior standard deviations or more, the farthest first; none where there was a reference period.
+std::vector<FarParameter> far_parameters(const GapRun& run);
 
 /// The verdict in one sentence, with what it costs and how to confirm it, the test to do or the heat that is missing.
 std::string sentence_of(const GapRun& run);

@@ -54,7 +54,8 @@ struct Verdict {
   std::vector<Posterior> posteriors;       ///< of these
   std::vector<Score> ranking;              ///< of single effects on the unpatched model
   Eigen::MatrixXd residual_before, residual_after;  ///< bins x channels, all days
-  std::string reason;                               ///< one sentence
+  Eigen::VectorXd moved;  ///< parameters of the model with the findings beyond the reference's estimate, prior sd
+  std::string reason;     ///< one sentence
 };
 
 }  // namespace airside::tools::gap

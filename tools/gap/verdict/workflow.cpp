@@ -45,6 +45,7 @@ class Analysis {
     follow_posteriors();
     set_residual_ratio();
     decide(std::ssize(now_.chosen) == c_.rules.most_effects && search_.better(now_).has_value());
+    v_.moved = now_.moved;
     if (!v_.findings.empty()) v_.log_likelihood_limit = v_.findings.front().log_likelihood_limit;
     return std::move(v_);
   }
