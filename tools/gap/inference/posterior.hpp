@@ -59,7 +59,7 @@ struct PosteriorModel {
   double set_probability = 0.9;    ///< that the smallest set holds
 
   static const PosteriorModel& learned();
-  /// Where no buildings are drawn: of models with controls of their own.
+  /// Where no buildings are drawn: of models with controls of their own, and with --buildings 0.
   static const PosteriorModel& learned_without_buildings();
   /// Of models in whose stead an RC room answers.
   static const PosteriorModel& learned_by_surrogate();

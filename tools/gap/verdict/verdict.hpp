@@ -18,7 +18,7 @@ struct Finding {
   double magnitude = 0, sd = 0;
   double log_likelihood_ratio = 0;              ///< 2 ln likelihood, by real simulation
   double log_likelihood_limit = 0;              ///< below which it is noise: each effect has its own
-  double margin = 0;                            ///< gain over that of the best effect outside the class
+  double margin = 0;                            ///< gain over that of the best other effect that was simulated
   double same_sign = 1;                         ///< share of two-day blocks, each by what it can tell
   std::vector<sim::EffectAt> cannot_tell_from;  ///< its class, itself left out
   std::vector<Rival> rivals;                    ///< the likely ones
@@ -49,10 +49,9 @@ struct Verdict {
   int buildings = 0;                     ///< drawn ones that count; what they add: as StructureEnsemble
   double buildings_add_alone = 0, buildings_add = 0;
   LockedDays locked;
-  std::vector<Alternatives> alternatives;  ///< with drawn buildings: one a finding of the search, one where it found
-                                           ///< none
-  std::vector<Posterior> posteriors;       ///< of these
-  std::vector<Score> ranking;              ///< of single effects on the unpatched model
+  std::vector<Alternatives> alternatives;           ///< one a finding of the search, one where it found none
+  std::vector<Posterior> posteriors;                ///< of these
+  std::vector<Score> ranking;                       ///< of single effects on the unpatched model
   Eigen::MatrixXd residual_before, residual_after;  ///< bins x channels, all days
   Eigen::VectorXd moved;  ///< parameters of the model with the findings beyond the reference's estimate, prior sd
   std::string reason;     ///< one sentence
