@@ -138,6 +138,26 @@ class LateEngine final : public MadeUpRooms {
   bool spares = false;
 };
 
+/// A wall of which the days show a tenth of what moving it would switch.
+TEST(Reference, AStepThatLeavesMoreIsNotTaken) {
+  SwitchingEngine engine;
+  Window window;
+  window.measured = Eigen::MatrixXd::Constant(engine_bins, 5, 25) + 0.1 * engine.chance + noise_table(4, 0.05);
+  window.recording.rows.resize(static_cast<std::size_t>(engine_bins * rows_per_bin));
+  Responses responses;
+  responses.base = Eigen::MatrixXd::Constant(engine_bins, 5, 25);
+  responses.parameters = {{{&engine.wall, 0}, 1, engine.wall_pattern + engine.chance}};
+  const ReferenceFit fit = fit_reference(engine, responses, window);
+  EXPECT_EQ(fit.estimate(0), 0);
+  EXPECT_LT(fit.residual.leftCols(2).norm(), 0.15 * engine.chance.leftCols(2).norm()) << "K, both rooms";
+
+  engine.switches = false;
+  responses.parameters[0].response = engine.wall_pattern;
+  window.measured += 2 * engine.wall_pattern;
+  const ReferenceFit moved = fit_reference(engine, responses, window);
+  EXPECT_NEAR(moved.estimate(0), 2, 0.2);
+}
+
 TEST(Refit, LooksForALargeEffectWhereASmallOneShowsNothingOfIt) {
   LateEngine engine;
   Window window;
@@ -158,13 +178,13 @@ TEST(Refit, LooksForALargeEffectWhereASmallOneShowsNothingOfIt) {
 
   const Refit near = refitter.add(none, {0, 0, 1, 1}, refitter.tangent());
   EXPECT_LT(none.cost - near.cost, 0.1 * none.cost) << "from its probe it is not found";
-  const std::vector<Refit> far = refitter.far(none, [](std::size_t) { return true; });
+  const std::vector<Refit> far = refitter.far(none, 4, [](std::size_t) { return true; });
   ASSERT_FALSE(far.empty());
   EXPECT_LT(far[0].cost, 0.2 * none.cost);
   EXPECT_EQ(refitter.magnitude(far[0].chosen.back()), 2.25);
-  EXPECT_TRUE(refitter.far(none, [](std::size_t) { return false; }).empty()) << "chosen already";
+  EXPECT_TRUE(refitter.far(none, 4, [](std::size_t) { return false; }).empty()) << "chosen already";
   engine.spares = true;
-  EXPECT_TRUE(refitter.far(none, [](std::size_t) { return true; }).empty()) << "runs are dear";
+  EXPECT_TRUE(refitter.far(none, 4, [](std::size_t) { return true; }).empty()) << "runs are dear";
 }
 
 }  // namespace

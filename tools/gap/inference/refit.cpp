@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "tools/gap/model/parallel.hpp"
 
@@ -37,27 +39,27 @@ Eigen::VectorXd steps_between(const std::vector<Chosen>& from, const std::vector
 
 }  // namespace
 
-Tangent::Tangent(const std::vector<Candidate>& candidates, const NuisanceResponses& nuisance, Eigen::MatrixXd mixing,
-                 std::shared_ptr<const Eigen::MatrixXd> z, std::vector<Parameter> responses)
+Tangent::Tangent(const std::vector<Candidate>& candidates, std::shared_ptr<const Eigen::MatrixXd> z, Metric metric,
+                 Eigen::MatrixXd mixing, Eigen::MatrixXd parameters, std::vector<Parameter> responses)
     : responses_(std::move(responses)),
-      parameters_(nuisance.directions.leftCols(count())),
+      parameters_(std::move(parameters)),
       mixing_(std::move(mixing)),
-      evidence_(candidates, std::move(z), Metric(nuisance.mixed(mixing_))),
-      others_(metric().without_first(count())) {}
+      evidence_(candidates, std::move(z), std::move(metric)),
+      others_(this->metric().without_first(count())) {}
 
 Eigen::VectorXd Tangent::mean(const Eigen::VectorXd& r) const {
-  const Eigen::VectorXd all = mixing_.triangularView<Eigen::Lower>() * metric().along(metric().times(r));
-  return all.head(count());
+  const Eigen::VectorXd all = metric().along(metric().times(r));
+  return mixing_.triangularView<Eigen::Lower>() * all.head(count());
 }
 
 /// J C's first columns times u are J_p C_pp u + J_o C_op u, and C_pp u is what moved.
 Eigen::VectorXd Tangent::without_moved(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const {
-  const Eigen::VectorXd u = mixing_.topLeftCorner(count(), count()).triangularView<Eigen::Lower>().solve(moved);
+  const Eigen::VectorXd u = mixing_.triangularView<Eigen::Lower>().solve(moved);
   return r - (metric().first(u) - parameters_ * moved);
 }
 
 double Tangent::distance(const Eigen::VectorXd& r, const Eigen::VectorXd& moved) const {
-  const Eigen::VectorXd u = mixing_.topLeftCorner(count(), count()).triangularView<Eigen::Lower>().solve(moved);
+  const Eigen::VectorXd u = mixing_.triangularView<Eigen::Lower>().solve(moved);
   const Eigen::VectorXd s = without_moved(r, moved);
   return u.squaredNorm() + others_.dot(s, s);
 }
@@ -74,8 +76,10 @@ Refitter::Refitter(const Engine& engine, const Window& window, const Responses& 
       all_(counted_bins(window.measured.rows())),
       structural_(fit.structural(responses)),
       z_(whitened_candidates()),
-      tangent_(
-          tangent_with(start == Start::twin || engine.spares_runs() ? responses.parameters : parameters_at_fit())) {}
+      mixing_(mixing_of(fit.covariance, sizes)),
+      structure_(structure_of(kept_, z_)) {
+  tangent_ = tangent_with(start == Start::twin || engine.spares_runs() ? responses.parameters : parameters_at_fit());
+}
 
 void Refitter::simulate_tangent() {
   if (!engine_.spares_runs()) tangent_ = tangent_with(parameters_at_fit());
@@ -84,6 +88,7 @@ void Refitter::simulate_tangent() {
 void Refitter::set_structure(const Eigen::MatrixXd& mean, std::vector<Eigen::MatrixXd> directions) {
   if (mean.size() > 0) structural_ += mean;
   ensemble_ = std::move(directions);
+  structure_ = structure_of(kept_, z_);
   tangent_ = tangent_with(tangent_->responses());
 }
 
@@ -98,14 +103,41 @@ std::shared_ptr<const Eigen::MatrixXd> Refitter::whitened_candidates() const {
   return std::make_shared<const Eigen::MatrixXd>(std::move(z));
 }
 
-NuisanceResponses Refitter::nuisance_of(const std::vector<Parameter>& parameters, const std::vector<bool>& bins) const {
-  return nuisance_responses(fit_, parameters, responses_.candidates, bins, window_.measured, ensemble_);
+/// Of C, lower triangular: a parameter's column has structure too, a structural one has none of the parameters.
+Refitter::Structure Refitter::structure_of(const std::vector<bool>& bins,
+                                           std::shared_ptr<const Eigen::MatrixXd> z) const {
+  const Eigen::Index parameters = std::ssize(responses_.parameters), others = fit_.covariance.cols() - parameters;
+  const NuisanceResponses all = nuisance_responses(fit_, {}, responses_.candidates, bins, window_.measured, ensemble_);
+  const Eigen::Index rooms = all.structure.cols();
+  Structure structure{Eigen::MatrixXd::Zero(z_->rows(), parameters), nullptr};
+  Eigen::MatrixXd j(z_->rows(), others + rooms);
+  if (others > 0) {
+    structure.with_parameters = all.directions * mixing_.bottomLeftCorner(others, parameters);
+    j.leftCols(others) = all.directions * mixing_.bottomRightCorner(others, others).triangularView<Eigen::Lower>();
+  }
+  j.rightCols(rooms) = all.structure;
+  if (j.cols() > 0) structure.shared = std::make_shared<const SharedColumns>(std::move(j), std::move(z));
+  return structure;
+}
+
+Refitter::Own Refitter::own_of(const std::vector<Parameter>& parameters, const std::vector<bool>& bins,
+                               const Structure& structure) const {
+  NuisanceResponses own = nuisance_responses(fit_, parameters, {}, bins, window_.measured);
+  const Eigen::Index count = own.directions.cols(), gains = own.day_gain.cols(), shifts = own.day_shift.cols();
+  Eigen::MatrixXd j(z_->rows(), count + gains + shifts);
+  j.leftCols(count) = own.directions * mixing_.topLeftCorner(count, count).triangularView<Eigen::Lower>();
+  j.leftCols(count) += structure.with_parameters;
+  j.middleCols(count, gains) = sizes_.day_gain_sd * own.day_gain;
+  j.rightCols(shifts) = sizes_.day_shift_h * own.day_shift;
+  return {std::move(own.directions), Metric(std::move(j), structure.shared)};
 }
 
 std::shared_ptr<const Tangent> Refitter::tangent_with(std::vector<Parameter> parameters) const {
-  const NuisanceResponses nuisance = nuisance_of(parameters, kept_);
-  Eigen::MatrixXd mixing = nuisance.mixing(fit_.covariance, sizes_);
-  return std::make_shared<const Tangent>(responses_.candidates, nuisance, std::move(mixing), z_, std::move(parameters));
+  Own own = own_of(parameters, kept_, structure_);
+  const auto count = std::ssize(parameters);
+  return std::make_shared<const Tangent>(responses_.candidates, z_, std::move(own.metric),
+                                         mixing_.topLeftCorner(count, count), std::move(own.parameters),
+                                         std::move(parameters));
 }
 
 std::vector<Parameter> Refitter::parameters_at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const {
@@ -159,16 +191,13 @@ Predicted Refitter::predicted(const Refit& with, const Refit& without) const {
     }
     double cost() const { return dot(all, kept) + metric.log_det() - metric_kept.log_det(); }
   };
-  const auto unfitted = [this](const Refit& at) {
-    const NuisanceResponses nuisance = nuisance_of(at.tangent->responses(), all_);
-    Eigen::MatrixXd parameters = nuisance.directions.leftCols(at.moved.size());
-    Eigen::VectorXd left = fit_.noise.whiten(at.residual, all_, window_.measured), all = left + parameters * at.moved;
-    return Unfitted{std::move(parameters),
-                    std::move(left),
-                    std::move(all),
-                    effective(at),
-                    Metric(nuisance.scaled(fit_.covariance, sizes_)),
-                    at.tangent->metric()};
+  const Structure structure = structure_of(all_, nullptr);
+  const auto unfitted = [&](const Refit& at) {
+    Own own = own_of(at.tangent->responses(), all_, structure);
+    Eigen::VectorXd left = fit_.noise.whiten(at.residual, all_, window_.measured),
+                    all = left + own.parameters * at.moved;
+    return Unfitted{std::move(own.parameters), std::move(left),     std::move(all), effective(at),
+                    std::move(own.metric),     at.tangent->metric()};
   };
   const Unfitted one = unfitted(with), other = unfitted(without);
   // Far from the reference's parameters the two tangents differ by more than the effect does: one for both.
@@ -277,30 +306,53 @@ Refit Refitter::add(const Refit& to, const Score& added, const std::shared_ptr<c
   return best;
 }
 
-std::vector<Refit> Refitter::far(const Refit& now, const std::function<bool(std::size_t)>& open) const {
+const Refitter::FarSizes& Refitter::far_sizes() const {
+  std::call_once(far_once_, [this] {
+    constexpr int shares = 4;
+    for (std::size_t i = 0; i < responses_.candidates.size(); ++i) {
+      if (!bends(i)) continue;
+      const sim::Effect& effect = *responses_.candidates[i].at.effect;
+      const double probe = responses_.candidates[i].probe - effect.null_value;
+      const double bound = (probe > 0 ? effect.high : effect.low) - effect.null_value;
+      for (int n = 1; n <= shares; ++n) far_.sizes.push_back({i, bound / probe * n / shares});
+    }
+    const Eigen::MatrixXd none = unmoved_residual({});
+    far_.z.resize(z_->rows(), std::ssize(far_.sizes));
+    in_parallel(far_.sizes.size(), jobs_, [&](std::size_t n) {
+      far_.z.col(static_cast<Eigen::Index>(n)) = whiten(none - unmoved_residual({far_.sizes[n]}));
+    });
+  });
+  return far_;
+}
+
+std::vector<Refit> Refitter::far(const Refit& now, std::size_t most,
+                                 const std::function<bool(std::size_t)>& open) const {
   if (engine_.spares_runs()) return {};
-  constexpr std::size_t shares = 4;
-  std::vector<std::size_t> candidates;
-  for (std::size_t i = 0; i < responses_.candidates.size(); ++i) {
-    if (bends(i) && open(i)) candidates.push_back(i);
+  const FarSizes& known = far_sizes();
+  if (known.sizes.empty()) return {};
+  const Tangent& tangent = *now.tangent;
+  const Eigen::VectorXd left = tangent.others().times(tangent.without_moved(whiten(now.residual), now.moved));
+  const Eigen::VectorXd gained = 2 * known.z.transpose() * left - tangent.others().squares(known.z);
+  std::map<std::size_t, std::pair<double, std::size_t>> best_size;  // of a candidate: gained, index
+  for (std::size_t n = 0; n < known.sizes.size(); ++n) {
+    const double gain = gained(static_cast<Eigen::Index>(n));
+    if (gain <= 0 || !open(known.sizes[n].candidate)) continue;
+    const auto at = best_size.try_emplace(known.sizes[n].candidate, gain, n).first;
+    if (gain > at->second.first) at->second = {gain, n};
   }
-  std::vector<std::optional<Refit>> sizes(shares * candidates.size());
-  in_parallel(sizes.size(), jobs_, [&](std::size_t n) {
-    const std::size_t i = candidates[n / shares];
-    const sim::Effect& effect = *responses_.candidates[i].at.effect;
-    const double probe = responses_.candidates[i].probe - effect.null_value;
-    const double bound = (probe > 0 ? effect.high : effect.low) - effect.null_value;
+  std::vector<std::pair<double, std::size_t>> likely;
+  for (const auto& [candidate, size] : best_size) likely.push_back(size);
+  std::sort(likely.rbegin(), likely.rend());
+  likely.resize(std::min(likely.size(), most));
+  std::vector<std::optional<Refit>> starts(likely.size());
+  in_parallel(starts.size(), jobs_, [&](std::size_t i) {
     std::vector<Chosen> chosen = now.chosen;
-    chosen.push_back({i, bound / probe * static_cast<double>(n % shares + 1) / static_cast<double>(shares)});
-    sizes[n] = at(chosen, now.moved, now.tangent);
+    chosen.push_back(known.sizes[likely[i].second]);
+    starts[i] = at(chosen, now.moved, now.tangent);
   });
   std::vector<Refit> best;
-  for (std::size_t c = 0; c < candidates.size(); ++c) {
-    const auto first = sizes.begin() + static_cast<std::ptrdiff_t>(c * shares);
-    const auto least =
-        std::min_element(first, first + shares, [](const auto& a, const auto& b) { return a->cost < b->cost; });
-    if ((*least)->cost < now.cost) best.push_back(std::move(**least));
-  }
+  for (auto& start : starts)
+    if (start->cost < now.cost) best.push_back(std::move(*start));
   std::sort(best.begin(), best.end(), [](const Refit& a, const Refit& b) { return a.cost < b.cost; });
   return best;
 }

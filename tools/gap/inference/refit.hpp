@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "tools/gap/inference/null_blocks.hpp"
@@ -20,9 +21,9 @@ struct Chosen {
 /// What parameters and candidates do to the sensors about one model.
 class Tangent {
  public:
-  /// `nuisance` and `z`: whitened responses of `responses` and of the candidates.
-  Tangent(const std::vector<Candidate>& candidates, const NuisanceResponses& nuisance, Eigen::MatrixXd mixing,
-          std::shared_ptr<const Eigen::MatrixXd> z, std::vector<Parameter> responses);
+  /// `parameters` and `z`: whitened responses of `responses` and of the candidates.  `mixing`: C_pp of distance().
+  Tangent(const std::vector<Candidate>& candidates, std::shared_ptr<const Eigen::MatrixXd> z, Metric metric,
+          Eigen::MatrixXd mixing, Eigen::MatrixXd parameters, std::vector<Parameter> responses);
 
   const CandidateEvidence& evidence() const { return evidence_; }
   const Metric& metric() const { return evidence_.metric(); }
@@ -99,9 +100,11 @@ class Refitter {
   Refit add(const Refit& to, const Score& added, const std::shared_ptr<const Tangent>& tangent) const;
   /// One effect more at a quarter, half, three quarters or all of its bound, simulated without a fit, parameters where
   /// they are: of each effect whose responses to its probes are not each other's mirror image and that `open` lets in
-  /// the size of least cost, best first. People who come two hours late show nothing of a response to ten minutes.
-  /// Cost: four simulations a candidate; empty on an engine that spares runs.
-  std::vector<Refit> far(const Refit& now, const std::function<bool(std::size_t)>& open) const;
+  /// the size of least cost, best first and `most` of them. People who come two hours late show nothing of a response
+  /// to ten minutes.
+  /// Which sizes are simulated is chosen by what each shows in the reference's model, added to what `now` shows.
+  /// Cost: four simulations a candidate once, and `most`; empty on an engine that spares runs.
+  std::vector<Refit> far(const Refit& now, std::size_t most, const std::function<bool(std::size_t)>& open) const;
   /// The same about the model itself: what saturates there answers to other parameters than the twin does.
   Refit about_itself(const Refit& at) const;
 
@@ -122,7 +125,17 @@ class Refitter {
  private:
   Eigen::MatrixXd residual_of(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const;
   std::shared_ptr<const Eigen::MatrixXd> whitened_candidates() const;
-  NuisanceResponses nuisance_of(const std::vector<Parameter>& parameters, const std::vector<bool>& bins) const;
+  /// What no tangent changes.
+  struct Structure {
+    Eigen::MatrixXd with_parameters;  ///< whitened structure that comes with each parameter
+    std::shared_ptr<const SharedColumns> shared;
+  };
+  struct Own {
+    Eigen::MatrixXd parameters;  ///< whitened, of one prior standard deviation
+    Metric metric;
+  };
+  Structure structure_of(const std::vector<bool>& bins, std::shared_ptr<const Eigen::MatrixXd> z) const;
+  Own own_of(const std::vector<Parameter>& parameters, const std::vector<bool>& bins, const Structure& structure) const;
   std::shared_ptr<const Tangent> tangent_with(std::vector<Parameter> parameters) const;
   std::vector<Parameter> parameters_at(const std::vector<Chosen>& chosen, const Eigen::VectorXd& moved) const;
   std::vector<Parameter> parameters_at_fit() const;
@@ -131,6 +144,12 @@ class Refitter {
   /// One step of refit() on magnitudes, with the parameters where they are.
   Refit magnitudes_alone(const Refit& from, const Eigen::MatrixXd& z) const;
   bool bends(std::size_t candidate) const;
+  /// A quarter, half, three quarters and all of the bound of each candidate that bends.
+  struct FarSizes {
+    std::vector<Chosen> sizes;
+    Eigen::MatrixXd z;  ///< what each shows in the reference's model, whitened
+  };
+  const FarSizes& far_sizes() const;
   Eigen::MatrixXd responses_of(const Refit& at) const;
 
   const Engine& engine_;
@@ -144,7 +163,11 @@ class Refitter {
   std::vector<bool> all_;  // bins, the kept ones among them
   Eigen::MatrixXd structural_;
   std::shared_ptr<const Eigen::MatrixXd> z_;  // whitened candidates
+  Eigen::MatrixXd mixing_;                    // the square root of what the reference leaves of all directions
+  Structure structure_;                       // of the kept bins
   std::shared_ptr<const Tangent> tangent_;
+  mutable std::once_flag far_once_;
+  mutable FarSizes far_;
 };
 
 }  // namespace airside::tools::gap

@@ -6,41 +6,6 @@
 
 namespace airside::tools::gap {
 
-namespace {
-
-Eigen::MatrixXd gram_of(const Eigen::MatrixXd& j) {
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Identity(j.cols(), j.cols());
-  if (j.cols() > 0) gram.selfadjointView<Eigen::Lower>().rankUpdate(j.transpose());
-  return gram;
-}
-
-}  // namespace
-
-Metric::Metric(Eigen::MatrixXd j)
-    : all_(std::make_shared<const Eigen::MatrixXd>(std::move(j))),
-      gram_(gram_of(*all_)),
-      inner_(gram_.selfadjointView<Eigen::Lower>()) {}
-
-Metric Metric::without_first(Eigen::Index columns) const {
-  const Eigen::Index left = gram_.cols() - columns;
-  return {all_, from_ + columns, gram_.bottomRightCorner(left, left)};
-}
-
-Eigen::VectorXd Metric::along(const Eigen::VectorXd& v) const { return j().transpose() * v; }
-
-Eigen::VectorXd Metric::first(const Eigen::VectorXd& u) const { return j().leftCols(u.size()) * u; }
-
-Eigen::VectorXd Metric::times(const Eigen::VectorXd& v) const { return v - j() * inner_.solve(along(v)); }
-
-double Metric::dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
-  return a.dot(b) - along(a).dot(inner_.solve(along(b)));
-}
-
-Eigen::VectorXd Metric::squares(const Eigen::MatrixXd& z) const {
-  const Eigen::MatrixXd jz = j().transpose() * z;
-  return z.colwise().squaredNorm().transpose() - jz.cwiseProduct(inner_.solve(jz)).colwise().sum().transpose();
-}
-
 Eigen::MatrixXd NuisanceResponses::joined() const {
   Eigen::MatrixXd all(directions.rows(), directions.cols() + day_gain.cols() + day_shift.cols() + structure.cols());
   all.leftCols(all.cols() - structure.cols()) << directions, day_gain, day_shift;
@@ -48,14 +13,18 @@ Eigen::MatrixXd NuisanceResponses::joined() const {
   return all;
 }
 
+Eigen::MatrixXd mixing_of(const Eigen::MatrixXd& covariance, const Nuisance& settings) {
+  Eigen::MatrixXd wide = settings.inflation * covariance;
+  wide.diagonal().array() += settings.structural_sd * settings.structural_sd;
+  return wide.llt().matrixL();
+}
+
 Eigen::MatrixXd NuisanceResponses::mixing(const Eigen::MatrixXd& covariance, const Nuisance& settings) const {
   const Eigen::Index count = directions.cols(), ratios = day_gain.cols(), shifts = day_shift.cols(),
                      rooms = structure.cols();
-  Eigen::MatrixXd wide = settings.inflation * covariance;
-  wide += settings.structural_sd * settings.structural_sd * Eigen::MatrixXd::Identity(count, count);
   const Eigen::Index all = count + ratios + shifts + rooms;
   Eigen::MatrixXd root = Eigen::MatrixXd::Zero(all, all);
-  root.topLeftCorner(count, count) = wide.llt().matrixL();
+  root.topLeftCorner(count, count) = mixing_of(covariance, settings);
   root.diagonal().segment(count, ratios).setConstant(settings.day_gain_sd);
   root.diagonal().segment(count + ratios, shifts).setConstant(settings.day_shift_h);
   root.diagonal().tail(rooms).setOnes();
@@ -111,8 +80,9 @@ NuisanceResponses nuisance_responses(const ReferenceFit& fit, const std::vector<
     }
     return stacked(list);
   };
-  return {stacked(directions_of(parameters, candidates, fit.structural_scale)), each_day("gain_occupied"),
-          each_day("occupancy_shift"), stacked(structure)};
+  const Eigen::VectorXd scale = candidates.empty() ? Eigen::VectorXd() : fit.structural_scale;
+  return {stacked(directions_of(parameters, candidates, scale)), each_day("gain_occupied"), each_day("occupancy_shift"),
+          stacked(structure)};
 }
 
 Eigen::MatrixXd nuisance_directions(const ReferenceFit& fit, const Responses& responses, const std::vector<bool>& kept,

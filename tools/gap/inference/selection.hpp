@@ -4,39 +4,10 @@
 
 #include <memory>
 
+#include "tools/gap/inference/metric.hpp"
 #include "tools/gap/inference/reference_fit.hpp"
 
 namespace airside::tools::gap {
-
-/// M = (I + J L J')^-1 for whitened vectors, L the parameters' covariance.
-class Metric {
- public:
-  /// `j`: whitened responses, one column a direction, already times the square root of L.
-  explicit Metric(Eigen::MatrixXd j);
-  /// The same without the first columns of J.  Cost: no copy of J.
-  Metric without_first(Eigen::Index columns) const;
-  double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
-  /// M v.
-  Eigen::VectorXd times(const Eigen::VectorXd& v) const;
-  /// z' M z of each column.
-  Eigen::VectorXd squares(const Eigen::MatrixXd& z) const;
-  /// ln det(I + J L J').
-  double log_det() const { return inner_.vectorD().array().log().sum(); }
-  /// J'v.
-  Eigen::VectorXd along(const Eigen::VectorXd& v) const;
-  /// J u, u of J's first columns alone.
-  Eigen::VectorXd first(const Eigen::VectorXd& u) const;
-
- private:
-  Metric(std::shared_ptr<const Eigen::MatrixXd> all, Eigen::Index from, Eigen::MatrixXd gram)
-      : all_(std::move(all)), from_(from), gram_(std::move(gram)), inner_(gram_.selfadjointView<Eigen::Lower>()) {}
-  auto j() const { return all_->rightCols(all_->cols() - from_); }
-
-  std::shared_ptr<const Eigen::MatrixXd> all_;
-  Eigen::Index from_ = 0;  // columns of `all_` before J
-  Eigen::MatrixXd gram_;   // I + J'J, lower part
-  Eigen::LDLT<Eigen::MatrixXd> inner_;
-};
 
 /// Parameter directions of a window: the reference's posterior, inflated, and whole days of more or fewer people.
 struct Nuisance {
@@ -45,6 +16,10 @@ struct Nuisance {
   double day_gain_sd = 0.1;     ///< of the occupied gain, each day anew
   double day_shift_h = 0.17;    ///< by which people come later or earlier, each day anew
 };
+
+/// The square root of the directions' covariance in another window, lower triangular.
+///   C C' = inflation covariance + structural_sd^2 I
+Eigen::MatrixXd mixing_of(const Eigen::MatrixXd& covariance, const Nuisance& settings);
 
 /// What nuisances do to the sensors, whitened; sizes are put in by scaled().
 struct NuisanceResponses {
@@ -59,12 +34,12 @@ struct NuisanceResponses {
   Eigen::MatrixXd scaled(const Eigen::MatrixXd& covariance, const Nuisance& settings) const;
   /// The same, by the square root of L.
   Eigen::MatrixXd mixed(const Eigen::MatrixXd& mixing) const;
-  /// The square root of L: of the directions lower triangular, of the others a diagonal.
+  /// The square root of L: of the directions mixing_of(), of the others a diagonal.
   Eigen::MatrixXd mixing(const Eigen::MatrixXd& covariance, const Nuisance& settings) const;
   /// The same of some rows; days that have nothing there are left out.
   NuisanceResponses rows(Eigen::Index first, Eigen::Index count) const;
 };
-/// `structure`: bins x channels each, as of StructureEnsemble.
+/// `structure`: bins x channels each, as of StructureEnsemble. Without `candidates` directions are the parameters'.
 NuisanceResponses nuisance_responses(const ReferenceFit& fit, const std::vector<Parameter>& parameters,
                                      const std::vector<Candidate>& candidates, const std::vector<bool>& kept,
                                      const Eigen::MatrixXd& missing,
@@ -84,7 +59,7 @@ struct Score {
 class CandidateEvidence {
  public:
   /// Shape: z: one column a candidate; shared by what is seen from several models.
-  /// Cost: (columns of J)^2 rows + (columns of J) rows candidates multiplications, once.
+  /// Cost: (columns of J) rows candidates multiplications, once.
   CandidateEvidence(const std::vector<Candidate>& candidates, std::shared_ptr<const Eigen::MatrixXd> z, Metric metric);
 
   const Metric& metric() const { return metric_; }

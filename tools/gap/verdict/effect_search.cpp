@@ -20,9 +20,8 @@ const std::vector<Refit>& EffectSearch::far(const Refit& now) const {
   const auto [at, added] = far_.try_emplace(candidates_of(now.chosen));
   Far& known = at->second;
   if (added || known.cost != now.cost) {
-    known = {now.cost, c_.refitter.far(now, [&](std::size_t i) { return !c_.already(now, i); })};
     const auto most = static_cast<std::size_t>(c_.rules.first_looks);
-    known.best.resize(std::min(known.best.size(), most));
+    known = {now.cost, c_.refitter.far(now, most, [&](std::size_t i) { return !c_.already(now, i); })};
   }
   return known.best;
 }
