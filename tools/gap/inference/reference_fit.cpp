@@ -130,7 +130,7 @@ class ReferenceFitter {
     const Eigen::LDLT<Eigen::MatrixXd> normal(inner.selfadjointView<Eigen::Lower>());
     fit_.covariance = normal.solve(Eigen::MatrixXd::Identity(count, count));
     const Eigen::VectorXd from = fit_.estimate, r = whitened_residual();
-    // Drawn to the prior's mean, not to where it stands.
+    // Drawn to the prior's mean, not to the last estimate.
     const Eigen::VectorXd move = normal.solve(j.transpose() * r - from);
     const Eigen::MatrixXd shown = shown_, residual = fit_.residual;
     const double before = r.squaredNorm() + from.squaredNorm();
