@@ -138,26 +138,6 @@ class LateEngine final : public MadeUpRooms {
   bool spares = false;
 };
 
-/// A wall of which the days show a tenth of what moving it would switch.
-TEST(Reference, AStepThatLeavesMoreIsNotTaken) {
-  SwitchingEngine engine;
-  Window window;
-  window.measured = Eigen::MatrixXd::Constant(engine_bins, 5, 25) + 0.1 * engine.chance + noise_table(4, 0.05);
-  window.recording.rows.resize(static_cast<std::size_t>(engine_bins * rows_per_bin));
-  Responses responses;
-  responses.base = Eigen::MatrixXd::Constant(engine_bins, 5, 25);
-  responses.parameters = {{{&engine.wall, 0}, 1, engine.wall_pattern + engine.chance}};
-  const ReferenceFit fit = fit_reference(engine, responses, window);
-  EXPECT_EQ(fit.estimate(0), 0);
-  EXPECT_LT(fit.residual.leftCols(2).norm(), 0.15 * engine.chance.leftCols(2).norm()) << "K, both rooms";
-
-  engine.switches = false;
-  responses.parameters[0].response = engine.wall_pattern;
-  window.measured += 2 * engine.wall_pattern;
-  const ReferenceFit moved = fit_reference(engine, responses, window);
-  EXPECT_NEAR(moved.estimate(0), 2, 0.2);
-}
-
 TEST(Refit, LooksForALargeEffectWhereASmallOneShowsNothingOfIt) {
   LateEngine engine;
   Window window;

@@ -101,103 +101,45 @@ Changes ReferenceFit::changes(const Eigen::VectorXd& moved) const {
   return changes_of(parameters, at);
 }
 
-namespace {
-
-/// A fit on its way, from the twin itself on.
-class ReferenceFitter {
- public:
-  ReferenceFitter(const Engine& engine, const Responses& responses, const Window& all, int jobs)
-      : engine_(engine),
-        responses_(responses),
-        window_(evidence_of(all, engine.channels())),
-        kept_(counted_bins(window_.measured.rows())),
-        jobs_(jobs),
-        always_steps_(engine.stand_in().has_value()),
-        shown_(responses.base) {
-    fit_.parameters = responses.parameters;
-    fit_.residual = window_.measured - shown_;
-    fit_noise();
-  }
-
-  /// What it gained of r'r + d'd, r whitened by the noise before it; 0 where nothing gains, and nothing has moved.
-  double step() {
-    const auto directions = directions_of(fit_.parameters, responses_.candidates, fit_.structural_scale);
+ReferenceFit fit_reference(const Engine& engine, const Responses& responses, const Window& all, int jobs) {
+  const Window window = evidence_of(all, engine.channels());
+  const auto kept = counted_bins(window.measured.rows());
+  ReferenceFit fit;
+  fit.parameters = responses.parameters;
+  Eigen::MatrixXd shown = responses.base, residual = window.measured - shown;
+  const auto noise_of = [&](const Eigen::MatrixXd& x) {
+    return NoiseModel::fit(x.bottomRows(x.rows() - bins_per_day), engine.channels());
+  };
+  // The first noise model is of an unfitted model: too wide and too slow. What it fits is fitted again with a better
+  // one.
+  for (int iteration = 0; iteration < 6; ++iteration) {
+    fit.noise = noise_of(residual);
+    if (iteration == 1) fit.structural_scale = scale_of(responses, fit.noise.spread());
+    if (iteration == 3 && !engine.spares_runs()) {
+      fit.parameters =
+          parameters_about(engine, window.recording, std::move(fit.parameters), fit.estimate, {}, shown, jobs);
+    }
+    const auto directions = directions_of(fit.parameters, responses.candidates, fit.structural_scale);
     const Eigen::Index count = std::ssize(directions);
-    fit_.estimate.conservativeResizeLike(Eigen::VectorXd::Zero(count));
-    const Eigen::MatrixXd j = whitened(fit_.noise, directions, kept_, window_.measured);
+    fit.estimate.conservativeResizeLike(Eigen::VectorXd::Zero(count));
+    const Eigen::MatrixXd j = whitened(fit.noise, directions, kept, window.measured);
+    const Eigen::VectorXd r = fit.noise.whiten(residual, kept, window.measured);
     Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(count, count);
     inner.selfadjointView<Eigen::Lower>().rankUpdate(j.transpose());
     const Eigen::LDLT<Eigen::MatrixXd> normal(inner.selfadjointView<Eigen::Lower>());
-    fit_.covariance = normal.solve(Eigen::MatrixXd::Identity(count, count));
-    const Eigen::VectorXd from = fit_.estimate, r = whitened_residual();
-    // Drawn to the prior's mean, not to the last estimate.
-    const Eigen::VectorXd move = normal.solve(j.transpose() * r - from);
-    const Eigen::MatrixXd shown = shown_, residual = fit_.residual;
-    const double before = r.squaredNorm() + from.squaredNorm();
-    for (const double share : {1.0, 0.5, 0.2}) {
-      go_to((from + share * move).cwiseMax(-8.0).cwiseMin(8.0));
-      const double gained = before - whitened_residual().squaredNorm() - fit_.estimate.squaredNorm();
-      if (!(gained > 0) && !always_steps_) continue;
-      fit_noise();
-      return gained;
-    }
-    fit_.estimate = from;
-    shown_ = shown;
-    fit_.residual = residual;
-    return 0;
+    // The step from where the residual stands, drawn to the prior's mean, not to the last estimate.
+    fit.estimate = (fit.estimate + normal.solve(j.transpose() * r - fit.estimate)).cwiseMax(-8.0).cwiseMin(8.0);
+    fit.covariance = normal.solve(Eigen::MatrixXd::Identity(count, count));
+    shown =
+        binned(engine.simulate(changes_of(responses.parameters, fit.estimate), window.recording), engine.channels());
+    residual = window.measured - shown - fit.structural(responses);
   }
-
-  void scale_structure() { fit_.structural_scale = scale_of(responses_, fit_.noise.spread()); }
-  void look_about() {
-    if (engine_.spares_runs()) return;
-    fit_.parameters =
-        parameters_about(engine_, window_.recording, std::move(fit_.parameters), fit_.estimate, {}, shown_, jobs_);
-  }
-
-  ReferenceFit done() {
-    const Eigen::VectorXd r = whitened_residual();
-    const double samples = static_cast<double>((r.array() != 0).count());
-    fit_.residual_ratio = samples > 0 ? r.squaredNorm() / samples : 1;
-    return std::move(fit_);
-  }
-
- private:
-  void go_to(const Eigen::VectorXd& estimate) {
-    fit_.estimate = estimate;
-    shown_ =
-        binned(engine_.simulate(changes_of(responses_.parameters, estimate), window_.recording), engine_.channels());
-    fit_.residual = window_.measured - shown_ - fit_.structural(responses_);
-  }
-  void fit_noise() {
-    fit_.noise = NoiseModel::fit(fit_.residual.bottomRows(fit_.residual.rows() - bins_per_day), engine_.channels());
-  }
-  Eigen::VectorXd whitened_residual() const { return fit_.noise.whiten(fit_.residual, kept_, window_.measured); }
-
-  const Engine& engine_;
-  const Responses& responses_;
-  const Window window_;
-  const std::vector<bool> kept_;
-  const int jobs_;
-  const bool always_steps_;  // the model itself is run at the estimate afterwards, until it rests
-  ReferenceFit fit_;
-  Eigen::MatrixXd shown_;
-};
-
-}  // namespace
-
-ReferenceFit fit_reference(const Engine& engine, const Responses& responses, const Window& window, int jobs) {
-  constexpr int most_steps = 6, half_way = 3;
-  constexpr double still = 1;
-  ReferenceFitter fitter(engine, responses, window, jobs);
-  // The first noise model is of an unfitted model: too wide and too slow. What it fits is fitted again with a better
-  // one.
-  fitter.step();
-  fitter.scale_structure();
-  for (int step = 1; step < half_way; ++step) fitter.step();
-  fitter.look_about();
-  for (int step = half_way; step < most_steps && (fitter.step() > still || engine.stand_in()); ++step) {
-  }
-  return fitter.done();
+  fit.noise = noise_of(residual);
+  fit.residual = residual;
+  const Eigen::VectorXd r = fit.noise.whiten(residual, kept, window.measured);
+  const double samples = static_cast<double>((r.array() != 0).count());
+  fit.residual_ratio = samples > 0 ? r.squaredNorm() / samples : 1;
+  return fit;
 }
 
 ReferenceFit prior_fit(const Engine& engine, const Responses& responses, const Window& window,

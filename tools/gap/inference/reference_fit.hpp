@@ -39,14 +39,12 @@ struct ReferenceFit {
   Eigen::MatrixXd structural(const Responses& responses) const;
 };
 
-/// Gauss-Newton with the prior, up to six times, each step followed by a real simulation; one that leaves more is gone
-/// half or a fifth, or not at all, but where an RC room stands in for a model: its responses are too small or too
-/// large, and the model is asked afterwards. The noise model is fitted to what remains. Half-way the parameters'
-/// responses are simulated anew: what the data hardly tell apart about the twin (a fan's power and its flow) must be
-/// the same combination in the reference and in the measured period. An engine that spares runs keeps the responses
-/// about the twin itself, in both periods.
-///   d += (J'J + I)^-1 (J'r - d), J and r whitened; it must lower r'r + d'd
-/// Errors: as simulate.  Cost: six to twenty simulations and one a parameter, beside the responses.
+/// Gauss-Newton with the prior, six times, each followed by a real simulation; the noise model is fitted to what
+/// remains. Half-way the parameters' responses are simulated anew: what the data hardly tell apart about the twin (a
+/// fan's power and its flow) must be the same combination in the reference and in the measured period. An engine that
+/// spares runs keeps the responses about the twin itself, in both periods.
+///   d = (J'J + I)^-1 J' r, J and r whitened.
+/// Errors: as simulate.  Cost: six simulations and one a parameter, beside the responses.
 /// Source: docs/gap-workflow.md, "3. Reference period".
 ReferenceFit fit_reference(const Engine& engine, const Responses& responses, const Window& window, int jobs = 1);
 
