@@ -39,6 +39,7 @@ struct PretrainCommand {
       return;
     }
     take_site_twin(command, plant, s, TwinUse::unless_named);
+    take_scenario_start(command, plant);
     const RunFacts facts = run_facts(plant, s);
     check_room(plant, s);
     BlobPlace place(out, most_blob_bytes(s));

@@ -34,6 +34,7 @@ struct ServeCommand {
   void run(const CLI::App& command) {
     const Site s = make_site(site);
     take_site_twin(command, plant, s, TwinUse::when_asked);
+    take_scenario_start(command, plant);
     const sim::FaultScript script = faults.empty() ? sim::FaultScript{} : sim::read_fault_script(faults, s.counts);
     const auto model = make_plant(plant, s, expert_days + days);
     say_fallback(run_facts(plant, s));

@@ -103,6 +103,7 @@ struct SimulateCommand {
   void run(const CLI::App& command) {
     const Site chosen = make_site(site);
     take_site_twin(command, plant, chosen, TwinUse::when_asked);
+    take_scenario_start(command, plant);
     Trial trial{chosen, plant, expert_days, days};
     trial.site.file.seed = plant.seed;
     if (!faults.empty()) trial.faults = sim::read_fault_script(faults, trial.site.counts);

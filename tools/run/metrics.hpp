@@ -2,6 +2,7 @@
 // The figures that every method is judged by: one definition, used by studies, reports and tests alike.
 // They are computed from what a run logged: one sample a control cycle, and the power readings of every row.
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct CycleSample {
   double room_mean_degc = 0;
   std::vector<double> room_temp_degc;
   double setpoint_degc = 0;
+  /// By which the room head's forecast of the cycle that ended then was wrong; NaN: it had none.
+  double head_error_k = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// The plant's electric power (all meters summed), held until the next row.

@@ -20,8 +20,10 @@
 #include "sim/rc/modulating_plant.hpp"
 #include "sim/rc/rc_plant.hpp"
 #include "sim/rc/rc_room_file.hpp"
+#include "sim/scenarios/scenario.hpp"
 #include "sim/weather/epw.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "tools/baselines/baseline.hpp"
 #include "tools/run/twin_options.hpp"
 
 namespace airside::tools {
@@ -98,19 +100,38 @@ sim::RcRoom rc_room(const PlantChoice& choice, const Site& site) {
   return room;
 }
 
+/// What the choice's scenario changes; nothing without one.
+sim::Scenario scenario_of(const PlantChoice& choice, PlantKind plant) {
+  if (choice.scenario.empty()) return {};
+  const sim::Scenario& found = sim::scenario("--scenario", choice.scenario);
+  const bool known = plant == PlantKind::rc ? found.on_rc : found.on_energyplus;
+  if (known && !sim::modulating_name(choice.room) && !choice.twin) return found;
+  throw hal::InputError("--scenario " + choice.scenario, "a plant that it does not change",
+                        found.on_rc && found.on_energyplus ? "a room with fixed dampers and the built-in twin"
+                        : found.on_rc                      ? "a room of --plant rc with fixed dampers"
+                                                           : "--plant energyplus with its built-in rooms",
+                        "choose another room or scenario");
+}
+
 std::unique_ptr<sim::PlantModel> make_rc(const PlantChoice& choice, const Site& site, CivilTime start) {
   if (auto modulating = modulating_rc_room(choice, site)) {
+    (void)scenario_of(choice, PlantKind::rc);
     if (choice.weekends) modulating->building.occupancy_weekend_factor = 0.1;
     auto weather = choice.weather.empty() ? made_up_weather(choice) : sim::read_epw(choice.weather);
     return std::make_unique<sim::ModulatingPlant>(std::move(*modulating), std::move(weather), start, choice.seed,
                                                   site.settings.expert_off_degc);
   }
   sim::RcRoom room = rc_room(choice, site);
-  if (choice.weekends) room.occupancy_weekend_factor = 0.1;
-  if (choice.fan_start_h != choice.fan_stop_h) {
-    room.ahu_stop_from_h = choice.fan_stop_h;
-    room.ahu_stop_to_h = choice.fan_start_h;
+  const sim::Scenario under = scenario_of(choice, PlantKind::rc);
+  if (choice.weekends || under.weekends) room.occupancy_weekend_factor = 0.1;
+  const bool rests = choice.fan_start_h != choice.fan_stop_h;
+  const double start_h = rests ? choice.fan_start_h : under.fan_start_h,
+               stop_h = rests ? choice.fan_stop_h : under.fan_stop_h;
+  if (start_h != stop_h) {
+    room.ahu_stop_from_h = stop_h;
+    room.ahu_stop_to_h = start_h;
   }
+  if (under.change_room != nullptr) under.change_room(room);
   room = sim::changed_room(std::move(room), choice.changes);
   auto weather = choice.weather.empty() ? made_up_weather(choice) : sim::read_epw(choice.weather);
   return std::make_unique<sim::RcPlant>(std::move(room), std::move(weather), start, choice.seed,
@@ -153,7 +174,9 @@ std::unique_ptr<sim::PlantModel> make_energyplus(const PlantChoice& choice, cons
   options.days = days;
   options.seed = choice.seed;
   options.initial_setpoint_degc = site.settings.expert_off_degc;
-  if (choice.weekends) options.rooms.weekends = true;
+  const sim::Scenario under = scenario_of(choice, PlantKind::energyplus);
+  if (choice.weekends || under.weekends) options.rooms.weekends = true;
+  if (under.change_engine != nullptr) under.change_engine(options);
   options.rooms = sim::changed_loops(options.rooms, choice.changes);
   if (!choice.changes.empty() && !choice.changes_in_model) {
     const auto composed = sim::compose_model(options, sim::find_energyplus().schema);
@@ -203,6 +226,15 @@ void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string
   command.add_option("--start", choice.start, "first day, midnight")->capture_default_str();
   command.add_option("--seed", choice.seed, "of people, outages, noise and learning")->capture_default_str();
   command.add_flag("--weekends", choice.weekends, "Saturday and Sunday nearly empty");
+  command.add_option("--scenario", choice.scenario,
+                     "a condition that is harder to control, with its own start day: january, irregular, outages, ... "
+                     "(a wrong name lists all)");
+}
+
+void take_scenario_start(const CLI::App& command, PlantChoice& choice) {
+  if (choice.scenario.empty()) return;
+  const sim::Scenario& under = sim::scenario("--scenario", choice.scenario);
+  if (command.count("--start") == 0) choice.start = under.start;
 }
 
 namespace {
@@ -326,6 +358,7 @@ std::string command_text(const PlantChoice& choice, const Site& site) {
   for (const std::string& patch : choice.patches) text += of_site ? "" : " --patch " + patch;
   if (!choice.weather.empty()) text += " --weather " + choice.weather;
   if (choice.weekends) text += " --weekends";
+  if (!choice.scenario.empty()) text += " --scenario " + choice.scenario;
   return text;
 }
 

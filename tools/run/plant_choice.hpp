@@ -26,6 +26,7 @@ struct PlantChoice {
   std::string start = "2021-07-01";
   std::uint64_t seed = 1;                ///< of people, outages and sensor noise
   bool weekends = false;                 ///< Saturday and Sunday nearly empty
+  std::string scenario;                  ///< of sim/scenarios; empty: none
   std::string site_twin;                 ///< the site file whose [twin] gave model and patches; empty: options did
   std::optional<hal::TwinSection> twin;  ///< that [twin]: who controls the rooms, by which names
 
@@ -36,7 +37,7 @@ struct PlantChoice {
   bool changes_in_model = false;  ///< EnergyPlus: model and patches have them already, the loops beside lack them
 };
 
-/// Adds --plant, --room, --twin, --patch, --weather, --start, --seed, --weekends to a command.
+/// Adds --plant, --room, --twin, --patch, --weather, --start, --seed, --weekends, --scenario to a command.
 void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string& default_start = "2021-07-01");
 
 /// When a command means the site's [twin]: those that train do unless an option says otherwise; where the plant stands
@@ -48,6 +49,10 @@ enum class TwinUse : std::uint8_t { unless_named, when_asked };
 /// Errors: hal::InputError for patches on "rc", for --twin without a file where there is no [twin], and for options
 /// that a model with controls of its own does not heed.
 void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site, TwinUse use);
+
+/// Puts the scenario's first day in the place of a start that `command` was not given.
+/// Errors: hal::InputError for a name that is none.
+void take_scenario_start(const CLI::App& command, PlantChoice& choice);
 
 /// Midnight of the start day.  Errors: hal::InputError for text that is no date.
 CivilTime start_of(const PlantChoice& choice);

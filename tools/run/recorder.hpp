@@ -49,6 +49,7 @@ class Recorder {
     run.energy.push_back({t, power});
     if (starts_cycle(t)) {
       for (const double s : sample.room_temp_degc) sample.room_mean_degc += s / counts_.vavs;
+      sample.head_error_k = decision.head_error_k;
       run.cycles.push_back(std::move(sample));
     }
     if (progress_ && starts_cycle(t)) {

@@ -30,5 +30,6 @@ void add_study_boxes(CLI::App& study);
 void add_study_adopted(CLI::App& study);
 void add_study_nights(CLI::App& study);
 void add_study_tune(CLI::App& study);
+void add_study_residuals(CLI::App& study);
 
 }  // namespace airside::tools
