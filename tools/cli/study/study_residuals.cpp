@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/text/staged_file.hpp"
 #include "sim/scenarios/scenario.hpp"
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 struct ResidualsCommand : StudyOptions {
   std::string out;
   std::vector<std::string> rooms, scenarios;
-  int first_seed = 1;
+  int first_seed = 1, later_days = 0;
 
   ResidualsCommand() {
     kind = "rc";
@@ -39,6 +40,7 @@ struct ResidualsCommand : StudyOptions {
   Trial trial_of(const Job& job) const {
     PlantChoice plant = choice(job.room, job.seed, std::string(sim::scenario("--scenarios", job.scenario).start));
     plant.scenario = job.scenario;
+    plant.start = hal::civil_text({start_of(plant).seconds + later_days * seconds_per_day}).substr(0, 10);
     Trial trial{built_in_site(), plant, expert_days, days};
     trial.site.file.seed = job.seed;
     return trial;
@@ -97,6 +99,10 @@ void add_study_residuals(CLI::App& study) {
   c->add_option("--scenarios", self->scenarios, "conditions, comma-separated (default: all that the plant knows)")
       ->delimiter(',');
   c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
+  c->add_option("--later", self->later_days,
+                "days after the scenario's first: other weather, for rooms that what is learned is tried on")
+      ->check(CLI::Range(0, 300))
+      ->capture_default_str();
   c->add_option("-o,--out", self->out, "folder for the files")->required();
   c->callback([self] { self->run(); });
 }
