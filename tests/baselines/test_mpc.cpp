@@ -65,6 +65,18 @@ TEST(MpcBaseline, FindsItInDaysWithGapsInTheReadings) {
   EXPECT_TRUE(mpc.parameters().allFinite());
 }
 
+/// People come when the schedule cools: its days say that cold air warms.
+TEST(MpcBaseline, KeepsItsPriorWhereTheDaysSayThatColdAirWarms) {
+  FirstOrderPlant plant(0.8);
+  std::vector<HistoryRow> rows = schedule_days(plant, 5);
+  for (HistoryRow& row : rows)
+    row.sensors.room_temp_degc.assign(5, mpc_site.target_degc - 2 * (row.setpoint_degc - 22.5));
+  MpcBaseline mpc(mpc_site, {});
+  mpc.observe_history(rows);
+  EXPECT_NEAR(mpc.steady_gain(), 1.0, 0.01) << "the prior's";
+  EXPECT_TRUE(mpc.parameters().allFinite());
+}
+
 TEST(MpcBaseline, LeavesNoOffsetWhereALoadStandsThatItsModelDoesNotKnow) {
   FirstOrderPlant known(0.5);
   MpcBaseline mpc(mpc_site, {});

@@ -21,9 +21,11 @@ Eigen::VectorXd mpc_prior_mean() {
   mean[At::b1] = 0.6;
   return mean;
 }
-Eigen::VectorXd mpc_prior_sd() {
+/// `moves`: of how the room answers, which a guarded fit leaves as it is.
+Eigen::VectorXd mpc_prior_sd(double moves = 1) {
   Eigen::VectorXd sd = Eigen::VectorXd::Constant(At::count, 0.3);
-  sd[At::a2] = sd[At::b2] = 0.2;
+  sd[At::a1] = sd[At::b1] = 0.3 * moves;
+  sd[At::a2] = sd[At::b2] = 0.2 * moves;
   sd[At::outdoor] = 0.1;
   sd[At::constant] = 2;
   return sd;
@@ -57,6 +59,11 @@ double MpcBaseline::steady_gain() const {
   return (p[At::b1] + p[At::b2]) / (1 - p[At::a1] - p[At::a2]);
 }
 
+bool MpcBaseline::is_plausible() const {
+  const double carried = model_.parameters()[At::a1] + model_.parameters()[At::a2], gain = steady_gain();
+  return carried >= 0 && carried < 1 && gain >= 0.2 && gain <= 2;
+}
+
 Eigen::VectorXd MpcBaseline::regressors(const State& state) const {
   Eigen::VectorXd h(At::count);
   h[At::a1] = state.s_k;
@@ -78,13 +85,21 @@ double MpcBaseline::outdoor_k(const sim::Sensors& sensors) const {
 }
 
 void MpcBaseline::observe_history(std::span<const HistoryRow> rows) {
-  constexpr std::size_t cycle = rows_per_cycle;
   double sum = 0;
   int finite = 0;
   for (const HistoryRow& row : rows) {
     if (std::isfinite(row.sensors.outdoor_temp_degc)) sum += row.sensors.outdoor_temp_degc, ++finite;
   }
   if (finite > 0) outdoor_mean_degc_ = sum / finite;
+  identify(rows);
+  if (is_plausible()) return;
+  constexpr double held = 1e-4;
+  model_ = RecursiveLeastSquares(mpc_prior_mean(), mpc_prior_sd(held));
+  identify(rows);
+}
+
+void MpcBaseline::identify(std::span<const HistoryRow> rows) {
+  constexpr std::size_t cycle = rows_per_cycle;
   const auto held = [&](std::size_t from) {
     for (std::size_t j = from + 1; j < from + cycle; ++j) {
       if (rows[j].setpoint_degc != rows[from].setpoint_degc) return false;

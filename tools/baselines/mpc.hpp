@@ -30,6 +30,8 @@ void solve_box_quadratic(const Eigen::MatrixXd& h, const Eigen::VectorXd& f, dou
 /// that makes it free of offset: d_{t+1} = d_t + l (s_{t+1} - predicted). Each cycle the setpoints of N cycles are
 /// found and the first is held:
 ///   min sum_k (s_{t+k})^2 + w (u_{t+k-1} - u_{t+k-2})^2,  u in the site's action range
+/// Guarded: where the fit says that the room runs away, or answers a lasting kelvin by less than 0.2 or more than 2 K,
+/// a's and b's stay at their prior and the rest is fitted. Schedules whose setpoint follows the clock can do that.
 /// Source: docs/results.md, "Peers".
 class MpcBaseline final : public BaselineController {
  public:
@@ -51,6 +53,8 @@ class MpcBaseline final : public BaselineController {
     double outdoor_k;
   };
   Eigen::VectorXd regressors(const State& state) const;
+  void identify(std::span<const HistoryRow> rows);
+  bool is_plausible() const;
   double outdoor_k(const sim::Sensors& sensors) const;  ///< from the history's mean; 0 where there is no reading
 
   ControllerSettings site_;
