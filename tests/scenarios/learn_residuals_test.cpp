@@ -1,4 +1,4 @@
-// The tables of what the room head misses, and the tool that says how much of it could be foretold: on errors that can
+// The tables of what the room head misses, and the tool that says how much of it could be predicted: on errors that can
 // be, on errors that cannot, and on files that are wrong.
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ class LearnResiduals : public ::testing::Test {
   }
 
   /// Writes the errors anew: what happened to the rooms in the cycle before, or chance.
-  void set_errors(const std::string& folder, bool foretellable) const {
+  void set_errors(const std::string& folder, bool predictable) const {
     std::mt19937 random(7);
     std::normal_distribution<double> normal(0, 0.05);
     for (const auto& file : std::filesystem::directory_iterator(folder_.path() / folder)) {
@@ -47,7 +47,7 @@ class LearnResiduals : public ::testing::Test {
         std::stringstream stream(line);
         for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
         fields.resize(3 + 26 + 26 + 8 - 2 + 2);  // an empty last field ends the line
-        fields[2] = std::to_string(foretellable ? 0.5 * before : normal(random));
+        fields[2] = std::to_string(predictable ? 0.5 * before : normal(random));
         double mean = 0;
         for (std::size_t i = 3; i < 8; ++i) mean += std::stod(fields[i]) / 5;
         before = mean - 25.25;
@@ -79,12 +79,12 @@ TEST_F(LearnResiduals, SaysWhatCanBeForetoldAndWhatIsChance) {
   }
   const Outcome again = collect("study-1", "tried");
   EXPECT_NE(again.out.find("0 runs"), std::string::npos) << "what is there is left: " << again.out;
-  for (const bool foretellable : {true, false}) {
-    for (const char* folder : {"learned", "tried"}) set_errors(folder, foretellable);
+  for (const bool predictable : {true, false}) {
+    for (const char* folder : {"learned", "tried"}) set_errors(folder, predictable);
     const Outcome o = learn({"learned", "--try", "tried", "--models", "linear", "--json"});
     ASSERT_EQ(o.code, 0) << o.err;
     const double found = share(nlohmann::json::parse(o.out), "linear");
-    if (foretellable) {
+    if (predictable) {
       EXPECT_GT(found, 0.9);
     } else {
       EXPECT_LT(found, 0.1);

@@ -93,7 +93,7 @@ void add_study_residuals(CLI::App& study) {
       "residuals",
       "a CSV a run of what the room head did not foresee, cycle by cycle, beside all that a forecaster might know: "
       "for\n"
-      "tools/learn_residuals, which says how much of it can be foretold. Runs that the folder has are left out.");
+      "tools/learn_residuals, which says how much of it can be predicted. Runs that the folder has are left out.");
   self->add_to(*c, "controlled days");
   c->add_option("--rooms", self->rooms, "rooms, comma-separated (default: the five counterparts)")->delimiter(',');
   c->add_option("--scenarios", self->scenarios, "conditions, comma-separated (default: all that the plant knows)")
