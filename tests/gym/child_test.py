@@ -19,7 +19,8 @@ BEGIN = ("import gymnasium, airside_gym, os, signal\n"
 def child_of_a_program(last_lines):
     """Process number of the child of another Python that has ended, and that one's exit code."""
     path = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    done = subprocess.run([sys.executable, "-c", BEGIN + last_lines], env=path, capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-c", BEGIN + last_lines], env=path, capture_output=True, text=True,
+                          check=False)
     return int(done.stdout), done.returncode
 
 

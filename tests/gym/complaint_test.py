@@ -1,4 +1,4 @@
-"""Bad input is refused with what was found, what was expected and what to do; the program's refusals in its own words."""
+"""Bad input is refused with what was found, expected and to do; what the program refuses, in its own words."""
 
 import pathlib
 import tempfile

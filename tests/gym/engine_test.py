@@ -21,13 +21,13 @@ def foreign_model():
     """The file of the reference building; skips where its package is not installed."""
     named = os.environ.get("AIRSIDE_FOREIGN_MODELS")
     package = importlib.util.find_spec("pyenergyplus")
-    folders = [named] if named else [os.path.join(p, "data", "model") for p in package.submodule_search_locations or ()] \
-        if package else []
+    places = (package.submodule_search_locations or ()) if package else ()
+    folders = [named] if named else [os.path.join(place, "data", "model") for place in places]
     for folder in folders:
         if (pathlib.Path(folder) / MODEL).is_file():
             return str(pathlib.Path(folder) / MODEL)
-    raise unittest.SkipTest("the reference buildings are not installed: run tools/setup --for test, or name their folder "
-                            "in AIRSIDE_FOREIGN_MODELS. This test checked nothing.")
+    raise unittest.SkipTest("the reference buildings are not installed: run tools/setup --for test, or name their "
+                            "folder in AIRSIDE_FOREIGN_MODELS. This test checked nothing.")
 
 
 def same_bits_twice(test, env):
@@ -95,8 +95,8 @@ class Adopted(unittest.TestCase):
             same_bits_twice(self, env)
 
     def test_a_constant_scores_as_in_the_simulation(self):
-        told = simulated("--site", os.path.join(self.site, "site.toml"), "--twin", "--method", "constant-22.5", "--seed", "3",
-                         "--start", "2021-07-05", "--expert-days", "0", "--days", "2")
+        told = simulated("--site", os.path.join(self.site, "site.toml"), "--twin", "--method", "constant-22.5",
+                         "--seed", "3", "--start", "2021-07-05", "--expert-days", "0", "--days", "2")
         with self.environment(days=2) as env:
             constant_is_as_simulated(self, env, told)
 
@@ -107,5 +107,6 @@ class Adopted(unittest.TestCase):
             self.assertNotIn("room_temp_2", names)
             self.assertLess(low, high)
             _, rewards, infos = episode(env, lambda _: setpoint((low + high) / 2), 1)
-        self.assertEqual({info["time"][:10] for info in infos if info["scored"]}, {f"2021-07-{d:02}" for d in range(5, 10)})
+        scored = {info["time"][:10] for info in infos if info["scored"]}
+        self.assertEqual(scored, {f"2021-07-{day:02}" for day in range(5, 10)})
         self.assertTrue((rewards[400:] == 0).all(), "Saturday is a day off")

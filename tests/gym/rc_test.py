@@ -40,7 +40,8 @@ class Rc(unittest.TestCase):
             self.assertEqual(drawn, [env.reset(seed=5)[1]["seed"]] + [env.reset()[1]["seed"] for _ in range(2)])
 
     def test_a_constant_scores_as_in_the_simulation(self):
-        told = simulated("--plant", "rc", "--room", "301-real", "--method", "constant-22.5", "--seed", "3", "--days", "7")
+        told = simulated("--plant", "rc", "--room", "301-real", "--method", "constant-22.5", "--seed", "3",
+                         "--days", "7")
         with environment("Rc", days=7, **ROOM) as env:
             _, rewards, infos = episode(env, lambda _: setpoint(22.5), 3)
             self.assertAlmostEqual(scores_of(env, infos)["dae_degc"], told["dae_degc"], places=9)
@@ -98,7 +99,8 @@ class Rc(unittest.TestCase):
 
     def test_options_of_reset_hold_for_one_episode(self):
         with environment("Rc", days=3, room="301") as env:
-            _, info = env.reset(seed=1, options={"room": "402-real", "start": "2021-06-01", "days": 1, "expert_days": 2})
+            chosen = {"room": "402-real", "start": "2021-06-01", "days": 1, "expert_days": 2}
+            _, info = env.reset(seed=1, options=chosen)
             self.assertEqual(info["time"], "2021-06-03T00:00:00")
             self.assertIn("402-real", info["plant"])
             _, info = env.reset(seed=1)

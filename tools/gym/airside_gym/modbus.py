@@ -40,12 +40,12 @@ class Client:
 
     def exchange(self, requests):
         """Answers of requests, in order: register contents or bits as a tuple of int; empty for writes."""
-        first = self._number
-        frames = [struct.pack(">HHHB", (first + i) & 0xFFFF, 0, len(pdu) + 1, 1) + pdu for i, pdu in enumerate(requests)]
+        numbers = [(self._number + i) & 0xFFFF for i in range(len(requests))]
         self._number += len(requests)
+        frames = [struct.pack(">HHHB", n, 0, len(pdu) + 1, 1) + pdu for n, pdu in zip(numbers, requests)]
         try:
             self._socket.sendall(b"".join(frames))
-            return [self._answer((first + i) & 0xFFFF, pdu) for i, pdu in enumerate(requests)]
+            return [self._answer(n, pdu) for n, pdu in zip(numbers, requests)]
         except OSError as cause:
             raise AirsideError(f"{self._place}: no answer ({cause})") from cause
 
