@@ -48,7 +48,7 @@ def is_running(pid):
         return False
 
 
-def ends(pid, within_s=10):
+def ends(pid, within_s=30):
     until = time.monotonic() + within_s
     while is_running(pid):
         if time.monotonic() > until:
