@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "baselines/first_order_plant.hpp"
 #include "tools/baselines/guideline36.hpp"
 
@@ -14,7 +16,7 @@ CycleObservation at(double hour, double room_degc, double outdoor_degc = 10) {
   FirstOrderPlant plant(0.0);
   plant.set_mean_degc(room_degc);
   CycleObservation now = plant.observe();
-  now.time.seconds = 4 * 86400 + static_cast<std::int64_t>(hour * 3600 + 0.5);
+  now.time.seconds = 4 * 86400 + std::lround(hour * 3600);
   now.sensors.room_temp_degc.assign(5, room_degc);
   now.sensors.outdoor_temp_degc = outdoor_degc;
   return now;
