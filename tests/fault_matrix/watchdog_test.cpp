@@ -76,8 +76,8 @@ TEST(Watchdog, Row42AStarvedControlThreadIsFoundAndItsSuccessorGoesOnExactly) {
 }
 
 TEST(Watchdog, Row42WithoutStarvationEachRowKicksOnceAndNobodyIsRestarted) {
-  // A row takes milliseconds and a socket holds ten words that nobody has read yet, then drops: where this process waits
-  // 50 ms for a processor, a word is lost that was said.
+  // A row takes milliseconds and a socket holds ten words that nobody has read yet, then drops: where this process
+  // waits 50 ms for a processor, a word is lost that was said.
   Bench bench = watched_day("kicks", "");
   const auto& expected = bench.expected();
   bench.start_server();
