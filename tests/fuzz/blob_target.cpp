@@ -33,7 +33,7 @@ Codec::Payload& scratch() {
   return *payload;
 }
 
-Bytes encoded(std::uint32_t head_states, const char* scope) {
+Bytes encoded(std::uint32_t head_states, const char* scope, bool with_residual = false) {
   auto payload = std::make_unique<Codec::Payload>();
   payload->head_states = head_states;
   payload->head_theta.setConstant(0.25);
@@ -41,10 +41,12 @@ Bytes encoded(std::uint32_t head_states, const char* scope) {
     payload->head_covariance[static_cast<std::size_t>(i * RoomHead<OneVav>::states + i)] = 0.5;
   }
   payload->weights.fill(0.125f);
+  payload->residual.values.fill(0.25f);
+  payload->residual.is_trained = with_residual ? 1 : 0;
   std::strcpy(payload->provenance.data(), "airside pretrain");  // NOLINT: a literal into 512 bytes
   BlobHeader header;
   std::memcpy(header.site_scope.data(), scope, std::strlen(scope));
-  Bytes bytes(Codec::size(head_states));
+  Bytes bytes(Codec::size(*payload));
   Codec::encode(header, *payload, raw_of(bytes));
   return bytes;
 }
@@ -60,6 +62,7 @@ bool decode(View input) {
   FUZZ_CLAIM(payload.scaler.finite());
   for (const float w : payload.weights) FUZZ_CLAIM(w >= -1000 && w <= 1000);
   FUZZ_CLAIM(payload.head_theta.allFinite());
+  for (const float v : payload.residual.values) FUZZ_CLAIM(v >= -1000 && v <= 1000);
   Bytes again(input.size());
   FUZZ_CLAIM(Codec::encode(*header, payload, raw_of(again)) == input.size());
   FUZZ_CLAIM(std::memcmp(again.data(), input.data(), input.size() - blob_signature_bytes) == 0);
@@ -92,9 +95,9 @@ void repair(Bytes& input, std::uint32_t choice) {
   }
   if ((choice & 2) != 0) header.payload_bytes = static_cast<std::uint32_t>(input.size() - front - blob_signature_bytes);
   if ((choice & 4) != 0) {
-    input.resize(Codec::size(0));
+    input.resize(Codec::size(0, 0));
     header.head_states = 0;
-    header.payload_bytes = static_cast<std::uint32_t>(Codec::Payload::bytes(0));
+    header.payload_bytes = static_cast<std::uint32_t>(Codec::Payload::bytes(0, 0));
   }
   std::memcpy(input.data(), &header, front);
   give_digest(input);
@@ -104,7 +107,7 @@ void repair(Bytes& input, std::uint32_t choice) {
 void repair_head(Bytes& input, std::uint32_t choice) { repair(input, choice & ~4U); }
 
 std::vector<Bytes> seeds() { return {encoded(0, "Room 1"), encoded(0, ""), encoded(0, "another")}; }
-std::vector<Bytes> head_seeds() { return {encoded(94, ""), encoded(0, "")}; }
+std::vector<Bytes> head_seeds() { return {encoded(94, ""), encoded(0, ""), encoded(94, "", true)}; }
 
 // ---- signatures
 
@@ -203,9 +206,10 @@ std::vector<std::string> key_words() { return {"airside-public-key-1", "airside-
 
 }  // namespace
 
-const Target blob{"blob", Codec::size(0) + 64, decode, repair, seeds, nullptr};
-const Target blob_head{"blob_head", Codec::size(94) + 64, decode, repair_head, head_seeds, nullptr};
-const Target signed_blob{"signed_blob", Codec::size(0) + 64, verify, sign, signed_seeds, nullptr};
+const Target blob{"blob", Codec::size(0, 0) + 64, decode, repair, seeds, nullptr};
+const Target blob_head{"blob_head", Codec::size(94, ResidualNetwork::parameters) + 64, decode, repair_head, head_seeds,
+                       nullptr};
+const Target signed_blob{"signed_blob", Codec::size(0, 0) + 64, verify, sign, signed_seeds, nullptr};
 const Target keys{"keys", 400, read_key, nullptr, key_seeds, key_words};
 
 }  // namespace airside::fuzz

@@ -87,11 +87,13 @@ inline std::string body_of(const std::string& answer) {
   return end == std::string::npos ? "" : answer.substr(end + 4);
 }
 
-/// A blob for a room of this shape; all weights zero.
+/// The longest blob for a room of this shape; all weights of the network zero.
 template <Topology T = FiveZone>
 Bytes plain_blob(BlobHeader header = {}) {
   auto payload = std::make_unique<typename WeightBlob<T>::Payload>();
   payload->head_states = static_cast<std::uint32_t>(RoomHead<T>::states);
+  payload->residual.values.fill(1.0f);
+  payload->residual.is_trained = 1;
   Bytes bytes(WeightBlob<T>::max_bytes);
   EXPECT_EQ(WeightBlob<T>::encode(header, *payload, bytes), bytes.size());
   return bytes;

@@ -62,7 +62,7 @@ Day run_in(const Shape& shape) {
   run_cycles<T>(plant, clock, *controller, sink, start, {start.seconds + 2 * 86400});
   auto payload = std::make_unique<typename WeightBlob<T>::Payload>();
   give_payload<T>(*controller, *payload);
-  day.blob.resize(WeightBlob<T>::size(payload->head_states, payload->site));
+  day.blob.resize(WeightBlob<T>::size(*payload));
   EXPECT_EQ(WeightBlob<T>::encode({}, *payload, day.blob), day.blob.size());
   auto weights = controller->learning().weights;
   for_each_parameter<T>(shape, [&](Layer, int i) { weights.values[static_cast<std::size_t>(i)] = 0; });

@@ -17,7 +17,7 @@ Bytes blob_of(const Controller<T>& controller, const Change& change, BlobHeader 
   auto payload = std::make_unique<typename WeightBlob<T>::Payload>();
   give_payload<T>(controller, *payload);
   change(*payload);
-  Bytes bytes(WeightBlob<T>::size(payload->head_states));
+  Bytes bytes(WeightBlob<T>::size(*payload));
   WeightBlob<T>::encode(header, *payload, bytes);
   return bytes;
 }

@@ -21,7 +21,7 @@ using Payload = typename WeightBlob<T>::Payload;
 using Bytes = std::vector<std::byte>;
 
 template <class T>
-std::unique_ptr<Payload<T>> some_payload(bool with_head) {
+std::unique_ptr<Payload<T>> some_payload(bool with_head, bool with_residual = false) {
   auto p = std::make_unique<Payload<T>>();
   SplitMix64 draw(17);
   for (int i = 0; i < Layout<T>::inputs; ++i) {
@@ -39,6 +39,10 @@ std::unique_ptr<Payload<T>> some_payload(bool with_head) {
       for (int j = 0; j <= i; ++j) c(i, j) = c(j, i) = i == j ? 1 + draw.uniform() : 0.01 * draw.symmetric();
     }
   }
+  if (with_residual) {
+    for (float& v : p->residual.values) v = 0.5f + static_cast<float>(draw.uniform());
+    p->residual.is_trained = 1;
+  }
   const std::string text = "twin rc 301, 31 days";
   std::copy(text.begin(), text.end(), p->provenance.begin());
   return p;
@@ -46,7 +50,7 @@ std::unique_ptr<Payload<T>> some_payload(bool with_head) {
 
 template <class T>
 Bytes encode(const Payload<T>& payload, BlobHeader header = {}) {
-  Bytes bytes(WeightBlob<T>::size(payload.head_states));
+  Bytes bytes(WeightBlob<T>::size(payload));
   EXPECT_EQ(WeightBlob<T>::encode(header, payload, bytes), bytes.size());
   return bytes;
 }
@@ -225,9 +229,49 @@ TEST(Blob, ValuesThatAreNoneAreRefusedThoughTheDigestIsRight) {
   refused("head_covariance", [](auto& p) { p.head_covariance[1] = std::nan(""); });
 }
 
+TEST(Blob, CarriesAResidualNetworkOrNone) {
+  for (const bool with_head : {false, true}) {
+    const auto without = some_payload<ThreeVav>(with_head), with = some_payload<ThreeVav>(with_head, true);
+    const Bytes small = encode<ThreeVav>(*without), large = encode<ThreeVav>(*with);
+    EXPECT_EQ(large.size(), small.size() + sizeof(float) * ResidualNetwork::parameters);
+    auto read = std::make_unique<Payload<ThreeVav>>();
+    ASSERT_TRUE(WeightBlob<ThreeVav>::decode(large, std::string(), *read));
+    EXPECT_EQ(read->residual.is_trained, 1u);
+    EXPECT_EQ(read->residual.values, with->residual.values);
+    EXPECT_EQ(read->provenance, with->provenance);
+    ASSERT_TRUE(WeightBlob<ThreeVav>::decode(small, std::string(), *read));
+    EXPECT_EQ(read->residual.is_trained, 0u) << "none stays from the blob before";
+    EXPECT_EQ(read->provenance, without->provenance);
+  }
+}
+
+TEST(Blob, RefusesAResidualNetworkOfAnotherSize) {
+  const Bytes bytes = encode<ThreeVav>(*some_payload<ThreeVav>(true, true));
+  for (const std::uint32_t count : {0u, 1u, 1188u, 1190u, 0xFFFFFFFFu}) {
+    const std::string field = count == 0 ? "payload_bytes" : "residual_parameters";
+    expect_refused<ThreeVav>(
+        bytes, [&](BlobHeader& h) { h.residual_parameters = count; }, Fault::blob_size, field);
+  }
+}
+
+TEST(Blob, RefusesAResidualNetworkThatCannotBe) {
+  const auto refused = [](std::size_t at, float value) {
+    const auto payload = some_payload<ThreeVav>(false, true);
+    payload->residual.values[at] = value;
+    const auto read = decode<ThreeVav>(encode<ThreeVav>(*payload));
+    ASSERT_FALSE(read) << at;
+    EXPECT_EQ(read.error().fault, Fault::blob_value);
+    EXPECT_STREQ(read.error().field, "residual");
+  };
+  refused(0, std::nanf(""));
+  refused(ResidualNetwork::inputs, 0.0f);
+  refused(2 * ResidualNetwork::inputs - 1, -1.0f);
+  refused(ResidualNetwork::parameters - 1, 1001.0f);
+}
+
 TEST(Blob, NeedsRoomForTheWhole) {
   const auto payload = some_payload<ThreeVav>(true);
-  Bytes small(WeightBlob<ThreeVav>::size(payload->head_states) - 1);
+  Bytes small(WeightBlob<ThreeVav>::size(*payload) - 1);
   EXPECT_EQ(WeightBlob<ThreeVav>::encode({}, *payload, small), 0U);
   EXPECT_GE(WeightBlob<ThreeVav>::max_bytes, small.size() + 1);
 }

@@ -26,7 +26,7 @@ class Push : public ::testing::Test {
   std::string blob(const std::string& name, const hal::SecretKey& key, BlobHeader header = {}) const {
     auto payload = std::make_unique<typename WeightBlob<T>::Payload>();
     payload->head_states = static_cast<std::uint32_t>(RoomHead<T>::states);
-    std::vector<std::byte> bytes(WeightBlob<T>::max_bytes);
+    std::vector<std::byte> bytes(WeightBlob<T>::size(*payload));
     WeightBlob<T>::encode(header, *payload, bytes);
     hal::sign_blob(bytes, key, 10);
     hal::write_blob_file(path(name).string(), bytes);

@@ -18,6 +18,7 @@ void add_adopt(CLI::App& app);
 void add_check(CLI::App& app);
 void add_init(CLI::App& app);
 void add_pretrain(CLI::App& app);
+void add_residual(CLI::App& app);
 void add_transfer(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_serve(CLI::App& app);

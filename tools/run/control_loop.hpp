@@ -119,7 +119,7 @@ BlobBytes blob_of(const Controller<T>& controller, const std::string& provenance
   provenance.copy(payload->provenance.data(), payload->provenance.size() - 1);
   BlobHeader header;
   header.created_s = end.seconds;
-  BlobBytes bytes(WeightBlob<T>::size(payload->head_states, payload->site));
+  BlobBytes bytes(WeightBlob<T>::size(*payload));
   WeightBlob<T>::encode(header, *payload, bytes);
   return bytes;
 }

@@ -19,6 +19,8 @@ struct CycleSample {
   double setpoint_degc = 0;
   /// By which the room head's forecast of the cycle that ended then was wrong; NaN: it had none.
   double head_error_k = std::numeric_limits<double>::quiet_NaN();
+  /// What the residual forecaster saw then; empty: nothing.
+  std::vector<float> residual_features = {};
 };
 
 /// The plant's electric power (all meters summed), held until the next row.

@@ -93,6 +93,10 @@ struct ControllerSink {
   bool row(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller) {
     steps.row(controller);
     recorder.add<T>(t, sensed, controller.decision(), controller.cycle().last_setpoint_degc);
+    const auto& residual = controller.cycle().residual;
+    if (starts_cycle(t) && residual.has_features != 0) {
+      recorder.run.cycles.back().residual_features.assign(residual.features.x.begin(), residual.features.x.end());
+    }
     return true;
   }
 };

@@ -1,6 +1,6 @@
 #pragma once
-// The weight blob: scaler, network weights, room head and provenance in one checked piece of bytes. docs/formats.md has
-// the byte table.
+// The weight blob: scaler, network weights, room head, residual network and provenance in one checked piece of bytes.
+// docs/formats.md has the byte table.
 
 #include <cstddef>
 #include <cstdint>
@@ -29,24 +29,29 @@ class BlobCodec {
  public:
   using Payload = BlobPayload<T, Parameters>;
   static constexpr std::size_t max_bytes =
-      sizeof(BlobHeader) + Payload::bytes(RoomHead<T>::states) + blob_signature_bytes;
+      sizeof(BlobHeader) + Payload::bytes(RoomHead<T>::states, ResidualNetwork::parameters) + blob_signature_bytes;
 
-  /// Size of a blob with a head of this number of states, bytes.
-  static constexpr std::size_t size(std::uint32_t head_states, const Shape& site = capacity_of<T>()) {
-    return sizeof(BlobHeader) + Payload::bytes(head_states, site) + blob_signature_bytes;
+  /// Size of a blob with a head of this number of states and a residual network of so many numbers, bytes.
+  static constexpr std::size_t size(std::uint32_t head_states, std::uint32_t residual_parameters,
+                                    const Shape& site = capacity_of<T>()) {
+    return sizeof(BlobHeader) + Payload::bytes(head_states, residual_parameters, site) + blob_signature_bytes;
+  }
+  static std::size_t size(const Payload& payload) {
+    return size(payload.head_states, payload.residual_parameters(), payload.site);
   }
 
   /// Writes header and payload to `out`, fills in sizes, hashes and digest; the signature stays zero.
   /// Errors: 0 if `out` is too small. Returns the blob's size.
   static std::size_t encode(BlobHeader header, const Payload& payload, std::span<std::byte> out) {
-    const std::size_t total = size(payload.head_states, payload.site);
+    const std::size_t total = size(payload);
     if (out.size() < total) return 0;
     const int parameters = Payload::parameters(payload.site);
     header.topology_hash = topology_hash(payload.site, parameters);
     header.units_hash = units_hash<T>(payload.site);
-    header.payload_bytes = static_cast<std::uint32_t>(Payload::bytes(payload.head_states, payload.site));
+    header.payload_bytes = static_cast<std::uint32_t>(total - sizeof header - blob_signature_bytes);
     header.parameters = static_cast<std::uint32_t>(parameters);
     header.head_states = payload.head_states;
+    header.residual_parameters = payload.residual_parameters();
     std::byte* at = out.data() + sizeof(BlobHeader);
     const auto put = [&at](const void* from, std::size_t n) {
       std::memcpy(at, from, n);
@@ -63,6 +68,7 @@ class BlobCodec {
         put(&c, sizeof c);
       }
     }
+    put(payload.residual.values.data(), sizeof(float) * header.residual_parameters);
     put(payload.provenance.data(), blob_provenance_bytes);
     std::memset(at, 0, blob_signature_bytes);
     const std::uint32_t crc = blob_digest(header, out.subspan(sizeof(BlobHeader), header.payload_bytes));
@@ -119,7 +125,10 @@ class BlobCodec {
     const bool known_head = header.head_states == 0 || header.head_states == one ||
                             header.head_states == static_cast<std::uint32_t>(RoomHead<T>::states);
     if (!known_head) return refuse(Fault::blob_size, "head_states");
-    if (header.payload_bytes != Payload::bytes(header.head_states, payload.site)) {
+    if (header.residual_parameters != 0 && header.residual_parameters != ResidualNetwork::parameters) {
+      return refuse(Fault::blob_size, "residual_parameters");
+    }
+    if (header.payload_bytes != Payload::bytes(header.head_states, header.residual_parameters, payload.site)) {
       return refuse(Fault::blob_size, "payload_bytes");
     }
     if (!scope_matches(header, site_scope)) return refuse(Fault::blob_scope, "site_scope");
@@ -137,11 +146,12 @@ class BlobCodec {
     const typename RoomHead<T>::ConstCovariance covariance(payload.head_covariance.data());
     if (!covariance.allFinite()) return {Fault::blob_value, "head_covariance"};
     if (!(covariance.diagonal().array() >= 0).all()) return {Fault::blob_value, "head_covariance"};
+    if (!payload.residual.is_sound()) return {Fault::blob_value, "residual"};
     return {Fault::none, ""};
   }
 
   /// Payload bytes as they are, for showing blobs that decode() refuses.
-  /// Shape: in: Payload::bytes(header.head_states, payload.site), head_states at most RoomHead's.
+  /// Shape: in: Payload::bytes() of the header's counts, head_states at most RoomHead's, residual_parameters 0 or all.
   static void read_payload(const BlobHeader& header, std::span<const std::byte> in, Payload& payload) {
     const std::byte* at = in.data();
     const auto get = [&at](void* to, std::size_t n) {
@@ -166,6 +176,9 @@ class BlobCodec {
         covariance(i, j) = covariance(j, i) = c;
       }
     }
+    payload.residual = ResidualNetwork();
+    get(payload.residual.values.data(), sizeof(float) * header.residual_parameters);
+    payload.residual.is_trained = header.residual_parameters != 0 ? 1 : 0;
     get(payload.provenance.data(), blob_provenance_bytes);
   }
 

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "airside/crc32c.hpp"
+#include "airside/forecast/residual_forecaster.hpp"
 #include "airside/forecast/room_head.hpp"
 #include "airside/network/network.hpp"
 #include "airside/network/scaler.hpp"
@@ -38,8 +39,9 @@ struct BlobHeader {
   std::uint32_t head_states = 0;  ///< 0: no head; else theta and covariance follow
   std::uint32_t digest_kind = 1;  ///< 1: CRC-32C in the digest's first four bytes
   std::array<std::uint8_t, 32> digest{};
-  std::int64_t created_s = 0;  ///< civil time of training's end
-  std::array<std::uint8_t, 48> reserved{};
+  std::int64_t created_s = 0;             ///< civil time of training's end
+  std::uint32_t residual_parameters = 0;  ///< 0: no residual network; else its numbers follow the head
+  std::array<std::uint8_t, 44> reserved{};
 };
 static_assert(sizeof(BlobHeader) == 192 && std::is_trivially_copyable_v<BlobHeader>);
 
@@ -98,13 +100,19 @@ struct BlobPayload {
   std::uint32_t head_updates = 0;
   typename RoomHead<T>::State head_theta = RoomHead<T>::State::Zero();
   typename RoomHead<T>::CovarianceStore head_covariance{};  ///< states x states, column-major
+  ResidualNetwork residual;                                 ///< in the file where it is trained
   std::array<char, blob_provenance_bytes> provenance{};
 
-  static constexpr std::size_t bytes(std::uint32_t head_states, const Shape& site = capacity_of<T>()) {
+  static constexpr std::size_t bytes(std::uint32_t head_states, std::uint32_t residual_parameters,
+                                     const Shape& site = capacity_of<T>()) {
     const std::size_t n = head_states;
     return 2 * sizeof(double) * static_cast<std::size_t>(site.inputs()) +
            sizeof(float) * static_cast<std::size_t>(parameters(site)) + sizeof(std::uint32_t) +
-           sizeof(double) * (n + n * (n + 1) / 2) + blob_provenance_bytes;
+           sizeof(double) * (n + n * (n + 1) / 2) + sizeof(float) * std::size_t{residual_parameters} +
+           blob_provenance_bytes;
+  }
+  std::uint32_t residual_parameters() const {
+    return residual.is_trained != 0 ? static_cast<std::uint32_t>(ResidualNetwork::parameters) : 0u;
   }
   /// Of a network of the site's shape; Parameters where that fills the topology.
   static constexpr int parameters(const Shape& site) {

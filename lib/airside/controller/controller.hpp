@@ -12,6 +12,7 @@
 #include "airside/controller/controller_memory.hpp"
 #include "airside/controller/cycle_judge.hpp"
 #include "airside/controller/cycle_record.hpp"
+#include "airside/controller/decision.hpp"
 #include "airside/controller/pending_cycle.hpp"
 #include "airside/controller/supervisor.hpp"
 #include "airside/demand_settings.hpp"
@@ -147,7 +148,10 @@ class Controller : public ControllerMemory<T, Scalar> {
     if (pending.flows && judge.has_ended(pending.time, pending.is_usable)) {
       if (settings_.head != 0) proposer_.take_features(settings_, cycle_, learning_.scaler, pending);
       judge.judge(pending);
+    } else {
+      cycle_.residual.end_cycle(Decision::none);
     }
+    cycle_.residual.count_closed(pending.now.segment(Layout<T>::vav_on, rooms_of<T>(settings_.shape)));
     if (cycle_.has_weights == 0) return {.missing = Reason::no_weights};
     // While the fan rests the setpoint stays as it was: it has no effect, and the forecasts know no still air.
     const bool stays = !pending.flows && std::isfinite(cycle_.last_setpoint_degc);

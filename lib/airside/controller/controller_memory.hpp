@@ -60,6 +60,7 @@ class ControllerMemory {
     learning_.scaler = Scaler<T>();
     learning_.cycles = learning_.rejected = 0;
     learning_.head.reset(settings, settings.head_gain_prior, settings.head_gain_prior_sd);
+    learning_.residual = {};
     ::new (static_cast<void*>(&cycle_)) CycleState<T>();  // in place: a whole state is too much for the stack
     cycle_.validator.use_limits(limits_, settings_);
     cycle_.confidence = settings.confidence_initial;
@@ -85,7 +86,7 @@ class ControllerMemory {
   }
   /// Takes scaler and weights as the start.  Shape: NetworkWeights::count.
   void start(const Scaler<T>& scaler, std::span<const Scalar> weights) {
-    std::copy(weights.begin(), weights.end(), learning_.weights.flat().begin());
+    std::ranges::copy(weights, learning_.weights.flat().begin());
     start(scaler);
   }
   /// Memory that holds nothing before the first start: for a blob's payload where there is no other.
@@ -106,6 +107,8 @@ class ControllerMemory {
     learning_.head.set_updates(updates);
     learning_.head.complete_day_types(settings_);
   }
+  /// The residual network begins anew from weights, used until it errs.
+  void take_residual(const ResidualNetwork& network) { learning_.residual = {network, {}}; }
   /// The room head begins anew from a gain, K/K.
   void reset_head(double gain, double gain_sd) { learning_.head.reset(settings_, gain, gain_sd); }
 
@@ -222,7 +225,7 @@ class ControllerMemory {
   Fault rebuild() {
     cycle_.validator.use_limits(limits_, settings_);
     if (!all_finite(learning_.weights) || !learning_.head.finite() || !learning_.scaler.finite() ||
-        !std::isfinite(cycle_.confidence)) {
+        !learning_.residual.network.is_sound() || !std::isfinite(cycle_.confidence)) {
       cycle_.has_weights = 0;
       return Fault::state_invalid;
     }

@@ -52,6 +52,8 @@ class CycleJudge {
     at.head_error_k = at.room_mean_degc - cycle_.head_expected_degc;
     track(cycle_.network_error_k2, at.network_error_k);
     track(cycle_.head_error_k2, at.head_error_k);
+    cycle_.residual.end_cycle(at.head_error_k);
+    learning_.residual.gate.judge(at.head_error_k, cycle_.residual.forecast_k);
     judge_confidence(at);
   }
 

@@ -52,6 +52,9 @@ class CycleRecord {
   void finish(const Pending& pending, const CommandOutcome& outcome) {
     const bool follows = pending.time.seconds - cycle_.last_time.seconds == cycle_s;
     cycle_.features = pending.features;
+    cycle_.residual.features = pending.residual_features;
+    cycle_.residual.has_features = pending.has_residual_features && outcome.is_applied ? 1 : 0;
+    cycle_.residual.forecast_k = outcome.is_applied ? pending.residual_k : Decision::none;
     cycle_.has_features = pending.has_features && outcome.is_applied ? 1 : 0;
     cycle_.before_setpoint_degc = cycle_.last_setpoint_degc;
     cycle_.last_value = pending.now;

@@ -3,6 +3,7 @@
 
 #include "airside/controller/decision.hpp"
 #include "airside/forecast/head_features.hpp"
+#include "airside/forecast/residual_features.hpp"
 #include "airside/learning/replay_ring.hpp"
 #include "airside/reading.hpp"
 #include "airside/supervision/control_mode.hpp"
@@ -24,8 +25,11 @@ struct PendingCycle : Decision {
   typename Reading<T>::Vector now =
       Reading<T>::Vector::Zero();                       ///< the checked reading; the last one where there is none
   HeadFeatures features;                                ///< of this decision, where has_features
+  ResidualFeatures residual_features;                   ///< of this decision, where has_residual_features
   typename ReplayRing<T, Scalar>::Row completed_row{};  ///< the transition that just ended, where is_completed
+  double residual_k = none;                             ///< the forecast of the head's error, whatever share is used
   bool has_features = false;
+  bool has_residual_features = false;
   bool is_completed = false;
   bool is_usable = false;  ///< the reading may be learned from
   bool flows = true;       ///< air flows, so that supply air can follow its setpoint

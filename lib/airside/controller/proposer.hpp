@@ -8,6 +8,8 @@
 #include "airside/civil_time.hpp"
 #include "airside/controller/pending_cycle.hpp"
 #include "airside/forecast/candidate_search.hpp"
+#include "airside/forecast/head_features.hpp"
+#include "airside/forecast/residual_features.hpp"
 #include "airside/forecast/room_head.hpp"
 #include "airside/learning/learning_state.hpp"
 #include "airside/network/scaler.hpp"
@@ -15,6 +17,7 @@
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/supervision/confidence.hpp"
+#include "airside/supervision/schedule.hpp"
 #include "airside/topology.hpp"
 
 namespace airside {
@@ -31,20 +34,11 @@ class Proposer {
   void configure(const ControllerSettings& settings) { search_.configure(settings); }
   CandidateSearch<T, Scalar>& search() { return search_; }
 
-  /// The regressors of now. A row that was missed 6 min ago is taken to lie on the line from the last decision.
+  /// The regressors of now.
   static void take_features(const ControllerSettings& s, const CycleState<T>& cycle, const Scaler<T>& scaler,
                             Pending& at) {
-    Vector recent = cycle.row_value;
-    if (at.time.seconds - cycle.row_time.seconds != row_s) {
-      recent = at.now - (at.now - cycle.last_value) / rows_per_cycle;
-    }
-    const double move = cycle.last_setpoint_degc - cycle.before_setpoint_degc;
-    at.features = head_features<T>({.before = cycle.last_value,
-                                    .recent = recent,
-                                    .now = at.now,
-                                    .setpoint_before_degc = cycle.last_setpoint_degc,
-                                    .last_move_k = std::isfinite(move) ? move : 0.0},
-                                   s.shape, scaler.head_power_scale(s.shape));
+    const Vector recent = recent_of(cycle, at);
+    at.features = head_features<T>(instants(cycle, recent, at), s.shape, scaler.head_power_scale(s.shape));
     at.has_features = true;
   }
 
@@ -54,7 +48,8 @@ class Proposer {
                  NetworkScratch<T, Scalar>& scratch, Pending& at) {
     const ForecastModel<T, Scalar> model{learning.scaler, scratch.packed, scratch};
     at.network_degc = search_.best_degc(s, model, at.now, cycle.last_setpoint_degc);
-    at.head_degc = head_choice(s, learning.head, cycle.last_setpoint_degc, at);
+    at.head_degc = head_choice(s, learning.head, cycle.last_setpoint_degc, 0.0, at);
+    if (std::isfinite(at.head_degc)) correct(s, learning, cycle, at);
     double chosen = at.network_degc;
     if (std::isfinite(at.head_degc)) {
       // Inverse-variance weights: the forecast that has erred less counts more; head_weight 1 leaves the head alone.
@@ -79,15 +74,48 @@ class Proposer {
     if (!at.has_features) return cycle.network_expected_degc;
     cycle.head_expected_degc = room_mean(s, at.now) + learning.head.drift_k(s, at.time, at.features) +
                                learning.head.gain(s) * (applied_degc - cycle.last_setpoint_degc);
-    return std::isfinite(cycle.head_expected_degc) ? cycle.head_expected_degc : cycle.network_expected_degc;
+    if (!std::isfinite(cycle.head_expected_degc)) return cycle.network_expected_degc;
+    return cycle.head_expected_degc + used_residual_k(learning, at);
   }
 
  private:
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-  static double head_choice(const ControllerSettings& s, const RoomHead<T>& head, double last_degc, const Pending& at) {
+  /// A row that was missed 6 min ago is taken to lie on the line from the last decision.
+  static Vector recent_of(const CycleState<T>& cycle, const Pending& at) {
+    if (at.time.seconds - cycle.row_time.seconds == row_s) return cycle.row_value;
+    return at.now - (at.now - cycle.last_value) / rows_per_cycle;
+  }
+
+  static HeadInstants<T> instants(const CycleState<T>& cycle, const Vector& recent, const Pending& at) {
+    const double move = cycle.last_setpoint_degc - cycle.before_setpoint_degc;
+    return {.before = cycle.last_value,
+            .recent = recent,
+            .now = at.now,
+            .setpoint_before_degc = cycle.last_setpoint_degc,
+            .last_move_k = std::isfinite(move) ? move : 0.0};
+  }
+
+  /// The head's choice with its own error foreseen, in working hours: nothing else was learned from.
+  static void correct(const ControllerSettings& s, const LearningState<T, Scalar>& learning, const CycleState<T>& cycle,
+                      Pending& at) {
+    if (!cycle.residual.is_complete() || !in_working_hours(s, at.time)) return;
+    const Vector recent = recent_of(cycle, at);
+    at.residual_features = residual_features<T>(s, at.time, instants(cycle, recent, at), cycle.residual, at.head_degc);
+    at.has_residual_features = true;
+    if (learning.residual.network.is_trained == 0) return;
+    at.residual_k = learning.residual.network.forecast_k(at.residual_features);
+    at.head_degc = head_choice(s, learning.head, cycle.last_setpoint_degc, used_residual_k(learning, at), at);
+  }
+
+  static double used_residual_k(const LearningState<T, Scalar>& learning, const Pending& at) {
+    return std::isfinite(at.residual_k) ? learning.residual.gate.share() * at.residual_k : 0.0;
+  }
+
+  static double head_choice(const ControllerSettings& s, const RoomHead<T>& head, double last_degc, double residual_k,
+                            const Pending& at) {
     if (!at.has_features || head.updates() == 0) return unknown;
-    const double ideal = head.setpoint_degc(s, at.time, at.features, room_mean(s, at.now), last_degc);
+    const double ideal = head.setpoint_degc(s, at.time, at.features, room_mean(s, at.now), last_degc, residual_k);
     if (!std::isfinite(ideal)) return unknown;  // before the clamp, which would make a bound of an infinite one
     return std::clamp(ideal, s.action_min_degc, s.action_max_degc);
   }

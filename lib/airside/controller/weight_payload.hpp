@@ -31,18 +31,21 @@ bool wants_head(const Controller<T, float>& controller, const WeightPayload<T>& 
   return payload.head_states > 0 && controller.learning().head.updates() < cycles_per_day;
 }
 
-/// A blob's weights and scaler in place of those in use, and its head where wants_head().
+/// A blob's weights and scaler in place of those in use, its head where wants_head(), its residual network where it has
+/// one.
 template <Topology T>
 void exchange_payload(Controller<T, float>& controller, const WeightPayload<T>& payload) {
   const bool head = wants_head<T>(controller, payload);
+  if (payload.residual.is_trained != 0) controller.take_residual(payload.residual);
   controller.exchange(payload.scaler, payload.weights);
   if (head) take_head<T>(controller, payload);
 }
 
-/// Puts a blob's scaler, weights and head into the controller.
+/// Puts a blob's scaler, weights, head and residual network into the controller.
 template <Topology T>
 void take_payload(Controller<T, float>& controller, const WeightPayload<T>& payload) {
   take_head<T>(controller, payload);
+  controller.take_residual(payload.residual);
   controller.start(payload.scaler, payload.weights);
 }
 
@@ -57,6 +60,7 @@ void give_payload(const Controller<T, float>& controller, WeightPayload<T>& payl
   const bool two_types = day_types_of(controller.settings()) == 2;
   const int states = two_types ? Head::states : Head::regressors + Head::slots;
   payload.head_states = controller.settings().head != 0 ? static_cast<std::uint32_t>(states) : 0u;
+  payload.residual = learning.residual.network;
   payload.head_updates = learning.head.updates();
   payload.head_theta = learning.head.theta();
   std::copy_n(learning.head.covariance().data(), payload.head_covariance.size(), payload.head_covariance.begin());

@@ -75,11 +75,12 @@ class RoomHead {
   /// Whether colder supply air makes the rooms colder, beyond doubt: gain - 2 sd > 0.
   bool gain_is_sane() const { return theta_(HeadFeatures::setpoint_change) - 2 * gain_sd() > 0; }
 
-  /// The setpoint that removes `head_correction` of the present error by the end of the cycle, degC.
+  /// The setpoint that removes `head_correction` of the present error by the end of the cycle, degC. `residual_k`: by
+  /// which the room will move besides, as another forecast has it.
   double setpoint_degc(const ControllerSettings& s, CivilTime t, const HeadFeatures& f, double room_mean_degc,
-                       double setpoint_before_degc) const {
+                       double setpoint_before_degc, double residual_k = 0) const {
     const double wanted_k = s.head_correction * (s.target_degc - room_mean_degc);
-    return setpoint_before_degc + (wanted_k - drift_k(s, t, f)) / gain(s);
+    return setpoint_before_degc + (wanted_k - drift_k(s, t, f) - residual_k) / gain(s);
   }
 
   /// Learns from one completed cycle: features f at t, then the room mean moved by `moved_k`.

@@ -7,6 +7,8 @@
 #include "airside/civil_time.hpp"
 #include "airside/demand/band_objective.hpp"
 #include "airside/forecast/head_features.hpp"
+#include "airside/forecast/residual_features.hpp"
+#include "airside/forecast/residual_forecaster.hpp"
 #include "airside/forecast/room_head.hpp"
 #include "airside/memory_size.hpp"
 #include "airside/network/learner.hpp"
@@ -26,7 +28,7 @@ namespace airside {
 
 /// Counts up whenever the meaning of a byte of LearningState or CycleState changes, sizes apart: saved state of another
 /// number is not read.
-constexpr std::uint32_t state_version = 12;
+constexpr std::uint32_t state_version = 13;
 
 /// What learning has produced: saved as one generation. Plain bytes, no pointers.
 template <Topology T, class Scalar>
@@ -34,6 +36,7 @@ struct LearningState {
   NetworkWeights<T, Scalar> weights;  ///< in use
   Learner<T, Scalar> learner;         ///< target net, moments, step counter
   RoomHead<T> head;
+  ResidualForecaster residual;
   Scaler<T> scaler;
   SplitMix64 sampler;
   std::uint64_t cycles = 0;    ///< decisions taken with these weights' ancestors
@@ -64,7 +67,8 @@ struct CycleState {
       typename Reading<T>::Vector row_value = Reading<T>::Vector::Zero();  ///< at the last row in between
   CivilTime last_time;
   CivilTime row_time;
-  HeadFeatures features;                  ///< of the last decision, its own setpoint change left 0
+  HeadFeatures features;  ///< of the last decision, its own setpoint change left 0
+  ResidualMemory<Layout<T>::rooms> residual{};
   double last_setpoint_degc = unknown;    ///< applied since last_time
   double before_setpoint_degc = unknown;  ///< applied until last_time
   StoredSetpoint stored;                  ///< what may be in the register

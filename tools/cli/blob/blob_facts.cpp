@@ -67,7 +67,8 @@ void read_payload(std::span<const std::byte> file, const Shape& site, BlobFacts&
   BlobHeader header = out.header;
   constexpr auto one = static_cast<std::uint32_t>(RoomHead<T>::regressors + RoomHead<T>::slots);
   if (header.head_states != one && header.head_states != RoomHead<T>::states) header.head_states = 0;
-  const std::size_t wanted = Payload::bytes(header.head_states, site);
+  if (header.residual_parameters != ResidualNetwork::parameters) header.residual_parameters = 0;
+  const std::size_t wanted = Payload::bytes(header.head_states, header.residual_parameters, site);
   // All bits set is NaN for floats and doubles: what the file lacks shows as not finite.
   std::vector<std::byte> bytes(wanted, std::byte{0xFF});
   const std::size_t there = std::min(wanted, file.size() - sizeof header);
