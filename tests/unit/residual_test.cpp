@@ -17,7 +17,7 @@ namespace {
 using F = ResidualFeatures;
 using Net = ResidualNetwork;
 using Room = ThreeVav;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 Net drawn_network(std::uint64_t seed) {
   SplitMix64 draw(seed);
@@ -33,15 +33,15 @@ Net drawn_network(std::uint64_t seed) {
 double by_hand(const Net& net, const F& f) {
   std::vector<double> in;
   for (std::size_t i = 0; i < Net::inputs; ++i) {
-    const double z = (f.x(static_cast<int>(i)) - net.values[i]) / net.values[Net::inputs + i];
+    const double z = static_cast<double>((f.x(static_cast<int>(i)) - net.values[i]) / net.values[Net::inputs + i]);
     in.push_back(std::min(8.0, std::max(-8.0, z)));
   }
   std::size_t at = 2 * Net::inputs;
   for (const std::size_t units : {std::size_t{32}, std::size_t{16}, std::size_t{1}}) {
     std::vector<double> out;
     for (std::size_t u = 0; u < units; ++u, at += in.size() + 1) {
-      double y = net.values[at + in.size()];
-      for (std::size_t k = 0; k < in.size(); ++k) y += net.values[at + k] * in[k];
+      auto y = static_cast<double>(net.values[at + in.size()]);
+      for (std::size_t k = 0; k < in.size(); ++k) y += static_cast<double>(net.values[at + k]) * in[k];
       out.push_back(units > 1 && y < 0 ? y / 100 : y);
     }
     in = out;
@@ -89,8 +89,8 @@ TEST(ResidualGate, LearnsNothingFromWhatIsNotKnown) {
   ResidualGate gate;
   gate.judge(0.05, -0.05);
   const auto before = gate.error_k;
-  gate.judge(nan, 0.1);
-  gate.judge(0.1, nan);
+  gate.judge(unknown, 0.1);
+  gate.judge(0.1, unknown);
   EXPECT_EQ(gate.error_k, before);
 }
 
@@ -161,7 +161,7 @@ TEST(ResidualMemory, IsCompleteAfterTwoCyclesThatWereSeen) {
   EXPECT_FALSE(memory.is_complete());
   memory.end_cycle(0.2);
   EXPECT_TRUE(memory.is_complete());
-  memory.end_cycle(nan);
+  memory.end_cycle(unknown);
   EXPECT_FALSE(memory.is_complete());
 }
 
