@@ -45,6 +45,7 @@ struct ControllerSettings {
   double tie_degc = 1e-6;     ///< scores closer than this tie (docs/method.md, open point 16)
   double move_penalty = 0.0;  ///< per K^2, calms the network's choice
   double gamma = 0.5;         ///< g, discount of the long-term prediction
+  int long_term = 1;          ///< 0: the short-term prediction is scored in place of the long-term one
 
   // Confidence (6.2)
   double confidence_smoothing = 0.2;  ///< b_c
@@ -165,6 +166,7 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
     AIRSIDE_REAL(tie_degc, 0, 0.1),
     AIRSIDE_REAL(move_penalty, 0, 10),
     AIRSIDE_REAL(gamma, 0, 0.99),
+    AIRSIDE_WHOLE(long_term, 0, 1),
     AIRSIDE_REAL(confidence_smoothing, 0, 1),
     AIRSIDE_REAL(confidence_scale, 1e-3, 1e3),
     AIRSIDE_REAL(confidence_initial, 0, 1),

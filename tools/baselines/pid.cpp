@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "airside/splitmix64.hpp"
+
 namespace airside::tools {
 namespace {
 
@@ -47,6 +49,17 @@ double IntegralBaseline::decide(const CycleObservation& now) {
   const double dt_h = hours_since(last_time_, now.time);
   last_time_ = now.time;
   return admissible_setpoint_degc(now.previous_setpoint_degc + ki_per_h_ * error_k * dt_h, site_);
+}
+
+double VariedBaseline::decide(const CycleObservation& now) {
+  const double wanted = integral_.decide(now);
+  // What was applied holds the last offset, which the integral must not keep.
+  const double base = wanted - offset_k_;
+  SplitMix64 draw(static_cast<std::uint64_t>(now.time.seconds));
+  offset_k_ = range_k * draw.symmetric();
+  const double setpoint = admissible_setpoint_degc(base + offset_k_, site_);
+  offset_k_ = setpoint - base;
+  return setpoint;
 }
 
 }  // namespace airside::tools

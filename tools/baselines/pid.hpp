@@ -55,4 +55,20 @@ class IntegralBaseline final : public BaselineController {
   std::optional<CivilTime> last_time_;
 };
 
+/// Integral action plus an offset that is drawn anew in every decision, uniform within +-1.5 K: for logs from which a
+/// model shall learn what the setpoint does. The draw is of the time alone, so the same room gives the same log.
+class VariedBaseline final : public BaselineController {
+ public:
+  VariedBaseline(const ControllerSettings& site, double ki_per_h) : site_(site), integral_(site, ki_per_h) {}
+  std::string name() const override { return "integral, setpoint varied"; }
+  double decide(const CycleObservation& now) override;
+
+ private:
+  static constexpr double range_k = 1.5;
+
+  ControllerSettings site_;
+  IntegralBaseline integral_;
+  double offset_k_ = 0;
+};
+
 }  // namespace airside::tools
