@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
-#include "airside/crc32c.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "sim/json/json_file.hpp"
@@ -102,6 +100,15 @@ void check_columns(const Field& columns, const std::string& file, const hal::Top
   }
 }
 
+constexpr const char* midnight = "T00:00:00";
+
+std::string day_of(const Field& json, const std::string& file) {
+  const Field& day = field_of(json, file, "", "test_from");
+  if (!day.is_string() || !hal::parse_civil_text(day.get<std::string>() + midnight))
+    refuse_field(file, "test_from", day.dump(), "a date such as 2021-07-25");
+  return day;
+}
+
 std::vector<hal::LogRow> replayed(const std::string& log, CivilTime from, const hal::TopologyCounts& counts) {
   std::vector<hal::LogRow> rows = hal::read_log(log, counts).rows;
   const auto first = std::ranges::find_if(rows, [from](const hal::LogRow& r) { return !(r.time < from); });
@@ -129,6 +136,8 @@ Eigen::VectorXd LearnedNetwork::change_k(const Eigen::VectorXd& inputs) const {
   return x.cwiseProduct(out_scale_k);
 }
 
+std::string environment_start(const std::string& file) { return day_of(read_json(file), file); }
+
 LearnedEnvironment read_environment(const std::string& file, const hal::TopologyCounts& counts) {
   const Field json = read_json(file);
   const Field& format = field_of(json, file, "", "format");
@@ -136,18 +145,11 @@ LearnedEnvironment read_environment(const std::string& file, const hal::Topology
   check_columns(field_of(json, file, "", "columns"), file, counts);
   LearnedEnvironment out;
   out.network = network_of(json, file, counts);
-  const Field &log = field_of(json, file, "", "log"), &day = field_of(json, file, "", "test_from");
+  const Field& log = field_of(json, file, "", "log");
   if (!log.is_string()) refuse_field(file, "log", log.dump(), "the path of a log, from the model file's folder");
-  const auto from =
-      day.is_string() ? hal::parse_civil_text(day.get<std::string>() + "T00:00:00") : std::optional<CivilTime>{};
-  if (!from) refuse_field(file, "test_from", day.dump(), "a date such as 2021-07-25");
-  out.rows = replayed((std::filesystem::path(file).parent_path() / log.get<std::string>()).string(), *from, counts);
-  const std::string text = json.dump();
-  std::array<char, 16> checksum{};
-  std::snprintf(checksum.data(), checksum.size(), "%08x",
-                static_cast<unsigned>(crc32c(std::as_bytes(std::span(text)))));
-  out.description =
-      "learned environment " + std::filesystem::path(file).filename().string() + " (CRC-32C " + checksum.data() + ")";
+  const CivilTime from = hal::parse_civil_text(day_of(json, file) + midnight).value();
+  out.rows = replayed((std::filesystem::path(file).parent_path() / log.get<std::string>()).string(), from, counts);
+  out.description = "learned environment " + std::filesystem::path(file).filename().string();
   return out;
 }
 

@@ -28,8 +28,11 @@ struct LearnedNetwork {
 struct LearnedEnvironment {
   LearnedNetwork network;
   std::vector<hal::LogRow> rows;  ///< the days that did not teach it, without gaps
-  std::string description;        ///< file and checksum
+  std::string description;        ///< for complaints and reports
 };
+
+/// The first replayed day, such as "2021-07-25".  Errors: as read_environment(), of that field alone.
+std::string environment_start(const std::string& file);
 
 /// Errors: hal::InputError naming file and field for what is not there, has another shape, or is no number; for a log
 /// that cannot be read, lacks the days, or has a gap.

@@ -10,9 +10,18 @@
 namespace airside::sim {
 
 LearnedPlant::LearnedPlant(std::shared_ptr<const LearnedEnvironment> environment, const hal::TopologyCounts& counts,
-                           double setpoint_degc)
+                           CivilTime start, double setpoint_degc)
     : environment_(std::move(environment)), vavs_(counts.vavs), fcus_(counts.fcus), powers_(counts.powers) {
-  const std::vector<double>& first = environment_->rows.front().value;
+  const std::vector<hal::LogRow>& rows = environment_->rows;
+  const std::int64_t later_s = start.seconds - rows.front().time.seconds;
+  if (later_s < 0 || later_s % row_s != 0 || start.seconds > rows.back().time.seconds) {
+    throw hal::InputError(
+        environment_->description, "a start at " + hal::civil_text(start),
+        "a time from " + hal::civil_text(rows.front().time) + " to " + hal::civil_text(rows.back().time),
+        "choose another --start, or leave it out");
+  }
+  row_ = static_cast<std::size_t>(later_s / row_s);
+  const std::vector<double>& first = rows[row_].value;
   inputs_.resize(counts.signals() + 1);
   for (int r = 0; r < vavs_; ++r) inputs_(r) = first[static_cast<std::size_t>(r)];
   set_setpoint(setpoint_degc);

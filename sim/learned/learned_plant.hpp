@@ -10,9 +10,10 @@ namespace airside::sim {
 
 class LearnedPlant final : public PlantModel {
  public:
-  /// Starts at the first replayed row with the temperatures that the log has then.
+  /// Starts with the temperatures that the log has then.
+  /// Errors: hal::InputError for a start that is no replayed row.
   LearnedPlant(std::shared_ptr<const LearnedEnvironment> environment, const hal::TopologyCounts& counts,
-               double setpoint_degc);
+               CivilTime start, double setpoint_degc);
 
   CivilTime time() const override;
   int step_s() const override { return row_s; }

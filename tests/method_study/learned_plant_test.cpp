@@ -56,8 +56,8 @@ class LearnedPlantTest : public testing::Test {
     std::ofstream(path) << model_.dump();
     return path.string();
   }
-  LearnedPlant plant() const {
-    return {std::make_shared<const LearnedEnvironment>(read_environment(file(), counts_)), counts_, 25};
+  LearnedPlant plant(CivilTime start = from) const {
+    return {std::make_shared<const LearnedEnvironment>(read_environment(file(), counts_)), counts_, start, 25};
   }
   /// What is said of the file after `change`.
   std::string refusal(const std::function<void(nlohmann::json&)>& change) {
@@ -111,6 +111,12 @@ TEST_F(LearnedPlantTest, TheEndOfItsLogIsSaid) {
   } catch (const hal::InputError& e) {
     EXPECT_NE(std::string(e.what()).find("2021-07-26T23:54"), std::string::npos) << e.what();
   }
+}
+
+TEST_F(LearnedPlantTest, StartsAtAnyRowOfItsLogAndNoOther) {
+  EXPECT_DOUBLE_EQ(plant({from.seconds + day_s + row_s}).sensors().outdoor_temp_degc, 31);
+  for (const std::int64_t s : {-row_s, 2, rows * row_s})
+    EXPECT_THROW((void)plant({from.seconds + s}), hal::InputError) << s;
 }
 
 TEST_F(LearnedPlantTest, ABadFileIsRefusedByItsField) {

@@ -41,12 +41,12 @@ TEST(MethodRows, FilesOfNoTwoRunsHaveOneName) {
   std::vector<MethodTable> all;
   for (int t = 0; t < method_tables; ++t) all.push_back(static_cast<MethodTable>(t));
   std::set<std::string> names;
-  for (const MethodJob& job : method_jobs(all, 1, 3)) EXPECT_TRUE(names.insert(job.name()).second) << job.name();
+  for (const MethodJob& job : method_jobs({}, all, 1, 3)) EXPECT_TRUE(names.insert(job.name()).second) << job.name();
 }
 
 TEST(MethodRows, ATableBringsWhatItsRunsStartFrom) {
   for (int t = 0; t < method_tables; ++t) {
-    const std::vector<MethodJob> jobs = method_jobs({static_cast<MethodTable>(t)}, 7, 1);
+    const std::vector<MethodJob> jobs = method_jobs({}, {static_cast<MethodTable>(t)}, 7, 1);
     std::set<std::string> names;
     for (const MethodJob& job : jobs) names.insert(job.name());
     for (const MethodJob& job : jobs) {

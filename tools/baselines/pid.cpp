@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "airside/splitmix64.hpp"
+#include "airside/supervision/schedule.hpp"
 
 namespace airside::tools {
 namespace {
@@ -53,6 +54,10 @@ double IntegralBaseline::decide(const CycleObservation& now) {
 
 double VariedBaseline::decide(const CycleObservation& now) {
   const double wanted = integral_.decide(now);
+  if (now.time.day() % schedule_every_days == 0) {
+    offset_k_ = 0;
+    return admissible_setpoint_degc(expert_setpoint_degc(site_, now.time), site_);
+  }
   // What was applied holds the last offset, which the integral must not keep.
   const double base = wanted - offset_k_;
   SplitMix64 draw(static_cast<std::uint64_t>(now.time.seconds));

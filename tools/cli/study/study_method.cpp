@@ -7,7 +7,7 @@
 
 #include "hal/text/input_error.hpp"
 #include "hal/text/staged_file.hpp"
-#include "sim/json/json_file.hpp"
+#include "sim/learned/environment_file.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
@@ -82,11 +82,23 @@ struct MethodCommand {
 
   void run() {
     if (tables.empty()) {
-      for (int t = 0; t < method_tables; ++t) tables.push_back(static_cast<MethodTable>(t));
+      for (int t = 0; t < method_tables; ++t) {
+        const auto table = static_cast<MethodTable>(t);
+        if (study.environment.empty() || runs_in_environment(table)) tables.push_back(table);
+      }
+    }
+    for (const MethodTable table : tables) {
+      if (study.environment.empty() || runs_in_environment(table)) continue;
+      throw hal::InputError(std::string("--tables ") + text_of(table), "a table of several rooms, and --environment",
+                            "control, score, ablation", "leave one of them out");
+    }
+    if (!study.environment.empty()) {
+      study.environment_from = sim::environment_start(study.environment);
+      (void)sim::read_environment(study.environment, built_in_site().counts);
     }
     fs::create_directories(study.folder);
     std::vector<MethodJob> list;
-    for (const MethodJob& job : method_jobs(tables, first_seed, seeds)) {
+    for (const MethodJob& job : method_jobs(study, tables, first_seed, seeds)) {
       if (!fs::exists(file_of(job))) list.push_back(job);
     }
     if (!report_only) run_missing(list);
@@ -104,6 +116,9 @@ void add_study_method(CLI::App& study) {
   c->add_option("--plant", self->study.kind, "rc or energyplus")
       ->check(CLI::IsMember({"rc", "energyplus"}))
       ->capture_default_str();
+  c->add_option("--environment", self->study.environment,
+                "a learned environment (tools/learn_environment) in the place of room 301; tables control, score and "
+                "ablation");
   c->add_option("--tables", self->tables, "which, comma-separated (default: all)")
       ->delimiter(',')
       ->transform(CLI::CheckedTransformer(names));

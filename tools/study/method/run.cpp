@@ -44,6 +44,10 @@ PlantChoice choice_of(const MethodStudy& study, const std::string& room, std::ui
   c.room = room;
   c.seed = seed;
   c.start = start;
+  if (!study.environment.empty()) {
+    c.environment = study.environment;
+    c.start = study.environment_from;
+  }
   return c;
 }
 
@@ -234,13 +238,15 @@ bool is_needed(const MethodRow& row, const std::vector<MethodTable>& tables) {
 }  // namespace
 
 nlohmann::json MethodStudy::facts() const {
-  return {{"plant_kind", kind},
-          {"days", days},
-          {"pretrain_days", pretrain_days},
-          {"operated_days", operated_days},
-          {"steps", steps},
-          {"summer_days", summer_days},
-          {"winter_days", winter_days}};
+  nlohmann::json j{{"plant_kind", environment.empty() ? kind : "learned"},
+                   {"days", days},
+                   {"pretrain_days", pretrain_days},
+                   {"operated_days", operated_days},
+                   {"steps", steps},
+                   {"summer_days", summer_days},
+                   {"winter_days", winter_days}};
+  if (!environment.empty()) j["environment"] = weather_file_text(environment);
+  return j;
 }
 
 std::string MethodJob::name() const { return fmt::format("{}_{}_{}", row->name, room, seed); }
@@ -250,12 +256,18 @@ std::string MethodJob::source_name() const {
   return fmt::format("{}_{}_{}", source_row(row->start), source_room(row->start, room), seed);
 }
 
-std::vector<MethodJob> method_jobs(const std::vector<MethodTable>& tables, int first_seed, int seeds) {
+bool runs_in_environment(MethodTable table) {
+  return table == MethodTable::control || table == MethodTable::score || table == MethodTable::ablation;
+}
+
+std::vector<MethodJob> method_jobs(const MethodStudy& study, const std::vector<MethodTable>& tables, int first_seed,
+                                   int seeds) {
   std::vector<MethodJob> jobs;
   for (int s = 0; s < seeds; ++s) {
     for (const MethodRow& row : method_rows()) {
       if (!is_needed(row, tables)) continue;
-      for (const std::string& room : method_rooms(row))
+      for (const std::string& room :
+           study.environment.empty() ? method_rooms(row) : std::vector<std::string>{"environment"})
         jobs.push_back({&row, room, static_cast<std::uint64_t>(first_seed + s)});
     }
   }

@@ -15,6 +15,8 @@ namespace airside::tools {
 struct MethodStudy {
   std::string folder;
   std::string kind = "rc";                 ///< plant, as PlantChoice::kind
+  std::string environment;                 ///< a learned environment in the place of room 301
+  std::string environment_from;            ///< its first day
   int days = 14;                           ///< controlled days
   int pretrain_days = 31;                  ///< in the twin, from 1 July
   int operated_days = 60;                  ///< of the room that others learn from, from 1 June
@@ -36,8 +38,11 @@ struct MethodJob {
 };
 
 /// Every job of these tables and seeds, seed by seed, in the order of method_rows(); those that others start from are
-/// among them where a table needs them.
-std::vector<MethodJob> method_jobs(const std::vector<MethodTable>& tables, int first_seed, int seeds);
+/// among them where a table needs them. In a learned environment every row has that for its room.
+std::vector<MethodJob> method_jobs(const MethodStudy& study, const std::vector<MethodTable>& tables, int first_seed,
+                                   int seeds);
+/// Those that a learned environment can run: no other room is like it.
+bool runs_in_environment(MethodTable table);
 
 /// Runs it; a pretraining also leaves its weights in the folder.  Cost: up to 4 min of one core.
 /// Errors: hal::InputError for weights of the folder that are missing or do not fit.
