@@ -29,13 +29,11 @@ struct ControllerSettings {
   double expert_off_degc = 25.0;          ///< schedule outside
 
   // When the AHU's fan runs, where no point shows it. While it rests, supply air cannot follow its setpoint.
-  double fan_start_h = 0.0;  ///< hours; 0 to 24: always on
-  double fan_end_h = 24.0;   ///< hours
-  int fan_weekday_only = 0;  ///< 1: it rests on Saturday and Sunday
+  double fan_start_h = 0.0, fan_end_h = 24.0;  ///< hours; 0 to 24: always on
+  int fan_weekday_only = 0;                    ///< 1: it rests on Saturday and Sunday
 
   // Action set (docs/method.md, open point 15)
-  double action_min_degc = 20.0;
-  double action_max_degc = 26.0;
+  double action_min_degc = 20.0, action_max_degc = 26.0;
   double action_step_k = 0.1;
   double refine_step_k = 0.0;  ///< 0 off; else a second, finer grid around the best candidate
 

@@ -53,16 +53,11 @@ double IntegralBaseline::decide(const CycleObservation& now) {
 }
 
 double VariedBaseline::decide(const CycleObservation& now) {
-  const double wanted = integral_.decide(now);
-  if (now.time.day() % schedule_every_days == 0) {
-    offset_k_ = 0;
-    return admissible_setpoint_degc(expert_setpoint_degc(site_, now.time), site_);
-  }
   // What was applied holds the last offset, which the integral must not keep.
-  const double base = wanted - offset_k_;
+  double base = integral_.decide(now) - offset_k_;
+  if (now.time.day() % schedule_every_days == 0) base = expert_setpoint_degc(site_, now.time);
   SplitMix64 draw(static_cast<std::uint64_t>(now.time.seconds));
-  offset_k_ = range_k * draw.symmetric();
-  const double setpoint = admissible_setpoint_degc(base + offset_k_, site_);
+  const double setpoint = admissible_setpoint_degc(base + range_k * draw.symmetric(), site_);
   offset_k_ = setpoint - base;
   return setpoint;
 }

@@ -57,7 +57,8 @@ class IntegralBaseline final : public BaselineController {
 
 /// For logs from which a model shall learn what the setpoint does: integral action plus an offset that is drawn anew in
 /// every decision, uniform within +-0.4 K, which makes the setpoint as restless as the published peers' (DARV about
-/// 0.5). Every fourth day is the schedule's. The draw is of the time alone: the same room gives the same log.
+/// 0.5). On every fourth day the schedule takes the integral's place, so that its temperatures are in the log too. The
+/// draw is of the time alone: the same room gives the same log.
 class VariedBaseline final : public BaselineController {
  public:
   VariedBaseline(const ControllerSettings& site, double ki_per_h) : site_(site), integral_(site, ki_per_h) {}

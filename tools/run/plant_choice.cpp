@@ -334,10 +334,7 @@ auto with_room_option(Make&& make) {
 }  // namespace
 
 void check_room(const PlantChoice& choice, const Site& site) {
-  if (!choice.environment.empty()) {
-    (void)make_plant(choice, site, 1);
-    return;
-  }
+  if (!choice.environment.empty()) return static_cast<void>(make_plant(choice, site, 1));
   const bool energyplus = is_energyplus(choice, site);
   if (!energyplus) refuse_model_on_rc(choice, site);
   with_room_option([&] {
