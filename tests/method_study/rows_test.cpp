@@ -84,11 +84,9 @@ TEST(MethodRows, WithoutTheLongTermBranchTheNearestShortForecastWins) {
   CandidateSearch<FiveZone, float> search;
   search.configure(s);
   s.target_degc = search.expected_mean_degc(model, drawn.now, 22.3);
-  const double chosen = search.best_degc(s, model, drawn.now, 20.0);
-  EXPECT_NEAR(search.expected_mean_degc(model, drawn.now, chosen), s.target_degc, 1e-4);
-  s.long_term = 1;
-  const double with_branch = search.best_degc(s, model, drawn.now, 20.0);
-  EXPECT_GT(std::abs(search.expected_mean_degc(model, drawn.now, with_branch) - s.target_degc), 1e-3);
+  EXPECT_NEAR(search.best_degc(s, model, drawn.now, 20.0), 22.3, 1e-9);
+  s.long_term = 1;  // drawn weights foresee another temperature in the long term
+  EXPECT_GT(std::abs(search.best_degc(s, model, drawn.now, 20.0) - 22.3), 0.1);
 }
 
 }  // namespace
