@@ -69,6 +69,21 @@ TEST_F(MethodClaims, ThePublishedScoresPassTheirOwnRules) {
   EXPECT_NE(claim(6).ours.find("with DARV -1.00"), std::string::npos) << claim(6).ours;
 }
 
+TEST_F(MethodClaims, AClaimAboutMethodsThatDidNotRunIsAtMostPartlyReproduced) {
+  write_score("paper", 0.06, 0.36);
+  write_score("pid", 0.35, 0.5);
+  write_score("expert", 1.5, 0);
+  EXPECT_EQ(claim(4).state, ClaimState::partly);
+  EXPECT_NE(claim(4).ours.find("OSLN"), std::string::npos) << claim(4).ours;
+}
+
+TEST_F(MethodClaims, OneRunHasNoSpread) {
+  write("expert", "301-real", 1, {{"dae_degc", 1.5}});
+  const std::string text = method_table_markdown(method_tables_of(MethodResults::read(study())).at(0));
+  EXPECT_NE(text.find("| 1.500 "), std::string::npos) << text;
+  EXPECT_EQ(text.find("±"), std::string::npos) << text;
+}
+
 TEST_F(MethodClaims, TablesHaveThePublishedFigureBesideOurs) {
   write("without-tdb", "301-real", 1, {{"dae_degc", 0.25}, {"darv_degc", 0.5}});
   write("without-tdb", "301-real", 2, {{"dae_degc", 0.35}, {"darv_degc", 0.7}});

@@ -23,6 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int least_seeds = 5;
+
 struct MethodCommand {
   MethodStudy study;
   std::vector<MethodTable> tables;
@@ -78,6 +80,9 @@ struct MethodCommand {
     for (const nlohmann::json& table : found) fmt::print("{}\n", method_table_markdown(table));
     fmt::print("{}\n{} runs of {} seeds in {}; mean ± sd over rooms and seeds. By {}.\n", claims_markdown(claims),
                results.runs(), results.seeds(), study.folder, program_text());
+    if (results.seeds() < least_seeds) {
+      fmt::print("The rules of the claims ask for {} seeds at least: these verdicts are provisional.\n", least_seeds);
+    }
   }
 
   void run() {

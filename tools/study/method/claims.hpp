@@ -20,7 +20,7 @@ struct ClaimVerdict {
 };
 
 /// All claims in order. A claim whose runs are missing says so; one of several parts is partly reproduced where some of
-/// them hold.
+/// them hold, and at most so where the claim is also about methods that these runs do not have.
 std::vector<ClaimVerdict> judge_claims(const MethodResults& results);
 
 nlohmann::json json_of(const std::vector<ClaimVerdict>& claims);

@@ -175,6 +175,12 @@ nlohmann::json line_json(const MethodResults& results, const Plan& plan, const L
   return j;
 }
 
+/// One run has no spread.
+std::string spread_text(const nlohmann::json& spread, int decimals) {
+  const auto number = [&](const char* key) { return fmt::format("{:.{}f}", spread[key].get<double>(), decimals); };
+  return spread["count"] > 1 ? number("mean") + " ± " + number("sd") : number("mean");
+}
+
 }  // namespace
 
 nlohmann::json method_tables_of(const MethodResults& results) {
@@ -212,9 +218,7 @@ std::string method_table_markdown(const nlohmann::json& table) {
       const std::string key = column["key"];
       const int decimals = column["decimals"];
       const bool has = line["figures"].contains(key);
-      cells.push_back(has ? fmt::format("{:.{}f} ± {:.{}f}", line["figures"][key]["mean"].get<double>(), decimals,
-                                        line["figures"][key]["sd"].get<double>(), decimals)
-                          : "");
+      cells.push_back(has ? spread_text(line["figures"][key], decimals) : "");
       if (!column["has_published"].get<bool>()) continue;
       cells.push_back(line["published"].contains(key) ? fmt::format("{:g}", line["published"][key].get<double>()) : "");
     }
