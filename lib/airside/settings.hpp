@@ -29,13 +29,11 @@ struct ControllerSettings {
   double expert_off_degc = 25.0;          ///< schedule outside
 
   // When the AHU's fan runs, where no point shows it. While it rests, supply air cannot follow its setpoint.
-  double fan_start_h = 0.0;  ///< hours; 0 to 24: always on
-  double fan_end_h = 24.0;   ///< hours
-  int fan_weekday_only = 0;  ///< 1: it rests on Saturday and Sunday
+  double fan_start_h = 0.0, fan_end_h = 24.0;  ///< hours; 0 to 24: always on
+  int fan_weekday_only = 0;                    ///< 1: it rests on Saturday and Sunday
 
   // Action set (docs/method.md, open point 15)
-  double action_min_degc = 20.0;
-  double action_max_degc = 26.0;
+  double action_min_degc = 20.0, action_max_degc = 26.0;
   double action_step_k = 0.1;
   double refine_step_k = 0.0;  ///< 0 off; else a second, finer grid around the best candidate
 
@@ -45,6 +43,7 @@ struct ControllerSettings {
   double tie_degc = 1e-6;     ///< scores closer than this tie (docs/method.md, open point 16)
   double move_penalty = 0.0;  ///< per K^2, calms the network's choice
   double gamma = 0.5;         ///< g, discount of the long-term prediction
+  int long_term = 1;          ///< 0: the short-term prediction is scored in place of the long-term one
 
   // Confidence (6.2)
   double confidence_smoothing = 0.2;  ///< b_c
@@ -165,6 +164,7 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
     AIRSIDE_REAL(tie_degc, 0, 0.1),
     AIRSIDE_REAL(move_penalty, 0, 10),
     AIRSIDE_REAL(gamma, 0, 0.99),
+    AIRSIDE_WHOLE(long_term, 0, 1),
     AIRSIDE_REAL(confidence_smoothing, 0, 1),
     AIRSIDE_REAL(confidence_scale, 1e-3, 1e3),
     AIRSIDE_REAL(confidence_initial, 0, 1),

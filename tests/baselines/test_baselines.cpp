@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <vector>
 
+#include "airside/supervision/schedule.hpp"
 #include "baselines/first_order_plant.hpp"
 #include "hal/text/input_error.hpp"
 #include "tools/baselines/arx.hpp"
@@ -98,6 +101,33 @@ TEST(Baselines, HoldTheLastSetpointWhenNoRoomCanBeRead) {
     now.sensors.room_temp_degc[2] = 24.0;  // one room is enough to go on
     now.time.seconds += cycle_s;
     EXPECT_GT(controller->decide(now), 23.4) << name;
+  }
+}
+
+TEST(Baselines, TheVariedOneMovesAboutTheIntegralAndAboutTheSchedule) {
+  const auto controller = make_baseline("varied", site_settings);
+  FirstOrderPlant plant(0.0);
+  std::vector<double> mean_of_day, offsets;
+  for (int i = 0; i < 9 * rows_per_day; ++i) {
+    const CivilTime t = plant.time();
+    if (starts_cycle(t)) {
+      const double a = controller->decide(plant.observe());
+      if (t.day() % 4 == 0) offsets.push_back(a - expert_setpoint_degc(site_settings, t));
+      plant.set_setpoint(a);
+    }
+    plant.step_row();
+    // The integral has come back from the schedule by noon of the day after it.
+    if (t.second_of_day() == 0) mean_of_day.push_back(0);
+    if (t.second_of_day() >= 43200 && t.day() % 4 != 0) mean_of_day.back() += plant.mean_degc() / (rows_per_day / 2);
+  }
+  const auto [least, most] = std::ranges::minmax(offsets);
+  EXPECT_GE(least, -0.41);
+  EXPECT_LE(most, 0.41);
+  EXPECT_GT(most - least, 0.6);
+  for (const double mean : mean_of_day) {
+    if (mean > 0) {
+      EXPECT_NEAR(mean, 25.25, 0.1);
+    }
   }
 }
 

@@ -36,13 +36,14 @@ Made g36(const ControllerSettings& site, const Guideline36Settings& settings, co
 
 using S = const ControllerSettings&;
 using G = const TunedGains&;
-constexpr std::array<Entry, 17> entries = {{
+constexpr std::array<Entry, 18> entries = {{
     {"expert", [](S s, G) -> Made { return std::make_unique<ScheduleBaseline>(s); }},
     {"constant-20.5", [](S s, G) -> Made { return std::make_unique<ConstantBaseline>(s, 20.5); }},
     {"constant-22.5", [](S s, G) -> Made { return std::make_unique<ConstantBaseline>(s, 22.5); }},
     {"pid-spec", [](S s, G) -> Made { return std::make_unique<PidBaseline>(s, pid_spec_gains(), "PID, spec gains"); }},
     {"pid-tuned", [](S s, G g) -> Made { return std::make_unique<PidBaseline>(s, g.pid, "PID, tuned"); }},
     {"integral-tuned", [](S s, G g) -> Made { return std::make_unique<IntegralBaseline>(s, g.integral_ki_per_h); }},
+    {"varied", [](S s, G g) -> Made { return std::make_unique<VariedBaseline>(s, g.integral_ki_per_h); }},
     {"integral-5", [](S s, G) -> Made { return std::make_unique<IntegralBaseline>(s, 5.0); }},
     {"integral-7", [](S s, G) -> Made { return std::make_unique<IntegralBaseline>(s, 7.0); }},
     {"arx-2", [](S s, G g) -> Made { return arx(s, false, g.arx_rho); }},

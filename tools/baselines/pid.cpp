@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "airside/splitmix64.hpp"
+#include "airside/supervision/schedule.hpp"
+
 namespace airside::tools {
 namespace {
 
@@ -47,6 +50,16 @@ double IntegralBaseline::decide(const CycleObservation& now) {
   const double dt_h = hours_since(last_time_, now.time);
   last_time_ = now.time;
   return admissible_setpoint_degc(now.previous_setpoint_degc + ki_per_h_ * error_k * dt_h, site_);
+}
+
+double VariedBaseline::decide(const CycleObservation& now) {
+  // What was applied holds the last offset, which the integral must not keep.
+  double base = integral_.decide(now) - offset_k_;
+  if (now.time.day() % schedule_every_days == 0) base = expert_setpoint_degc(site_, now.time);
+  SplitMix64 draw(static_cast<std::uint64_t>(now.time.seconds));
+  const double setpoint = admissible_setpoint_degc(base + range_k * draw.symmetric(), site_);
+  offset_k_ = setpoint - base;
+  return setpoint;
 }
 
 }  // namespace airside::tools

@@ -55,4 +55,23 @@ class IntegralBaseline final : public BaselineController {
   std::optional<CivilTime> last_time_;
 };
 
+/// For logs from which a model shall learn what the setpoint does: integral action plus an offset that is drawn anew in
+/// every decision, uniform within +-0.4 K, which makes the setpoint as restless as the published peers' (DARV about
+/// 0.5). On every fourth day the schedule takes the integral's place, so that its temperatures are in the log too. The
+/// draw is of the time alone: the same room gives the same log.
+class VariedBaseline final : public BaselineController {
+ public:
+  VariedBaseline(const ControllerSettings& site, double ki_per_h) : site_(site), integral_(site, ki_per_h) {}
+  std::string name() const override { return "integral, setpoint varied"; }
+  double decide(const CycleObservation& now) override;
+
+ private:
+  static constexpr double range_k = 0.4;
+  static constexpr int schedule_every_days = 4;
+
+  ControllerSettings site_;
+  IntegralBaseline integral_;
+  double offset_k_ = 0;
+};
+
 }  // namespace airside::tools

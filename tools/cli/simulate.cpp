@@ -77,7 +77,7 @@ struct SimulateCommand {
 
   /// The made-up year of a simulated log is in no file: it goes beside the log, for what reads weather and log.
   std::string weather_to_write(const Site& s) const {
-    if (log.empty() || !plant.weather.empty() || is_energyplus(plant, s)) return "";
+    if (log.empty() || !plant.weather.empty() || !plant.environment.empty() || is_energyplus(plant, s)) return "";
     const std::string path = weather_beside(log);
     return path == log ? "" : path;
   }

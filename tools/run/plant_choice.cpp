@@ -17,6 +17,7 @@
 #include "sim/energyplus/plant.hpp"
 #include "sim/energyplus/rooms.hpp"
 #include "sim/json/json_file.hpp"
+#include "sim/learned/learned_plant.hpp"
 #include "sim/rc/modulating_plant.hpp"
 #include "sim/rc/rc_plant.hpp"
 #include "sim/rc/rc_room_file.hpp"
@@ -185,6 +186,26 @@ std::unique_ptr<sim::PlantModel> make_energyplus(const PlantChoice& choice, cons
   return std::make_unique<sim::EnergyPlusPlant>(options);
 }
 
+std::unique_ptr<sim::PlantModel> make_learned(const PlantChoice& choice, const Site& site, CivilTime start) {
+  auto environment =
+      std::make_shared<const sim::LearnedEnvironment>(sim::read_environment(choice.environment, site.counts));
+  return std::make_unique<sim::LearnedPlant>(std::move(environment), site.counts, start, site.settings.expert_off_degc);
+}
+
+/// A learned environment has the physics and the weather of its log.
+void refuse_beside_environment(const PlantChoice& choice) {
+  const char* const beside = choice.kind == "energyplus" ? "--plant energyplus"
+                             : !choice.model.empty()     ? "--twin"
+                             : !choice.patches.empty()   ? "--patch"
+                             : !choice.weather.empty()   ? "--weather"
+                             : !choice.scenario.empty()  ? "--scenario"
+                             : choice.weekends           ? "--weekends"
+                                                         : nullptr;
+  if (beside == nullptr) return;
+  throw hal::InputError("--environment " + choice.environment, std::string(beside) + " beside it",
+                        "a learned environment alone: it is no plant with physics", "leave one of them out");
+}
+
 /// The rc plant knows no epJSON: a model that it would leave out must not look as if it had been used.
 void refuse_model_on_rc(const PlantChoice& choice, const Site& site) {
   if (choice.model.empty() && choice.patches.empty()) return;
@@ -221,6 +242,9 @@ void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string
                   "room goes onto it, --room then says only whose people, dampers and fan coils it has. Without a "
                   "file: the site's [twin]")
       ->expected(0, 1);
+  command.add_option("--environment", choice.environment,
+                     "a learned environment (tools/learn_environment) instead of a room with physics; it begins with "
+                     "the days of its log that did not teach it");
   command.add_option("--patch", choice.patches, "merge patches on the model, in order (EnergyPlus)");
   command.add_option("--weather", choice.weather, "EPW file (default: Tampa for EnergyPlus, synthetic for rc)");
   command.add_option("--start", choice.start, "first day, midnight")->capture_default_str();
@@ -232,6 +256,8 @@ void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string
 }
 
 void take_scenario_start(const CLI::App& command, PlantChoice& choice) {
+  if (!choice.environment.empty() && command.count("--start") == 0)
+    choice.start = sim::environment_start(choice.environment);
   if (choice.scenario.empty()) return;
   const sim::Scenario& under = sim::scenario("--scenario", choice.scenario);
   if (command.count("--start") == 0) choice.start = under.start;
@@ -285,6 +311,7 @@ CivilTime start_of(const PlantChoice& choice) {
 }
 
 bool is_energyplus(const PlantChoice& choice, const Site& site) {
+  if (!choice.environment.empty()) return false;
   return choice.kind == "energyplus" ||
          (choice.kind == "auto" && shape_fits(choice.twin, site.counts) && sim::have_energyplus());
 }
@@ -307,6 +334,7 @@ auto with_room_option(Make&& make) {
 }  // namespace
 
 void check_room(const PlantChoice& choice, const Site& site) {
+  if (!choice.environment.empty()) return static_cast<void>(make_plant(choice, site, 1));
   const bool energyplus = is_energyplus(choice, site);
   if (!energyplus) refuse_model_on_rc(choice, site);
   with_room_option([&] {
@@ -326,6 +354,7 @@ std::string weather_file_text(const std::filesystem::path& file) {
 }
 
 std::string weather_text(const PlantChoice& choice, const Site& site) {
+  if (!choice.environment.empty()) return "of its log";
   if (!choice.weather.empty()) return weather_file_text(choice.weather);
   if (!is_energyplus(choice, site)) return made_up_weather(choice)->description();
   if (!sim::have_energyplus()) return "";
@@ -341,6 +370,10 @@ std::shared_ptr<const sim::Weather> made_up_weather(const PlantChoice& choice) {
 
 std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days) {
   const CivilTime start = start_of(choice);
+  if (!choice.environment.empty()) {
+    refuse_beside_environment(choice);
+    return make_learned(choice, site, start);
+  }
   const bool energyplus = is_energyplus(choice, site);
   if (!energyplus) refuse_model_on_rc(choice, site);
   return with_room_option([&]() -> std::unique_ptr<sim::PlantModel> {
@@ -350,6 +383,8 @@ std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Sit
 }
 
 std::string command_text(const PlantChoice& choice, const Site& site) {
+  if (!choice.environment.empty())
+    return fmt::format("--environment {} --start {} --seed {}", choice.environment, choice.start, choice.seed);
   std::string text =
       fmt::format("--plant {} --room {} --start {} --seed {}", is_energyplus(choice, site) ? "energyplus" : "rc",
                   choice.room, choice.start, choice.seed);

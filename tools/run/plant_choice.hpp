@@ -22,7 +22,8 @@ struct PlantChoice {
   std::string room = "301";   ///< a built-in room, or a file (.json for rc)
   std::string model;          ///< epJSON file instead of the built-in twin; no patch of a built-in room goes onto it
   std::vector<std::string> patches;
-  std::string weather;  ///< EPW file; empty: Tampa for EnergyPlus, synthetic for rc
+  std::string environment;  ///< a file of tools/learn_environment instead of a room with physics; empty: none
+  std::string weather;      ///< EPW file; empty: Tampa for EnergyPlus, synthetic for rc
   std::string start = "2021-07-01";
   std::uint64_t seed = 1;                ///< of people, outages and sensor noise
   bool weekends = false;                 ///< Saturday and Sunday nearly empty
@@ -50,8 +51,8 @@ enum class TwinUse : std::uint8_t { unless_named, when_asked };
 /// that a model with controls of its own does not heed.
 void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site, TwinUse use);
 
-/// Puts the scenario's first day in the place of a start that `command` was not given.
-/// Errors: hal::InputError for a name that is none.
+/// Puts the first day of the scenario, or of the learned environment's log, in the place of a start that `command` was
+/// not given.  Errors: hal::InputError for a name that is none, and for a file that is no environment.
 void take_scenario_start(const CLI::App& command, PlantChoice& choice);
 
 /// Midnight of the start day.  Errors: hal::InputError for text that is no date.

@@ -22,6 +22,9 @@ RunFacts run_facts(bool energyplus, std::string weather) {
 }
 
 RunFacts run_facts(const PlantChoice& choice, const Site& site) {
+  if (!choice.environment.empty()) {
+    return {"learned", "learned environment " + weather_file_text(choice.environment), weather_text(choice, site), ""};
+  }
   RunFacts facts = run_facts(is_energyplus(choice, site), weather_text(choice, site));
   if (choice.kind != "auto" || facts.plant == "energyplus") return facts;
   facts.fallback = sim::have_energyplus() ? "EnergyPlus has no room of topology " + site.counts.name

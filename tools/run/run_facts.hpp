@@ -13,7 +13,7 @@ namespace airside::tools {
 std::string program_text();
 
 struct RunFacts {
-  std::string plant;     ///< "rc" or "energyplus"
+  std::string plant;     ///< "rc", "energyplus" or "learned"
   std::string engine;    ///< "EnergyPlus 25.2.0", "RC plant of airside 0.1.0"
   std::string weather;   ///< as weather_text(); empty: unknown
   std::string fallback;  ///< why `auto` did not mean EnergyPlus; empty where it did, or where the user chose

@@ -79,7 +79,8 @@ class CandidateSearch {
     forecast(model, candidates_degc);
     for (std::size_t i = 0; i < candidates_degc.size(); ++i) {
       const double move = std::isfinite(last_degc) ? candidates_degc[i] - last_degc : 0.0;
-      scores_[i] = setpoint_score(s, room_degc, long_mean(model.scaler, i), move);
+      const double later_degc = s.long_term != 0 ? long_mean(model.scaler, i) : short_mean(model.scaler, i);
+      scores_[i] = setpoint_score(s, room_degc, later_degc, move);
     }
     return best_candidate(s, {scores_.data(), candidates_degc.size()}, candidates_degc, last_degc);
   }

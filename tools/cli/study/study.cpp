@@ -244,6 +244,7 @@ void add_study(CLI::App& app) {
   add_study_adopted(*study);
   add_study_nights(*study);
   add_study_residuals(*study);
+  add_study_method(*study);
   add_study_scenarios(*study);
   auto self = std::make_shared<StudyCommand>();
   CLI::App* c = study->add_subcommand(

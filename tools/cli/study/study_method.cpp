@@ -1,0 +1,163 @@
+// airside study method: the studies of the published method, with the published figure beside ours.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "hal/text/input_error.hpp"
+#include "hal/text/staged_file.hpp"
+#include "sim/learned/environment_file.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/cli/study/study.hpp"
+#include "tools/run/child_jobs.hpp"
+#include "tools/run/run_facts.hpp"
+#include "tools/study/method/claims.hpp"
+#include "tools/study/method/results.hpp"
+#include "tools/study/method/run.hpp"
+#include "tools/study/method/tables.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int least_seeds = 5;
+
+struct MethodCommand {
+  MethodStudy study;
+  std::vector<std::string> table_names;
+  std::vector<MethodTable> tables;
+  int first_seed = 1, seeds = 5, jobs = 2;
+  bool json = false, report_only = false;
+
+  fs::path file_of(const MethodJob& job) const { return fs::path(study.folder) / (job.name() + ".json"); }
+
+  std::string run_job(const MethodJob& job) const {
+    nlohmann::json j = run_method_job(study, job);
+    add_program_to(j);
+    hal::StagedFile file(file_of(job).string());
+    file.write(j.dump(1) + "\n");
+    file.commit();
+    return "";
+  }
+
+  /// Those that start from weights wait until the others have made them.
+  void run_missing(const std::vector<MethodJob>& list) const {
+    Progress bar(fmt::format("{} runs", list.size()), list.size());
+    for (std::size_t begin = 0; begin < list.size();) {
+      std::size_t end = begin;
+      while (end < list.size() && list[end].seed == list[begin].seed) ++end;
+      for (const bool waits : {false, true}) {
+        std::vector<MethodJob> part;
+        for (std::size_t i = begin; i < end; ++i) {
+          const bool starts = !list[i].source_name().empty() || list[i].row->work == MethodWork::offline;
+          if (starts == waits) part.push_back(list[i]);
+        }
+        (void)run_children(
+            part.size(), jobs, [&](std::size_t i) { return run_job(part[i]); },
+            [&](std::size_t i) { return part[i].name(); }, [&bar] { bar.advance(); });
+      }
+      begin = end;
+    }
+    bar.finish();
+  }
+
+  void report() const {
+    const MethodResults results = MethodResults::read(study);
+    const nlohmann::json found = method_tables_of(results);
+    const std::vector<ClaimVerdict> claims = judge_claims(results);
+    if (json) {
+      nlohmann::json j{{"study", study.facts()},
+                       {"tables", found},
+                       {"claims", json_of(claims)},
+                       {"runs", results.runs()},
+                       {"seeds", results.seeds()}};
+      add_program_to(j);
+      fmt::print("{}\n", j.dump());
+      return;
+    }
+    for (const nlohmann::json& table : found) fmt::print("{}\n", method_table_markdown(table));
+    fmt::print("{}\n{} runs of {} seeds in {}; mean ± sd over rooms and seeds. By {}.\n", claims_markdown(claims),
+               results.runs(), results.seeds(), study.folder, program_text());
+    if (results.seeds() < least_seeds) {
+      fmt::print("The rules of the claims ask for {} seeds at least: these verdicts are provisional.\n", least_seeds);
+    }
+  }
+
+  void run() {
+    for (int t = 0; t < method_tables; ++t) {
+      const auto table = static_cast<MethodTable>(t);
+      const bool named = std::ranges::find(table_names, text_of(table)) != table_names.end();
+      const bool all = table_names.empty() && (study.environment.empty() || runs_in_environment(table));
+      if (named || all) tables.push_back(table);
+    }
+    for (const MethodTable table : tables) {
+      if (study.environment.empty() || runs_in_environment(table)) continue;
+      throw hal::InputError(std::string("--tables ") + text_of(table), "a table of several rooms, and --environment",
+                            "control, score, ablation", "leave one of them out");
+    }
+    if (!study.environment.empty()) {
+      study.environment_from = sim::environment_start(study.environment);
+      (void)sim::read_environment(study.environment, built_in_site().counts);
+    }
+    fs::create_directories(study.folder);
+    std::vector<MethodJob> list;
+    for (const MethodJob& job : method_jobs(study, tables, first_seed, seeds)) {
+      if (!fs::exists(file_of(job))) list.push_back(job);
+    }
+    if (!report_only) run_missing(list);
+    report();
+  }
+};
+
+}  // namespace
+
+void add_study_method(CLI::App& study) {
+  auto self = std::make_shared<MethodCommand>();
+  CLI::App* c = study.add_subcommand(
+      "method",
+      "the studies of the published method (preset `paper`), the published figure beside ours, a verdict on each "
+      "claim.\n"
+      "A run is one row, room and seed, and one JSON file of --out; runs that the folder has are left out, so a study "
+      "that\nwas stopped goes on. A run takes 10 s to 4 min of one core, all rows of a seed about an hour.\n"
+      "Tables: control (Fig. 7), score (Table IV), ablation (V), physics, pretraining (Fig. 9), deployment (11, 12), "
+      "data\n(schedule days before control), neighbours (13), offline (Table VI).");
+  std::vector<std::string> names;
+  for (int t = 0; t < method_tables; ++t) names.emplace_back(text_of(static_cast<MethodTable>(t)));
+  c->add_option("--plant", self->study.kind, "rc or energyplus")
+      ->check(CLI::IsMember({"rc", "energyplus"}))
+      ->capture_default_str();
+  c->add_option("--environment", self->study.environment,
+                "a learned environment (tools/learn_environment) in the place of room 301; tables control, score and "
+                "ablation");
+  c->add_option("--tables", self->table_names, "which, comma-separated (default: all)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(names));
+  c->add_option("--seeds", self->seeds, "seeds a row and room")->check(CLI::Range(1, 100))->capture_default_str();
+  c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
+  c->add_option("--days", self->study.days, "controlled days")->check(CLI::Range(1, 60))->capture_default_str();
+  c->add_option("--pretrain-days", self->study.pretrain_days, "days in the twin")
+      ->check(CLI::Range(2, 180))
+      ->capture_default_str();
+  c->add_option("--operated-days", self->study.operated_days, "days of the room that others learn from")
+      ->check(CLI::Range(2, 80))
+      ->capture_default_str();
+  c->add_option("--summer-days", self->study.summer_days, "logged days, offline comparison")
+      ->check(CLI::Range(1, 90))
+      ->capture_default_str();
+  c->add_option("--winter-days", self->study.winter_days, "logged days, offline comparison")
+      ->check(CLI::Range(1, 90))
+      ->capture_default_str();
+  c->add_option("--steps", self->study.steps, "optimiser steps of fine-tuning")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  c->add_option("--jobs", self->jobs, "child processes at a time")->check(CLI::Range(1, 256))->capture_default_str();
+  c->add_flag("--report-only", self->report_only, "run nothing: tables and verdicts of what the folder has");
+  c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
+  c->add_option("-o,--out", self->study.folder, "folder for the runs")->required();
+  c->callback([self] { self->run(); });
+}
+
+}  // namespace airside::tools

@@ -1,0 +1,96 @@
+#include "tools/study/method/results.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "hal/text/input_error.hpp"
+#include "sim/json/json_file.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const fs::path& file, const std::string& field, const std::string& found,
+                         const std::string& expected) {
+  throw hal::InputError(file.string() + ": " + field, found, expected, "move the file away, or choose another --out");
+}
+
+void check(const fs::path& file, const nlohmann::json& j, const MethodStudy& study) {
+  for (const char* field : {"row", "room", "seed", "study", "figures"}) {
+    if (!j.is_object() || !j.contains(field)) refuse(file, field, "nothing", "a run of airside study method");
+  }
+  if (!j["row"].is_string() || !j["room"].is_string()) refuse(file, "row, room", "no text", "names");
+  if (!j["seed"].is_number_unsigned()) refuse(file, "seed", j["seed"].dump(), "a whole number");
+  const nlohmann::json expected = study.facts();
+  for (const auto& [name, value] : expected.items()) {
+    if (!j["study"].contains(name) || j["study"][name] != value) {
+      refuse(file, "study." + name, j["study"].value(name, nlohmann::json()).dump(),
+             value.dump() + ", as the command has it: runs of one folder share plant, days and steps");
+    }
+  }
+  for (const auto& [name, value] : j["figures"].items()) {
+    if (!value.is_number()) refuse(file, "figures." + name, value.dump(), "a number");
+  }
+}
+
+bool is_run(const fs::path& file) {
+  const std::string name = file.filename().string();
+  return file.extension() == ".json" && std::ranges::any_of(method_rows(), [&name](const MethodRow& row) {
+           return name.starts_with(std::string(row.name) + "_");
+         });
+}
+
+}  // namespace
+
+MethodResults MethodResults::read(const MethodStudy& study) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(study.folder)) {
+    if (is_run(entry.path())) files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  MethodResults out;
+  for (const fs::path& file : files) {
+    const nlohmann::json j = sim::read_json(file);
+    check(file, j, study);
+    out.runs_.push_back({j["row"], j["room"], j["seed"], j["figures"]});
+  }
+  return out;
+}
+
+Spread MethodResults::spread(const std::string& row, const std::string& key, const std::string& room) const {
+  std::vector<double> values;
+  for (const Run& run : runs_) {
+    if (run.row == row && (room.empty() || run.room == room) && run.figures.contains(key))
+      values.push_back(run.figures[key]);
+  }
+  return spread_of(values);
+}
+
+bool MethodResults::has(const std::string& row) const {
+  return std::ranges::any_of(runs_, [&row](const Run& run) { return run.row == row; });
+}
+
+int MethodResults::seeds() const {
+  std::set<std::uint64_t> all;
+  for (const Run& run : runs_) all.insert(run.seed);
+  return static_cast<int>(all.size());
+}
+
+MethodResults MethodResults::of_seed(std::uint64_t seed) const {
+  MethodResults out;
+  std::ranges::copy_if(runs_, std::back_inserter(out.runs_), [seed](const Run& run) { return run.seed == seed; });
+  return out;
+}
+
+std::vector<std::uint64_t> MethodResults::seeds_of(const std::string& row) const {
+  std::set<std::uint64_t> all;
+  for (const Run& run : runs_) {
+    if (run.row == row) all.insert(run.seed);
+  }
+  return {all.begin(), all.end()};
+}
+
+}  // namespace airside::tools
