@@ -250,12 +250,20 @@ class CommandLine(unittest.TestCase):
                     (["control", "--seeds", "0"], "--seeds: found 0; expected 1 or more"),
                     ([*base, "--airside", "/nowhere/airside"], "found no program '/nowhere/airside'"),
                     ([*base, "--airside", PROGRAM, "--rooms", "attic"], '--room: found room "attic"; expected one of'),
+                    ([*base, "--airside", PROGRAM, "--start", "2021-13-01"], "--start: found '2021-13-01'"),
+                    ([*base, "--airside", PROGRAM, "--plant", "nuclear"], "--plant: nuclear not in {auto,rc,energyplus"),
                     (["control", "--results", "/proc/nowhere", "--only-table"], "expected a folder for results")):
                 done = method_peers(*words)
                 self.assertNotEqual(done.returncode, 0)
                 self.assertIn(said, done.stderr)
                 self.assertNotIn("Traceback", done.stderr)
             self.assertEqual(os.listdir(folder), [])
+
+    def test_help_teaches_without_any_package(self):
+        for python in ([sys.executable], [sys.executable, "-S"]):  # -S: nothing that was installed
+            done = subprocess.run([*python, "-B", SCRIPT, "--help"], capture_output=True, text=True, check=False)
+            self.assertIn("method_peers transfer", done.stdout)
+            self.assertIn("pip install torch", done.stdout)
 
     @unittest.skipIf(importlib.util.find_spec("torch"), "torch is there, so its absence cannot be tried")
     def test_torch_that_is_missing_is_named_with_its_pip_line(self):
