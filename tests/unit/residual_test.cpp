@@ -23,7 +23,8 @@ Net drawn_network(std::uint64_t seed) {
   SplitMix64 draw(seed);
   std::vector<float> values;
   for (int i = 0; i < Net::parameters; ++i) values.push_back(0.2f * static_cast<float>(draw.symmetric()));
-  for (int i = 0; i < Net::inputs; ++i) values[static_cast<std::size_t>(Net::inputs + i)] = 0.5f + 0.1f * static_cast<float>(i);
+  for (int i = 0; i < Net::inputs; ++i)
+    values[static_cast<std::size_t>(Net::inputs + i)] = 0.5f + 0.1f * static_cast<float>(i);
   Net net;
   net.take(values);
   return net;
