@@ -248,9 +248,22 @@ TEST(Blob, CarriesAResidualNetworkOrNone) {
 TEST(Blob, RefusesAResidualNetworkOfAnotherSize) {
   const Bytes bytes = encode<ThreeVav>(*some_payload<ThreeVav>(true, true));
   for (const std::uint32_t count : {0u, 1u, 1188u, 1190u, 0xFFFFFFFFu}) {
-    const std::string field = count == 0 ? "payload_bytes" : "residual_parameters";
     expect_refused<ThreeVav>(
-        bytes, [&](BlobHeader& h) { h.residual_parameters = count; }, Fault::blob_size, field);
+        bytes, [&](BlobHeader& h) { h.residual_parameters = count; }, Fault::blob_size, "residual_parameters");
+  }
+}
+
+TEST(Blob, SaysByItsVersionWhetherThereIsAResidualNetwork) {
+  const Bytes with = encode<ThreeVav>(*some_payload<ThreeVav>(true, true)),
+              without = encode<ThreeVav>(*some_payload<ThreeVav>(true));
+  BlobHeader header;
+  std::memcpy(&header, with.data(), sizeof header);
+  EXPECT_EQ(header.format_version, 2) << "readers from before there were any must refuse it";
+  std::memcpy(&header, without.data(), sizeof header);
+  EXPECT_EQ(header.format_version, 1);
+  const auto other = [](BlobHeader& h) { h.format_version = h.format_version == 1 ? 2 : 1; };
+  for (const Bytes& bytes : {with, without}) {
+    expect_refused<ThreeVav>(bytes, other, Fault::blob_size, "residual_parameters");
   }
 }
 

@@ -31,7 +31,7 @@ class BlobCodec {
   static constexpr std::size_t max_bytes =
       sizeof(BlobHeader) + Payload::bytes(RoomHead<T>::states, ResidualNetwork::parameters) + blob_signature_bytes;
 
-  /// Size of a blob with a head of this number of states and a residual network of so many numbers, bytes.
+  /// Size of a blob with a head of this number of states and this number of residual parameters, bytes.
   static constexpr std::size_t size(std::uint32_t head_states, std::uint32_t residual_parameters,
                                     const Shape& site = capacity_of<T>()) {
     return sizeof(BlobHeader) + Payload::bytes(head_states, residual_parameters, site) + blob_signature_bytes;
@@ -52,6 +52,7 @@ class BlobCodec {
     header.parameters = static_cast<std::uint32_t>(parameters);
     header.head_states = payload.head_states;
     header.residual_parameters = payload.residual_parameters();
+    header.format_version = header.residual_parameters != 0 ? blob_version_residual : blob_version_plain;
     std::byte* at = out.data() + sizeof(BlobHeader);
     const auto put = [&at](const void* from, std::size_t n) {
       std::memcpy(at, from, n);
@@ -98,7 +99,10 @@ class BlobCodec {
     BlobHeader header;
     std::memcpy(&header, in.data(), sizeof header);
     if (header.magic != BlobHeader{}.magic) return refuse(Fault::blob_magic, "magic");
-    if (header.format_version != BlobHeader{}.format_version) return refuse(Fault::blob_version, "format_version");
+    const bool has_residual = header.format_version == blob_version_residual;
+    if (!has_residual && header.format_version != blob_version_plain) {
+      return refuse(Fault::blob_version, "format_version");
+    }
     if (header.header_bytes != sizeof header) return refuse(Fault::blob_version, "header_bytes");
     if (header.endian_mark != BlobHeader{}.endian_mark) return refuse(Fault::blob_architecture, "endian_mark");
     if (header.float_mark != BlobHeader{}.float_mark) return refuse(Fault::blob_architecture, "float_mark");
@@ -125,7 +129,7 @@ class BlobCodec {
     const bool known_head = header.head_states == 0 || header.head_states == one ||
                             header.head_states == static_cast<std::uint32_t>(RoomHead<T>::states);
     if (!known_head) return refuse(Fault::blob_size, "head_states");
-    if (header.residual_parameters != 0 && header.residual_parameters != ResidualNetwork::parameters) {
+    if (header.residual_parameters != (has_residual ? std::uint32_t{ResidualNetwork::parameters} : 0u)) {
       return refuse(Fault::blob_size, "residual_parameters");
     }
     if (header.payload_bytes != Payload::bytes(header.head_states, header.residual_parameters, payload.site)) {

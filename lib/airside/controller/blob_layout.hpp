@@ -22,10 +22,13 @@ namespace airside {
 
 static_assert(std::endian::native == std::endian::little, "the blob codec copies little-endian memory");
 
+/// Of blobs without and with a residual network: readers from before there were any refuse the latter by its version.
+constexpr std::uint16_t blob_version_plain = 1, blob_version_residual = 2;
+
 /// Fixed header. Every field is little-endian; reserved bytes are zero.
 struct BlobHeader {
   std::array<char, 8> magic{'A', 'I', 'R', 'S', 'I', 'D', 'E', 'B'};
-  std::uint16_t format_version = 1;
+  std::uint16_t format_version = blob_version_plain;
   std::uint16_t header_bytes = 192;
   std::uint32_t endian_mark = 0x01020304;
   double float_mark = 0.15625;

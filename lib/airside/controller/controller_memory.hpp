@@ -143,8 +143,7 @@ class ControllerMemory {
     weight_exchange().exchange(settings_, scaler, weights);
     prepare();
   }
-  /// Goes back to an older learning state.
-  /// Errors: state_invalid if it holds numbers that are not finite; the controller then has no weights.
+  /// Goes back to an older learning state.  Errors: state_invalid as restore().
   Fault roll_back(const Learning& before) {
     weight_exchange().roll_back(before);
     resumed_ = false;
@@ -159,12 +158,8 @@ class ControllerMemory {
   }
 
   /// The bytes that a store saves; and those that it reads into before restore(), or configure() if that failed.
-  struct SavedBytes {
-    std::span<const std::byte> learning, replay;
-  };
-  struct LoadedBytes {
-    std::span<std::byte> learning, replay;
-  };
+  using SavedBytes = StateBytes<const std::byte>;
+  using LoadedBytes = StateBytes<std::byte>;
   SavedBytes saved_bytes() const {
     return {std::as_bytes(std::span(&learning_, 1)), std::as_bytes(std::span(&replay_.slot(0), Replay::capacity))};
   }

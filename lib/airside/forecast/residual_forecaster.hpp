@@ -15,7 +15,7 @@ namespace airside {
 
 /// f(x) = clip(W3 a(W2 a(W1 z + b1) + b2) + b3, +-0.5), z = clip((x - mean) / scale, +-8), a(y) = max(y, y / 100).
 /// Shape: 18 regressors, 32 and 16 units. Units: K.
-/// Cost: 1,153 parameters, as many multiplications.  Source: docs/method.md 16.8.
+/// Cost: 1,153 parameters, as many multiplications.  Source: docs/method.md 16.6.
 struct ResidualNetwork {
   static constexpr int inputs = ResidualFeatures::count, first = 32, second = 16;
   static constexpr int weights = (inputs + 1) * first + (first + 1) * second + second + 1;
@@ -75,7 +75,7 @@ struct ResidualNetwork {
 };
 
 /// Which share of the forecast is used: of none, half and all of it the one that would have erred least over about
-/// four working days.  Units: K.  Source: docs/method.md 16.8.
+/// four working days.  Units: K.  Source: docs/method.md 16.6.
 struct ResidualGate {
   static constexpr std::array<double, 3> shares{0.0, 0.5, 1.0};
   static constexpr double memory = 1.0 / 160;

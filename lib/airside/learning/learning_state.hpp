@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "airside/civil_time.hpp"
 #include "airside/demand/band_objective.hpp"
@@ -41,6 +42,12 @@ struct LearningState {
   SplitMix64 sampler;
   std::uint64_t cycles = 0;    ///< decisions taken with these weights' ancestors
   std::uint64_t rejected = 0;  ///< updates that the gate refused
+};
+
+/// A controller's large parts as bytes.
+template <class Byte>
+struct StateBytes {
+  std::span<Byte> learning, replay;
 };
 
 /// What one row hands to the next. Plain bytes, small: saved every row.

@@ -44,7 +44,7 @@ struct ResidualTraining {
 };
 
 /// Least mean Huber loss by Adam.  Cost: 12 epochs of 10^5 samples take some 10 s on a core.
-/// Errors: hal::InputError for less samples than a batch.  Source: docs/method.md 16.8.
+/// Errors: hal::InputError for less samples than a batch.  Source: docs/method.md 16.6.
 ResidualNetwork train_residual(std::span<const ResidualSample> samples, const ResidualTraining& training,
                                const OnProgress& progress = {});
 

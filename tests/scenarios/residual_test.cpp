@@ -1,0 +1,144 @@
+// airside residual: a network learns what the room head gets wrong, the blob carries it, and the gate stops asking one
+// that does not suit the room.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "airside/splitmix64.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/weights/blob_file.hpp"
+#include "support/program.hpp"
+#include "tools/run/plant_choice.hpp"
+#include "tools/run/training/residual_training.hpp"
+#include "tools/run/training/transfer.hpp"
+#include "tools/study/control_methods.hpp"
+
+namespace airside::tools {
+namespace {
+
+using nlohmann::json;
+
+/// Errors that a part of them follows the deviation; the rest is noise.
+std::vector<ResidualSample> drawn_samples(std::size_t count, double share, std::uint64_t seed) {
+  SplitMix64 draw(seed);
+  std::vector<ResidualSample> out(count);
+  for (ResidualSample& s : out) {
+    for (float& x : s.x) x = static_cast<float>(draw.symmetric());
+    const auto x = static_cast<double>(s.x[ResidualFeatures::deviation]);
+    s.error_k = static_cast<float>(share * 0.1 * std::abs(x) + (1 - share) * 0.1 * draw.symmetric());
+  }
+  return out;
+}
+
+TEST(ResidualTraining, FindsWhatIsThereAndNothingInNoise) {
+  const ResidualNetwork found = train_residual(drawn_samples(20000, 1, 1), {});
+  const ResidualScore score = score_of(found, drawn_samples(4000, 1, 2));
+  EXPECT_EQ(score.samples, 4000u);
+  EXPECT_GT(score.r2, 0.95);
+  EXPECT_LT(score.ratio, 0.2);
+  const ResidualNetwork none = train_residual(drawn_samples(20000, 0, 3), {});
+  const ResidualScore noise = score_of(none, drawn_samples(4000, 0, 4));
+  EXPECT_NEAR(noise.ratio, 1, 0.03);
+  EXPECT_LT(noise.r2, 0.01);
+}
+
+TEST(ResidualTraining, GivesTheSameNetworkForTheSameSeed) {
+  const auto samples = drawn_samples(2000, 0.5, 1);
+  EXPECT_EQ(train_residual(samples, {}).values, train_residual(samples, {}).values);
+  EXPECT_NE(train_residual(samples, {}).values, train_residual(samples, {.seed = 2}).values);
+}
+
+TEST(ResidualTraining, AsksForMoreThanAHandful) {
+  try {
+    (void)train_residual(drawn_samples(100, 1, 1), {});
+    FAIL();
+  } catch (const hal::InputError& e) {
+    EXPECT_EQ(e.found(), "100");
+    EXPECT_NE(e.remedy().find("more days"), std::string::npos);
+  }
+}
+
+Trial trial_in(const std::string& room, int days) {
+  PlantChoice plant;
+  plant.kind = "rc";
+  plant.room = room;
+  plant.start = "2021-08-01";
+  return {built_in_site(), plant, 5, days};
+}
+
+Metrics controlled(const Trial& trial, const BlobBytes& blob) {
+  Prepared prepared = prepare(trial);
+  return metrics_of(trial.site, run_ours(trial, prepared, {blob, false, 0}));
+}
+
+TEST(ResidualForecast, ANetworkThatIsWrongIsNotAskedForLong) {
+  const Trial trial = trial_in("301-real", 10);
+  Prepared prepared = prepare(trial);
+  FineTuneOptions options;
+  options.steps = 300;
+  const BlobBytes plain = transfer(trial.site, {}, prepared.history, options).blob;
+  ResidualNetwork wrong;
+  std::vector<float> values(ResidualNetwork::parameters, 0.0f);
+  for (int i = 0; i < ResidualNetwork::inputs; ++i) values[static_cast<std::size_t>(ResidualNetwork::inputs + i)] = 1;
+  values.back() = 0.3f;  // K, whatever is seen
+  wrong.take(values);
+  const Metrics alone = controlled(trial, plain),
+                misled = controlled(trial, with_residual(trial.site, plain, wrong, ""));
+  EXPECT_GT(misled.days.front().dae_degc, alone.days.front().dae_degc + 0.005) << "it is asked at first";
+  for (std::size_t day = 2; day < alone.days.size(); ++day) {
+    EXPECT_LT(misled.days[day].dae_degc, alone.days[day].dae_degc + 0.01) << "day " << day + 1;
+  }
+}
+
+class ResidualCommand : public ::testing::Test {
+ protected:
+  Outcome run(std::vector<std::string> words) const {
+    return run_program("airside", std::move(words), folder.path(), scratch.path(), 300);
+  }
+  TemporaryFolder folder, scratch;
+};
+
+TEST_F(ResidualCommand, AddsANetworkThatHelpsInARoomThatItHasNotSeen) {
+  ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "5", "-o", "plain.blob"}).code, 0);
+  const Outcome taught =
+      run({"residual", "plain.blob", "--plant", "rc", "--rooms", "tuning-0,tuning-1,tuning-2", "--try-rooms",
+           "tuning-3", "--scenarios", "outages", "--seeds", "1", "-o", "taught.blob", "--json"});
+  ASSERT_EQ(taught.code, 0) << taught.err;
+  const json found = json::parse(taught.out);
+  ASSERT_TRUE(found["written"]) << taught.out;
+  EXPECT_LT(found["error_ratio"], 0.99);
+  EXPECT_EQ(found["tried_cycles"], 28 * 40);
+  EXPECT_EQ(fs::file_size(folder.path() / "taught.blob"),
+            fs::file_size(folder.path() / "plain.blob") + sizeof(float) * ResidualNetwork::parameters);
+  const auto dae = [&](const std::string& blob) {
+    const Outcome o = run({"simulate", "--plant", "rc", "--room", "tuning-5", "--scenario", "outages", "--weights",
+                           blob, "--transfer", "--json"});
+    EXPECT_EQ(o.code, 0) << o.err;
+    return json::parse(o.out)["dae_degc"].get<double>();
+  };
+  EXPECT_LT(dae("taught.blob"), 0.99 * dae("plain.blob"));
+  const Outcome inspected = run({"blob", "inspect", "taught.blob"});
+  EXPECT_EQ(inspected.code, 0);
+  EXPECT_NE(inspected.out.find("airside residual"), std::string::npos) << inspected.out;
+}
+
+TEST_F(ResidualCommand, LeavesTheBlobWhereNothingWasLearned) {
+  ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "3", "-o", "plain.blob"}).code, 0);
+  const auto before = fs::file_size(folder.path() / "plain.blob");
+  const Outcome few = run({"residual", "plain.blob", "--plant", "rc", "--rooms", "tuning-0", "--try-rooms", "tuning-1",
+                           "--scenarios", "summer", "--seeds", "1", "--days", "2"});
+  EXPECT_EQ(few.code, 1);
+  EXPECT_NE(few.err.find("at least 512"), std::string::npos) << few.err;
+  EXPECT_EQ(fs::file_size(folder.path() / "plain.blob"), before);
+  EXPECT_EQ(run({"residual", "plain.blob", "--plant", "rc", "--scenarios", "monsoon"}).code, 1);
+  EXPECT_EQ(run({"residual", "plain.blob", "--plant", "rc", "--rooms", "nowhere"}).code, 1);
+  EXPECT_EQ(run({"residual", "absent.blob", "--plant", "rc"}).code, 1);
+  EXPECT_EQ(fs::file_size(folder.path() / "plain.blob"), before);
+}
+
+}  // namespace
+}  // namespace airside::tools
