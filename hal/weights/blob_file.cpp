@@ -71,7 +71,7 @@ BlobComplaint complaint_of(Fault fault) {
       return {"another kind of file", "a weight blob (it begins with AIRSIDEB)",
               "give a file made by `airside pretrain` or `airside transfer`"};
     case Fault::blob_version:
-      return {"a format version that this build does not read", "version 1",
+      return {"a format version that this build does not read", "version 1, or 2 with a residual network",
               "use the airside version that wrote it, or make the blob again"};
     case Fault::blob_architecture:
       return {"other byte order or float format", "little-endian IEEE 754", "make the blob on a little-endian machine"};

@@ -177,7 +177,7 @@ TEST(Blob, Row45Row46EachFieldThatDoesNotFitIsNamed) {
   expect_refused<ThreeVav>(
       b, [](H& h) { h.magic[0] = 'X'; }, Fault::blob_magic, "magic");
   expect_refused<ThreeVav>(
-      b, [](H& h) { h.format_version += 1; }, Fault::blob_version, "format_version");
+      b, [](H& h) { h.format_version = 3; }, Fault::blob_version, "format_version");
   expect_refused<ThreeVav>(
       b, [](H& h) { h.header_bytes = 64; }, Fault::blob_version, "header_bytes");
   expect_refused<ThreeVav>(
