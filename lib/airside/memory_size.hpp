@@ -12,10 +12,10 @@ namespace airside {
 constexpr std::size_t state_alignment = 16;
 
 #ifdef AIRSIDE_SMALL_MEMORY
-constexpr int replay_capacity = 3 * 80;  ///< transitions kept: three days of cycles
-constexpr int max_batch = 128;           ///< samples of one optimiser step
-constexpr int tile_samples = 8;          ///< samples that pass through the network together
-constexpr int max_day_types = 1;         ///< daily profiles of the room head: none of its own for days off
+constexpr int replay_capacity = 220;  ///< transitions kept: nearly three days of cycles
+constexpr int max_batch = 128;        ///< samples of one optimiser step
+constexpr int tile_samples = 8;       ///< samples that pass through the network together
+constexpr int max_day_types = 1;      ///< daily profiles of the room head: none of its own for days off
 #else
 constexpr int replay_capacity = 42 * 240;  ///< transitions kept (docs/method.md 5)
 constexpr int max_batch = 1000;            ///< samples of one optimiser step
