@@ -10,6 +10,7 @@
 
 #include "airside/controller/blob_layout.hpp"  // IWYU pragma: export
 #include "airside/fault.hpp"
+#include "airside/forecast/residual_forecaster.hpp"
 #include "airside/forecast/room_head.hpp"
 #include "airside/network/network.hpp"
 #include "airside/network/scaler.hpp"

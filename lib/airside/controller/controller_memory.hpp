@@ -15,6 +15,7 @@
 #include "airside/controller/weight_exchange.hpp"
 #include "airside/fault.hpp"
 #include "airside/forecast/head_features.hpp"
+#include "airside/forecast/residual_forecaster.hpp"
 #include "airside/forecast/room_head.hpp"
 #include "airside/learning/learning_state.hpp"
 #include "airside/learning/replay_ring.hpp"

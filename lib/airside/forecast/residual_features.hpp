@@ -11,7 +11,6 @@
 
 #include "airside/civil_time.hpp"
 #include "airside/forecast/head_features.hpp"
-#include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/topology.hpp"
 
