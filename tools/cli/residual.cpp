@@ -129,11 +129,11 @@ struct ResidualCommand {
     learning.finish();
     const ResidualScore score = score_of(network, tried);
     const bool is_worth_it = score.ratio <= 1 - least_gain;
-    if (is_worth_it) place.write(with_residual(s, source, network, provenance(s, learned.size(), score)));
+    if (is_worth_it) place.write(with_residual(s, source, network, provenance(learned.size(), score)));
     say(facts, learned.size(), score, is_worth_it);
   }
 
-  std::string provenance(const Site&, std::size_t learned, const ResidualScore& score) const {
+  std::string provenance(std::size_t learned, const ResidualScore& score) const {
     return fmt::format("airside residual {}{} --seeds {} --days {}: {} cycles of {}; left on {}: {:.3f}", blob,
                        command_text(site), seeds, days, learned, fmt::join(rooms, ","), fmt::join(tried_rooms, ","),
                        score.ratio);
@@ -146,7 +146,7 @@ struct ResidualCommand {
                        {"r2", score.r2},
                        {"error_ratio", score.ratio},
                        {"written", is_worth_it},
-                       {"blob", out},
+                       {"blob", is_worth_it ? nlohmann::json(out) : nlohmann::json()},
                        {"rooms", rooms},
                        {"tried_rooms", tried_rooms},
                        {"scenarios", scenarios}};

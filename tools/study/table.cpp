@@ -108,17 +108,22 @@ std::string study_markdown(const nlohmann::json& methods, const std::vector<std:
     }
     lines.push_back(std::move(line));
   }
-  std::vector<std::size_t> widths(lines[0].size());
+  return markdown_of(lines);
+}
+
+std::string markdown_of(const std::vector<std::vector<std::string>>& lines) {
+  std::vector<std::size_t> widths(lines.front().size());
+  const auto characters = [](const std::string& cell) {
+    // Not bytes: UTF-8's further bytes are 10xxxxxx.
+    return static_cast<std::size_t>(std::ranges::count_if(cell, [](char b) { return (b & 0xC0) != 0x80; }));
+  };
   for (const auto& line : lines) {
-    for (std::size_t c = 0; c < line.size(); ++c) {
-      // Characters, not bytes: UTF-8's further bytes are 10xxxxxx.
-      const auto characters = std::count_if(line[c].begin(), line[c].end(), [](char b) { return (b & 0xC0) != 0x80; });
-      widths[c] = std::max(widths[c], static_cast<std::size_t>(characters));
-    }
+    for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], characters(line[c]));
   }
   std::string text;
   for (std::size_t l = 0; l < lines.size(); ++l) {
-    for (std::size_t c = 0; c < widths.size(); ++c) text += fmt::format("| {:<{}} ", lines[l][c], widths[c]);
+    for (std::size_t c = 0; c < widths.size(); ++c)
+      text += "| " + lines[l][c] + std::string(widths[c] - characters(lines[l][c]) + 1, ' ');
     text += "|\n";
     if (l > 0) continue;
     for (const std::size_t width : widths) text += "|" + std::string(width + 2, '-');

@@ -33,4 +33,7 @@ nlohmann::json study_figures(const std::vector<Outcome>& outcomes, const std::st
 std::string study_markdown(const nlohmann::json& methods, const std::vector<std::string>& order,
                            const std::string& floor);
 
+/// Lines of cells as a Markdown table, columns padded to one width; the first line is the head.
+std::string markdown_of(const std::vector<std::vector<std::string>>& lines);
+
 }  // namespace airside::tools

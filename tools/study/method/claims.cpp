@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "tools/study/method/tables.hpp"
+#include "tools/study/table.hpp"
 
 namespace airside::tools {
 
@@ -211,7 +212,7 @@ constexpr auto claims = std::to_array<Claim>({
     {2, "D' converges to the long-term deviation", "", nullptr, "tests/gradient/closed_form_test.cpp"},
     {3, "physics losses lower wrong signs and error after biased data", "DAE 0.0961 without, 0.0613 with", physics},
     {4, "lowest DAE of all methods", "0.03222; OSLN 0.17189; expert above 1", comparison,
-     "OSLN and DDQN are not among these runs"},
+     "OSLN and DDQN are not among these runs: tools/gym/method_peers"},
     {5, "a_s < b_s holds the temperature where it is", "DAE 0.28 to 0.34 beside about 0.056",
      holds_where_beta_is_larger},
     {6, "a larger g is calmer and less exact", "DARV 0.4041 to 0.2650, DAE 0.0546 to 0.0774", gamma_trades},
@@ -220,14 +221,14 @@ constexpr auto claims = std::to_array<Claim>({
     {9, "without online learning all get twice as large or more", "ME 0.6778, DAE 0.2978, DARV 0.9602", without_online},
     {10, "confidence lowers ME, above all on day 1", "0.2322 with, 0.3691 without", confidence},
     {11, "lower error than FATDM and DAF", "0.140, 0.177; others 0.555 to 0.740", nullptr,
-     "those methods are not built here"},
+     "tools/gym/method_peers runs those methods"},
     {12, "dynamic pretraining errs less than static, static less than none", "701: 0.140, 0.306, 0.405", dynamic_first},
     {13, "winter is harder than summer", "701: 0.202, 0.078; 702: 0.298, 0.056", winter_is_harder},
     {14, "18 min is the best cycle", "DAE 0.07; 24 min 0.10", nullptr, "not studied: the cycle is a constant"},
     {15, "lowest DAE and DARV in two weeks, CDH below PID's", "CDH 335.9, PID 342.5", two_weeks,
-     "OSLN and DDQN are not among these runs"},
+     "OSLN and DDQN are not among these runs: tools/gym/method_peers"},
     {16, "the network is better and faster than LSTM and Transformer", "DAE 0.03222, 0.6069", nullptr,
-     "those networks are not built here"},
+     "tools/gym/method_peers runs those networks"},
     {17, "the agent adapts in the twin; setpoints move most at 17-21 h", "", adapts_in_the_twin},
     {18, "dynamic pretraining covers more setpoints, nearer to the target", "", covers_more},
     {19, "twin and building are 0.4 to 1.6 K apart, the perimeter more", "0.4 to 1.6 K", nullptr,

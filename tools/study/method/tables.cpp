@@ -1,4 +1,5 @@
 #include "tools/study/method/tables.hpp"
+#include "tools/study/table.hpp"
 
 #include <fmt/format.h>
 
@@ -225,27 +226,6 @@ std::string method_table_markdown(const nlohmann::json& table) {
     lines.push_back(std::move(cells));
   }
   return fmt::format("### {}\n\n{}", table["title"].get<std::string>(), markdown_of(lines));
-}
-
-std::string markdown_of(const std::vector<std::vector<std::string>>& lines) {
-  std::vector<std::size_t> widths(lines.front().size());
-  const auto characters = [](const std::string& cell) {
-    // Not bytes: UTF-8's further bytes are 10xxxxxx.
-    return static_cast<std::size_t>(std::ranges::count_if(cell, [](char b) { return (b & 0xC0) != 0x80; }));
-  };
-  for (const auto& line : lines) {
-    for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], characters(line[c]));
-  }
-  std::string text;
-  for (std::size_t l = 0; l < lines.size(); ++l) {
-    for (std::size_t c = 0; c < widths.size(); ++c)
-      text += "| " + lines[l][c] + std::string(widths[c] - characters(lines[l][c]) + 1, ' ');
-    text += "|\n";
-    if (l > 0) continue;
-    for (const std::size_t width : widths) text += "|" + std::string(width + 2, '-');
-    text += "|\n";
-  }
-  return text;
 }
 
 }  // namespace airside::tools

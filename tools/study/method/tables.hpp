@@ -16,7 +16,4 @@ nlohmann::json method_tables_of(const MethodResults& results);
 /// One of these tables as Markdown, its title first.
 std::string method_table_markdown(const nlohmann::json& table);
 
-/// Lines of cells as a Markdown table, columns padded to one width; the first line is the head.
-std::string markdown_of(const std::vector<std::vector<std::string>>& lines);
-
 }  // namespace airside::tools
