@@ -79,8 +79,9 @@ struct ControllerSettings {
   double head_walk_per_day = 0.003;                 ///< sd by which each other coefficient drifts in a day
   double head_gain_min = 0.2, head_gain_max = 1.2;  ///< K/K, bounds of the setpoint gain
   double head_gain_prior = 0.6, head_gain_prior_sd = 0.3;
-  double head_weight = 1.0;  ///< weight of the head when both forecasts err alike, 0..1
-  int head_day_types = 0;    ///< 1: one profile; 2: another one for days off; 0: 2 where weekday_only is 1, else 1
+  double head_weight = 1.0;      ///< weight of the head when both forecasts err alike, 0..1
+  int head_day_types = 0;        ///< 1: one profile; 2: another one for days off; 0: 2 where memory has it
+  double head_days_alike = 0.8;  ///< share of the profile's prior that days off have in common with working days
 
   // Safety envelope
   double limit_min_degc = 18.0;  ///< nothing below is written, but on the way from further outside (envelope.hpp)
@@ -202,6 +203,7 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
     AIRSIDE_REAL(head_gain_prior_sd, 1e-3, 10),
     AIRSIDE_REAL(head_weight, 0, 1),
     AIRSIDE_WHOLE(head_day_types, 0, max_day_types),
+    AIRSIDE_REAL(head_days_alike, 0, 1),
     AIRSIDE_REAL(limit_min_degc, 0, 50),
     AIRSIDE_REAL(limit_max_degc, 0, 50),
     AIRSIDE_REAL(limit_change_k, 0.01, 50),

@@ -107,11 +107,12 @@ std::vector<hal::InputError> missing_names(const nlohmann::json& model, const Mo
 nlohmann::json compose_model(const EnergyPlusOptions& options, const std::filesystem::path& schema);
 
 /// Options of one of the method's rooms: "twin", "301", "401", "402", "701", "702", or one of them with "_real"
-/// for the counterpart that stands for the built room (perturbed envelope, mass, gains, flows, weather, habits).
+/// for the counterpart that stands for the built room (perturbed envelope, mass, gains, flows, weather, habits); or
+/// "tuning_0" .. "tuning_199", rooms that are drawn by their number and never appear in a table.
 /// Errors: hal::InputError listing the names.
 EnergyPlusOptions energyplus_room(const std::string& name);
 
-/// Every name that energyplus_room() takes.
+/// Every name that energyplus_room() takes, but those of drawn rooms.
 std::vector<std::string> energyplus_room_names();
 
 }  // namespace airside::sim

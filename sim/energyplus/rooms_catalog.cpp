@@ -1,5 +1,11 @@
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
 
+#include "airside/splitmix64.hpp"
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/options.hpp"
@@ -55,12 +61,74 @@ void make_real(EnergyPlusOptions& options, const Departures& by) {
   options.seed += 9000;
 }
 
+constexpr std::string_view tuning_prefix = "tuning_";
+constexpr int most_tuning_rooms = 200;
+
+std::optional<int> tuning_number(const std::string& name) {
+  if (!name.starts_with(tuning_prefix)) return {};
+  int number = -1;
+  const char* const end = name.data() + name.size();
+  const auto [stop, error] = std::from_chars(name.data() + tuning_prefix.size(), end, number);
+  const bool is_known = error == std::errc{} && stop == end && number >= 0 && number < most_tuning_rooms;
+  return is_known ? std::optional(number) : std::nullopt;
+}
+
+/// exp(uniform in +-ln most), the same for the same room and text.
+double drawn_factor(std::uint64_t seed, std::string_view text, double most) {
+  std::uint64_t hash = 0xCBF29CE484222325u;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+  return std::exp(std::log(most) * SplitMix64(seed ^ hash).symmetric());
+}
+
+/// "Mixing A From B" and "Mixing B From A" name one opening, whose flows are equal.
+std::string opening_of(const std::string& object) {
+  constexpr std::string_view before = "Mixing ", between = " From ";
+  const auto at = object.find(between);
+  if (!object.starts_with(before) || at == std::string::npos) return object;
+  std::string a = object.substr(before.size(), at - before.size()), b = object.substr(at + between.size());
+  if (b < a) std::swap(a, b);
+  return a + " - " + b;
+}
+
+/// A room that is nobody's twin: every number of room 301's patch, people, dampers, sensor and weather are drawn.
+EnergyPlusOptions tuning_room(int number) {
+  constexpr double most = 1.35;
+  const auto seed = static_cast<std::uint64_t>(number) + 700000;
+  EnergyPlusOptions options;
+  add_patch(options, "301");
+  for (auto& [type, objects] : options.patches.back().content.items()) {
+    for (auto& [object, fields] : objects.items()) {
+      for (auto& [field, value] : fields.items()) {
+        if (value.is_number()) {
+          value = value.get<double>() * drawn_factor(seed, type + '/' + opening_of(object) + '/' + field, most);
+        }
+      }
+    }
+  }
+  SplitMix64 draw(seed);
+  RoomLoopOptions& rooms = options.rooms;
+  rooms.supply_bias_k = draw.symmetric();
+  rooms.fcu_setpoint_degc += 0.8 * draw.symmetric();
+  rooms.occupancy_scale = 1 + 0.1 * draw.symmetric();
+  rooms.occupancy_shift_min = 20 * draw.symmetric();
+  rooms.supply_lag_s *= 1 + draw.uniform();
+  for (double& damper : rooms.dampers) damper *= 1 + 0.1 * draw.symmetric();
+  options.weather_change = {draw.symmetric(), 1 + 0.15 * draw.symmetric(), 3 * draw.uniform()};
+  options.seed = seed;
+  return options;
+}
+
 }  // namespace
 
 EnergyPlusOptions energyplus_room(const std::string& name) {
   EnergyPlusOptions options;
   options.name = name;
   if (name == "twin") return options;
+  if (const auto number = tuning_number(name)) {
+    options = tuning_room(*number);
+    options.name = "room " + name;
+    return options;
+  }
   const bool real = name.ends_with("_real");
   const std::string room = real ? name.substr(0, name.size() - 5) : name;
   const auto* found = std::find_if(std::begin(habits), std::end(habits),
@@ -68,6 +136,7 @@ EnergyPlusOptions energyplus_room(const std::string& name) {
   if (found == std::end(habits)) {
     std::string names;
     for (const auto& known : energyplus_room_names()) names += (names.empty() ? "" : ", ") + known;
+    names += ", tuning_0 .. tuning_" + std::to_string(most_tuning_rooms - 1);
     throw hal::InputError("room", "'" + name + "'", "one of " + names, "choose one, or give a model and patches");
   }
   options.name = "room " + name;

@@ -196,6 +196,10 @@ TEST(EnergyPlusFailure, RefusesASetpointThatIsNoTemperature) {
 TEST(EnergyPlusFailure, ListsTheRoomsWhenOneIsUnknown) {
   const std::string message = message_of([] { energyplus_room("302"); });
   EXPECT_TRUE(has(message, "302") && has(message, "702_real")) << message;
+  for (const char* name : {"tuning_200", "tuning_", "tuning_-1", "tuning_1x"}) {
+    const std::string found = message_of([name] { energyplus_room(name); });
+    EXPECT_TRUE(has(found, name) && has(found, "tuning_0 .. tuning_199")) << found;
+  }
 }
 
 }  // namespace

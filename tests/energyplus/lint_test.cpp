@@ -121,7 +121,9 @@ TEST(EpjsonLint, CountsWhatElseIsWrong) {
 TEST(EpjsonLint, PassesTheTwinAndEveryRoom) {
   AIRSIDE_NEEDS_ENGINE();
   const auto schema = find_energyplus().schema;
-  for (const auto& name : energyplus_room_names()) {
+  std::vector<std::string> names = energyplus_room_names();
+  names.insert(names.end(), {"tuning_0", "tuning_199"});
+  for (const auto& name : names) {
     const EnergyPlusOptions options = energyplus_room(name);
     for (const auto& patch : options.patches) {
       for (const auto& complaint : epjson_complaints(patch.content, schema, {patch.name, LintScope::patch}))

@@ -43,6 +43,27 @@ TEST(EnergyPlusPlant, GivesOtherPeopleWithAnotherSeed) {
   EXPECT_NE(log_of(one_day()), log_of(other));
 }
 
+TEST(EnergyPlusPlant, DrawsRoomsByTheirNumber) {
+  const auto content = [](const char* name) { return energyplus_room(name).patches.back().content; };
+  EXPECT_EQ(content("tuning_3"), content("tuning_3"));
+  EXPECT_NE(content("tuning_3"), content("tuning_4"));
+  const nlohmann::json drawn = content("tuning_3"), twin = content("301");
+  const nlohmann::json& flows = drawn["ZoneMixing"];
+  EXPECT_EQ(flows["Mixing Interior 1 From Interior 2"], flows["Mixing Interior 2 From Interior 1"])
+      << "what goes in comes out";
+  int numbers = 0;
+  for (const auto& [type, objects] : twin.items()) {
+    for (const auto& [object, fields] : objects.items()) {
+      for (const auto& [field, value] : fields.items()) {
+        const double ratio = drawn[type][object][field].get<double>() / value.get<double>();
+        EXPECT_TRUE(ratio > 0.74 && ratio < 1.351) << type << ' ' << object << ' ' << ratio;
+        ++numbers;
+      }
+    }
+  }
+  EXPECT_GT(numbers, 50);
+}
+
 TEST(EnergyPlusPlant, RunsBesideAnotherAsItRunsAlone) {
   AIRSIDE_NEEDS_ENGINE();
   EnergyPlusOptions a = one_day(), b = one_day("301");

@@ -51,8 +51,8 @@ TEST(SiteSettings, ARegisterThatIsTooCoarseForTheLimitsIsRefused) {
   });
 }
 
-TEST(SiteSettings, WeekdayOnlyGivesDaysOffAProfileOfTheirOwnUnlessOverridden) {
-  EXPECT_EQ(day_types_of(controller_settings(site_of(""))), 1);
+TEST(SiteSettings, DaysOffHaveAProfileOfTheirOwnUnlessOverridden) {
+  EXPECT_EQ(day_types_of(controller_settings(site_of(""))), 2);
   const std::string days_off = "[target]\nweekday_only = true\n";
   EXPECT_EQ(day_types_of(controller_settings(site_of(days_off))), 2);
   EXPECT_EQ(day_types_of(controller_settings(site_of(days_off + "[controller.override]\nhead_day_types = 1\n"))), 1);

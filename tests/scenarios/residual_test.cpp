@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -13,6 +17,7 @@
 #include "hal/weights/blob_file.hpp"
 #include "support/program.hpp"
 #include "tools/run/plant_choice.hpp"
+#include "tools/run/training/built_in_residual.hpp"
 #include "tools/run/training/residual_training.hpp"
 #include "tools/run/training/transfer.hpp"
 #include "tools/study/control_methods.hpp"
@@ -103,7 +108,7 @@ class ResidualCommand : public ::testing::Test {
 };
 
 TEST_F(ResidualCommand, AddsANetworkThatHelpsInARoomThatItHasNotSeen) {
-  ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "5", "-o", "plain.blob"}).code, 0);
+  ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "5", "--no-residual", "-o", "plain.blob"}).code, 0);
   const Outcome taught =
       run({"residual", "plain.blob", "--plant", "rc", "--rooms", "tuning-0,tuning-1,tuning-2", "--try-rooms",
            "tuning-3", "--scenarios", "outages", "--seeds", "1", "-o", "taught.blob", "--json"});
@@ -126,8 +131,75 @@ TEST_F(ResidualCommand, AddsANetworkThatHelpsInARoomThatItHasNotSeen) {
   EXPECT_NE(inspected.out.find("airside residual"), std::string::npos) << inspected.out;
 }
 
+TEST_F(ResidualCommand, LearnsFromCyclesThatWereKept) {
+  ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "3", "--no-residual", "-o", "plain.blob"}).code, 0);
+  const auto keep = [&](const std::string& room, const std::string& file) {
+    return run({"residual", "plain.blob", "--plant", "rc", "--rooms", room, "--try-rooms", "tuning-9", "--scenarios",
+                "outages", "--seeds", "1", "--days", "14", "--keep", file, "-o", "once.blob"});
+  };
+  ASSERT_EQ(keep("tuning-0", "a.cycles").code, 0);
+  ASSERT_EQ(keep("tuning-1", "b.cycles").code, 0);
+  EXPECT_EQ(fs::file_size(folder.path() / "a.cycles"), 32u + 2 * 14 * 40 * 19 * sizeof(float));
+  const Outcome both = run({"residual", "plain.blob", "--cycles", "a.cycles,b.cycles", "--text", "numbers.inc", "-o",
+                            "both.blob", "--json"});
+  ASSERT_EQ(both.code, 0) << both.err;
+  const json found = json::parse(both.out);
+  EXPECT_EQ(found["learned_cycles"], 2 * 14 * 40);
+  ASSERT_EQ(found["tried"].size(), 3u) << "each file, and all";
+  EXPECT_EQ(found["tried"][0]["what"], "a.cycles");
+  EXPECT_EQ(found["tried"][2]["error_ratio"], found["error_ratio"]);
+  if (found["written"]) {
+    const std::string numbers = text_of_file(folder.path() / "numbers.inc");
+    EXPECT_EQ(std::ranges::count(numbers, ','), ResidualNetwork::parameters);
+  }
+}
+
+TEST_F(ResidualCommand, RefusesAFileThatHoldsNoCycles) {
+  ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "3", "--no-residual", "-o", "plain.blob"}).code, 0);
+  const auto complaint = [&](const std::string& bytes) {
+    std::ofstream(folder.path() / "bad.cycles", std::ios::binary) << bytes;
+    const Outcome o = run({"residual", "plain.blob", "--cycles", "bad.cycles", "-o", "none.blob"});
+    EXPECT_EQ(o.code, 1);
+    EXPECT_FALSE(fs::exists(folder.path() / "none.blob"));
+    return o.err;
+  };
+  const auto header = [](std::uint32_t regressors, std::uint32_t learned) {
+    const std::array<std::uint32_t, 4> numbers{regressors, 0, learned, 0};
+    return "airside cycles 1" + std::string(reinterpret_cast<const char*>(numbers.data()), sizeof numbers);
+  };
+  EXPECT_NE(complaint("few").find("3 bytes"), std::string::npos);
+  EXPECT_NE(complaint(std::string(80, 'x')).find("another kind of file"), std::string::npos);
+  EXPECT_NE(complaint(header(17, 0)).find("17 regressors"), std::string::npos);
+  EXPECT_NE(complaint(header(18, 1)).find("of 1 cycles"), std::string::npos);
+  EXPECT_NE(complaint(header(18, 1) + std::string(76, '\xFF')).find("not finite"), std::string::npos);
+  EXPECT_NE(run({"residual", "plain.blob", "--cycles", "absent.cycles"}).err.find("absent.cycles"), std::string::npos);
+  EXPECT_NE(run({"residual", "plain.blob", "--cycles", "a", "--rooms", "tuning-0"}).code, 0);
+}
+
+TEST_F(ResidualCommand, PretrainedWeightsCarryTheBuiltInNetwork) {
+  ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "3", "-o", "with.blob"}).code, 0);
+  ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "3", "--no-residual", "-o", "without.blob"}).code, 0);
+  ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "3", "--preset", "paper", "-o", "paper.blob"}).code, 0);
+  const auto parameters = [&](const std::string& blob) {
+    const Outcome o = run({"blob", "inspect", blob, "--json"});
+    EXPECT_EQ(o.code, 0) << o.err;
+    return json::parse(o.out)["header"]["residual_parameters"].get<std::string>();
+  };
+  EXPECT_EQ(parameters("with.blob"), "1189");
+  EXPECT_EQ(parameters("without.blob"), "0");
+  EXPECT_EQ(parameters("paper.blob"), "0") << "there is no head whose error it could predict";
+  EXPECT_TRUE(built_in_residual().is_sound());
+  const auto dae = [&](const std::string& blob) {
+    const Outcome o = run({"simulate", "--plant", "rc", "--room", "tuning-11", "--scenario", "outages", "--weights",
+                           blob, "--transfer", "--json"});
+    EXPECT_EQ(o.code, 0) << o.err;
+    return json::parse(o.out)["dae_degc"].get<double>();
+  };
+  EXPECT_LT(dae("with.blob"), 0.97 * dae("without.blob"));
+}
+
 TEST_F(ResidualCommand, LeavesTheBlobWhereNothingWasLearned) {
-  ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "3", "-o", "plain.blob"}).code, 0);
+  ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "3", "--no-residual", "-o", "plain.blob"}).code, 0);
   const auto before = fs::file_size(folder.path() / "plain.blob");
   const Outcome few = run({"residual", "plain.blob", "--plant", "rc", "--rooms", "tuning-0", "--try-rooms", "tuning-1",
                            "--scenarios", "summer", "--seeds", "1", "--days", "2"});

@@ -166,6 +166,27 @@ TEST(RoomHead, KeepsDaysOffApartOnlyWhereAskedTo) {
   EXPECT_GT(head->drift_k(s, saturday_noon, {}), 0.0) << "half of the prior is shared";
 }
 
+TEST(RoomHead, DaysOffKnowTheMoreOfWorkingDaysTheMoreAlikeTheyAre) {
+  double before = -1;
+  for (const double alike : {0.0, 0.5, 0.8, 1.0}) {
+    ControllerSettings s = settings();
+    s.head_day_types = 2;
+    s.head_days_alike = alike;
+    auto head = std::make_unique<Head>();
+    head->reset(s, 0.6, 0.3);
+    for (int day = 0; day < 5; ++day) {
+      for (int i = 0; i < cycles_per_day; ++i) {
+        head->update(s, {monday.seconds + day * 86400LL + i * cycle_s}, {}, 0.05);
+      }
+    }
+    const CivilTime noon{monday.seconds + 40 * cycle_s}, saturday_noon{noon.seconds + 5 * 86400LL};
+    const double share = head->drift_k(s, saturday_noon, {}) / head->drift_k(s, noon, {});
+    EXPECT_NEAR(share, alike, 0.1);
+    EXPECT_GT(share, before);
+    before = share;
+  }
+}
+
 TEST(RoomHead, KeepsDaysOffApartWhereTheSiteHasDaysOffUnlessToldOtherwise) {
   for (const int day_types : {0, 1}) {
     ControllerSettings s = settings();

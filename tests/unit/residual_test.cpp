@@ -86,6 +86,14 @@ TEST(ResidualGate, TrustsAtFirstAndNeverWhatErrsMore) {
   EXPECT_EQ(gate.share(), 0.5);
 }
 
+TEST(ResidualGate, OneBadCycleDoesNotEndTheTrust) {
+  ResidualGate gate;
+  gate.judge(0.05, -0.05);
+  EXPECT_EQ(gate.share(), 1.0) << "what was pretrained has a head start";
+  for (int i = 0; i < 40; ++i) gate.judge(0.05, -0.05);
+  EXPECT_EQ(gate.share(), 0.0) << "of less than a day";
+}
+
 TEST(ResidualGate, LearnsNothingFromWhatIsNotKnown) {
   ResidualGate gate;
   gate.judge(0.05, -0.05);

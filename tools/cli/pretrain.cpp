@@ -29,7 +29,7 @@ struct PretrainCommand {
   int days = 31;
   int updates = 0;
   Pretrainer pretrainer = Pretrainer::agent;
-  bool json = false;
+  bool json = false, no_residual = false;
   std::string out = "weights.blob", log;
 
   void run(const CLI::App& command) {
@@ -53,9 +53,10 @@ struct PretrainCommand {
     options.seed = plant.seed;
     options.updates_per_cycle = updates;
     options.pretrainer = pretrainer;
-    options.provenance =
-        fmt::format("airside pretrain {}{} --days {}{}{} ({})", command_text(plant, s), command_text(site), days,
-                    updates > 0 ? fmt::format(" --updates {}", updates) : "", static_text(), model->description());
+    options.with_residual = !no_residual;
+    options.provenance = fmt::format("airside pretrain {}{} --days {}{}{}{} ({})", command_text(plant, s),
+                                     command_text(site), days, updates > 0 ? fmt::format(" --updates {}", updates) : "",
+                                     static_text(), no_residual ? " --no-residual" : "", model->description());
     const Pretraining trained = pretrain(s, *model, until, options, show_progress(bar));
     bar.finish();
     place.write(trained.blob);
@@ -134,6 +135,9 @@ void add_pretrain(CLI::App& app) {
       ->expected(0, 1)
       ->default_str("drawn")
       ->check(CLI::IsMember({"drawn", "expert"}));
+  c->add_flag("--no-residual", self->no_residual,
+              "without the built-in network that predicts what the room head gets wrong (airside residual makes one "
+              "for your own rooms)");
   c->add_option("-o,--out", self->out, "blob to write")->capture_default_str();
   c->add_option("--log", self->log, "CSV of all rows");
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");

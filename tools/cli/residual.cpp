@@ -10,11 +10,13 @@
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "sim/scenarios/scenario.hpp"
+#include "tools/cli/blob/blob_facts.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/run/child_jobs.hpp"
 #include "tools/run/plant_choice.hpp"
 #include "tools/run/run_facts.hpp"
 #include "tools/run/training/blob_place.hpp"
+#include "tools/run/training/residual_cycles.hpp"
 #include "tools/run/training/residual_training.hpp"
 #include "tools/study/control_methods.hpp"
 
@@ -24,8 +26,9 @@ namespace {
 
 /// What is tried lies this much later and has other seeds: else the day would be recognised, not the room.
 constexpr int tried_days_later = 40;
-constexpr std::uint64_t tried_seeds_later = 1000;
-constexpr double least_gain = 0.01;  ///< of the mean distance; with less the blob stays as it is
+constexpr std::uint64_t tried_seeds_later = 100000;
+constexpr std::uint64_t seeds_of_a_room = 1000;  ///< on EnergyPlus people and outages follow the seed, not the room
+constexpr double least_gain = 0.01;              ///< of the mean distance; with less the blob stays as it is
 
 std::vector<std::string> numbered(const char* set, int first, int end) {
   std::vector<std::string> names;
@@ -35,8 +38,8 @@ std::vector<std::string> numbered(const char* set, int first, int end) {
 
 struct ResidualCommand {
   SiteOptions site;
-  std::string kind = "auto", blob, out;
-  std::vector<std::string> rooms, tried_rooms, scenarios;
+  std::string kind = "auto", blob, out, keep, text;
+  std::vector<std::string> rooms, tried_rooms, scenarios, kept;
   int seeds = 2, first_seed = 1, days = 28, expert_days = 5, jobs = 2, epochs = 12;
   bool json = false;
 
@@ -60,20 +63,19 @@ struct ResidualCommand {
     return plant;
   }
 
-  /// One run of the product, whose head learns on schedule days; the blob's weights are not asked.
-  std::string run_job(const Site& s, const Job& job) const {
-    constexpr int steps = 300;  // the head is what is looked at, not the network
+  /// One run of the product, whose head learns on schedule days. `under`: weights with a network, which acts; without
+  /// any the head controls alone.
+  std::string run_job(const Site& s, const BlobBytes& under, const Job& job) const {
+    constexpr int steps = 300;  // the head is what is looked at, not the method's network
     Trial trial{s, choice(job), expert_days, days};
     trial.site.file.seed = job.seed;
     Prepared prepared = prepare(trial);
-    return bytes_of(residual_samples(run_ours(trial, prepared, {{}, true, steps})));
+    return bytes_of(residual_samples(run_ours(trial, prepared, {under, true, steps})));
   }
 
   void choose_rooms(bool energyplus) {
-    if (rooms.empty()) rooms = energyplus ? std::vector<std::string>{"301", "401", "402"} : numbered("tuning", 0, 8);
-    if (tried_rooms.empty()) {
-      tried_rooms = energyplus ? std::vector<std::string>{"701", "702"} : numbered("tuning", 8, 10);
-    }
+    if (rooms.empty()) rooms = numbered("tuning", 0, 8);
+    if (tried_rooms.empty()) tried_rooms = numbered("tuning", 8, 10);
     if (!scenarios.empty()) return;
     for (const sim::Scenario& s : sim::scenarios()) {
       if (energyplus ? s.on_energyplus : s.on_rc) scenarios.emplace_back(s.name);
@@ -83,11 +85,12 @@ struct ResidualCommand {
   std::vector<Job> make_jobs() const {
     std::vector<Job> list;
     for (const bool is_tried : {false, true}) {
+      const std::vector<std::string>& of = is_tried ? tried_rooms : rooms;
       for (const std::string& scenario : scenarios) {
-        for (const std::string& room : is_tried ? tried_rooms : rooms) {
+        for (std::size_t r = 0; r < of.size(); ++r) {
           for (int i = 0; i < seeds; ++i) {
-            const auto seed = static_cast<std::uint64_t>(first_seed + i) + (is_tried ? tried_seeds_later : 0);
-            list.push_back({room, scenario, seed, is_tried});
+            const std::uint64_t own = seeds_of_a_room * r + static_cast<std::uint64_t>(first_seed + i);
+            list.push_back({of[r], scenario, own + (is_tried ? tried_seeds_later : 0), is_tried});
           }
         }
       }
@@ -95,71 +98,115 @@ struct ResidualCommand {
     return list;
   }
 
-  void run() {
-    const Site s = make_site(site);
-    const BlobBytes source = read_blob(blob, s);
+  /// Runs all jobs. Weights that have a network already control with it: what it leads to is learned from, too.
+  ResidualCycles simulate(const Site& s, const BlobBytes& source, const std::vector<Job>& list) const {
+    const BlobBytes under = facts_of_blob(source, blob).header.residual_parameters != 0 ? source : BlobBytes();
+    Progress bar(fmt::format("simulating {} runs of {} days", list.size(), days), list.size());
+    const auto texts = run_children(
+        list.size(), jobs, [&](std::size_t i) { return run_job(s, under, list[i]); },
+        [&](std::size_t i) { return list[i].name(); }, [&bar] { bar.advance(); });
+    bar.finish();
+    ResidualCycles all;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      std::vector<ResidualSample> more = samples_from(texts[i]);
+      all.add(list[i].is_tried ? ResidualCycles{{}, std::move(more)} : ResidualCycles{std::move(more), {}});
+    }
+    return all;
+  }
+
+  ResidualCycles simulated(const Site& s, const BlobBytes& source, RunFacts& facts) {
     for (const std::string& name : scenarios) (void)sim::scenario("--scenarios", name);
     PlantChoice plant;
     plant.kind = kind;
-    const bool energyplus = is_energyplus(plant, s);
-    choose_rooms(energyplus);
+    choose_rooms(is_energyplus(plant, s));
     const std::vector<Job> list = make_jobs();
     for (const Job& job : list) check_room(choice(job), s);
-    if (out.empty()) out = blob;
-    BlobPlace place(out, most_blob_bytes(s));
-    const RunFacts facts = run_facts(choice(list.front()), s);
+    facts = run_facts(choice(list.front()), s);
     say_fallback(facts);
+    return simulate(s, source, list);
+  }
 
-    Progress bar(fmt::format("simulating {} runs of {} days", list.size(), days), list.size());
-    const auto texts = run_children(
-        list.size(), jobs, [&](std::size_t i) { return run_job(s, list[i]); },
-        [&](std::size_t i) { return list[i].name(); }, [&bar] { bar.advance(); });
-    bar.finish();
-    std::vector<ResidualSample> learned, tried;
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      const std::vector<ResidualSample> more = samples_from(texts[i]);
-      std::vector<ResidualSample>& all = list[i].is_tried ? tried : learned;
-      all.insert(all.end(), more.begin(), more.end());
-    }
+  /// A file of kept cycles, or what was simulated, and how well its tried cycles are predicted.
+  struct Tried {
+    std::string what;
+    ResidualScore score;
+  };
+
+  void run() {
+    const Site s = make_site(site);
+    const BlobBytes source = read_blob(blob, s);
+    if (out.empty()) out = blob;
+    std::vector<ResidualCycles> parts;
+    for (const std::string& path : kept) parts.push_back(read_cycles(path));
+    BlobPlace place(out, most_blob_bytes(s));
+    RunFacts facts;
+    if (parts.empty()) parts.push_back(simulated(s, source, facts));
+    ResidualCycles cycles;
+    for (const ResidualCycles& part : parts) cycles.add(part);
+    if (!keep.empty()) write_cycles(keep, cycles);
     ResidualTraining training;
     training.seed = static_cast<std::uint64_t>(first_seed);
     training.epochs = epochs;
-    Progress learning(fmt::format("learning from {} cycles", learned.size()), progress_steps);
-    const ResidualNetwork network = train_residual(learned, training, show_progress(learning));
+    Progress learning(fmt::format("learning from {} cycles", cycles.learned.size()), progress_steps);
+    const ResidualNetwork network = train_residual(cycles.learned, training, show_progress(learning));
     learning.finish();
-    const ResidualScore score = score_of(network, tried);
-    const bool is_worth_it = score.ratio <= 1 - least_gain;
-    if (is_worth_it) place.write(with_residual(s, source, network, provenance(learned.size(), score)));
-    say(facts, learned.size(), score, is_worth_it);
+    std::vector<Tried> tried;
+    for (std::size_t i = 0; i < parts.size() && kept.size() > 1; ++i) {
+      tried.push_back({kept[i], score_of(network, parts[i].tried)});
+    }
+    tried.push_back({"all", score_of(network, cycles.tried)});
+    const bool is_worth_it = tried.back().score.ratio <= 1 - least_gain;
+    if (is_worth_it) {
+      place.write(with_residual(s, source, network, provenance(cycles.learned.size(), tried.back().score)));
+      if (!text.empty()) write_residual_text(text, network);
+    }
+    say(facts, cycles.learned.size(), tried, is_worth_it);
   }
+
+  /// Where the cycles are of, for people.
+  std::string learned_of() const { return fmt::format("{}", fmt::join(kept.empty() ? rooms : kept, ", ")); }
+  std::string tried_of() const { return fmt::format("{}", fmt::join(kept.empty() ? tried_rooms : kept, ", ")); }
 
   std::string provenance(std::size_t learned, const ResidualScore& score) const {
-    return fmt::format("airside residual {}{} --seeds {} --days {}: {} cycles of {}; left on {}: {:.3f}", blob,
-                       command_text(site), seeds, days, learned, fmt::join(rooms, ","), fmt::join(tried_rooms, ","),
-                       score.ratio);
+    const std::string how = kept.empty() ? fmt::format("--seeds {} --days {}", seeds, days) : "--cycles";
+    return fmt::format("airside residual {}{} {}: {} cycles of {}; left on {}: {:.3f}", blob, command_text(site), how,
+                       learned, learned_of(), tried_of(), score.ratio);
   }
 
-  void say(const RunFacts& facts, std::size_t learned, const ResidualScore& score, bool is_worth_it) const {
+  void say(const RunFacts& facts, std::size_t learned, const std::vector<Tried>& tried, bool is_worth_it) const {
+    const ResidualScore& all = tried.back().score;
     if (json) {
       nlohmann::json j{{"learned_cycles", learned},
-                       {"tried_cycles", score.samples},
-                       {"r2", score.r2},
-                       {"error_ratio", score.ratio},
+                       {"tried_cycles", all.samples},
+                       {"r2", all.r2},
+                       {"error_ratio", all.ratio},
                        {"written", is_worth_it},
                        {"blob", is_worth_it ? nlohmann::json(out) : nlohmann::json()},
                        {"rooms", rooms},
                        {"tried_rooms", tried_rooms},
-                       {"scenarios", scenarios}};
-      add_to(j, facts);
+                       {"scenarios", scenarios},
+                       {"cycles", kept},
+                       {"tried", nlohmann::json::array()}};
+      for (const Tried& t : tried) {
+        j["tried"].push_back(
+            {{"what", t.what}, {"cycles", t.score.samples}, {"r2", t.score.r2}, {"error_ratio", t.score.ratio}});
+      }
+      if (kept.empty()) {
+        add_to(j, facts);
+      } else {
+        add_program_to(j);
+      }
       fmt::print("{}\n", j.dump());
       return;
     }
-    fmt::print(
-        "learned from {} cycles of {}; tried on {} cycles of {}, other days and seeds:\n"
-        "R2 {:.2f}; {:.3f} of the head's mean error is left\n",
-        learned, fmt::join(rooms, ", "), score.samples, fmt::join(tried_rooms, ", "), score.r2, score.ratio);
+    fmt::print("learned from {} cycles of {}; tried on {} cycles of {}, other days and seeds:\n", learned, learned_of(),
+               all.samples, tried_of());
+    for (const Tried& t : tried) {
+      fmt::print("{}: R2 {:.2f}; {:.3f} of the head's mean error is left\n", t.what, t.score.r2, t.score.ratio);
+    }
     if (is_worth_it) {
-      fmt::print("weights with this network: {}\nby {}\n", out, text_of(facts));
+      fmt::print("weights with this network: {}\n", out);
+      if (kept.empty()) fmt::print("by {}\n", text_of(facts));
     } else {
       fmt::print("not worth it: {} was left as it is. More rooms or seeds may help; the head alone controls.\n", blob);
     }
@@ -181,7 +228,7 @@ void add_residual(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "rc", "energyplus"}))
       ->capture_default_str();
   c->add_option("--rooms", self->rooms,
-                "rooms to learn from, comma-separated (default: 8 made-up rooms of rc, or three twins of EnergyPlus)")
+                "rooms to learn from, comma-separated (default: eight made-up rooms of the plant)")
       ->delimiter(',');
   c->add_option("--try-rooms", self->tried_rooms, "rooms to try it on (default: two others)")->delimiter(',');
   c->add_option("--scenarios", self->scenarios, "conditions, comma-separated (default: all that the plant knows)")
@@ -192,6 +239,14 @@ void add_residual(CLI::App& app) {
   c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
   c->add_option("--days", self->days, "controlled days a run")->check(CLI::Range(1, 180))->capture_default_str();
   c->add_option("--jobs", self->jobs, "runs at a time")->check(CLI::Range(1, 256))->capture_default_str();
+  c->add_option("--keep", self->keep, "keep the simulated cycles in this file, for --cycles");
+  c->add_option("--cycles", self->kept,
+                "files of --keep, comma-separated: learn from these instead of simulating, of several plants together")
+      ->delimiter(',')
+      ->excludes("--rooms")
+      ->excludes("--try-rooms")
+      ->excludes("--scenarios");
+  c->add_option("--text", self->text, "write the network's numbers as text, too (how the built-in network was made)");
   c->add_option("-o,--out", self->out, "blob to write (default: in the place of the blob)");
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
   c->callback([self] { self->run(); });

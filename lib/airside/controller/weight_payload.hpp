@@ -57,9 +57,12 @@ void give_payload(const Controller<T, float>& controller, WeightPayload<T>& payl
   payload.scaler = learning.scaler;
   std::copy(learning.weights.flat().begin(), learning.weights.flat().end(), payload.weights.begin());
   using Head = RoomHead<T>;
-  const bool two_types = day_types_of(controller.settings()) == 2;
+  // Days off of another room say little of this one's: they travel where somebody asked for them, else the blob is
+  // 86 kB smaller and complete_day_types() begins them anew.
+  const ControllerSettings& s = controller.settings();
+  const bool two_types = day_types_of(s) == 2 && (s.head_day_types == 2 || s.weekday_only != 0);
   const int states = two_types ? Head::states : Head::regressors + Head::slots;
-  payload.head_states = controller.settings().head != 0 ? static_cast<std::uint32_t>(states) : 0u;
+  payload.head_states = s.head != 0 ? static_cast<std::uint32_t>(states) : 0u;
   payload.residual = learning.residual.network;
   payload.head_updates = learning.head.updates();
   payload.head_theta = learning.head.theta();

@@ -21,8 +21,7 @@ namespace airside {
 
 /// Profiles that the room head keeps: one, or another one for days off.
 constexpr int day_types_of(const ControllerSettings& s) {
-  const int wanted = s.head_day_types != 0 ? s.head_day_types : s.weekday_only != 0 ? 2 : 1;
-  return std::min(wanted, max_day_types);
+  return s.head_day_types != 0 ? std::min(s.head_day_types, max_day_types) : max_day_types;
 }
 
 /// ds = x' theta_x + profile(slot) + ma e.
@@ -118,7 +117,8 @@ class RoomHead {
     for (int i = 0; i < slots; ++i) {
       for (int j = 0; j < slots; ++j) {
         const int d = i > j ? i - j : j - i;
-        p(known + i, known + j) = p(regressors + i, regressors + j) + profile_covariance(s, d);
+        p(known + i, known + j) =
+            p(regressors + i, regressors + j) + 2 * (1 - s.head_days_alike) * profile_covariance(s, d);
       }
     }
   }
@@ -186,8 +186,7 @@ class RoomHead {
     Covariance p = covariance();
     for (int a = 0; a < types; ++a) {
       for (int b = 0; b < types; ++b) {
-        // Days off resemble working days at night: half of the prior is shared.
-        const double alike = a == b ? 1.0 : 0.5;
+        const double alike = a == b ? 1.0 : s.head_days_alike;
         for (int i = 0; i < slots; ++i) {
           for (int j = 0; j < slots; ++j) {
             p(regressors + a * slots + i, regressors + b * slots + j) +=

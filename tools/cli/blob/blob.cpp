@@ -42,6 +42,7 @@ std::vector<std::pair<const char*, std::string>> header_fields(const BlobFacts& 
       {"key", key_text(h)},
       {"parameters", std::to_string(h.parameters)},
       {"head states", std::to_string(h.head_states)},
+      {"residual parameters", std::to_string(h.residual_parameters)},
       {"payload bytes", std::to_string(h.payload_bytes)}};
 }
 

@@ -12,7 +12,9 @@
 #include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
 #include "tools/run/run_facts.hpp"
+#include "tools/run/training/built_in_residual.hpp"
 #include "tools/run/training/pretraining.hpp"
+#include "tools/run/training/residual_training.hpp"
 #include "tools/study/control_methods.hpp"
 #include "tools/study/table.hpp"
 
@@ -24,6 +26,8 @@ namespace {
 constexpr double worse_margin_degc = 0.02;
 /// What `product` is compared with day by day.
 constexpr const char* rival = "integral-tuned";
+/// `product` from the same weights without their residual network.
+constexpr const char* head_alone = "ours-head-alone";
 
 struct StudyCommand : StudyOptions {
   std::string out, twin_room;
@@ -71,6 +75,7 @@ struct StudyCommand : StudyOptions {
     PretrainOptions options;
     options.seed = source.seed;
     options.updates_per_cycle = updates;
+    options.with_residual = false;
     const CivilTime until{twin->time().seconds + pretrain_days * std::int64_t{86400}};
     const BlobBytes blob = pretrain(site, *twin, until, options).blob;
     return {reinterpret_cast<const char*>(blob.data()), blob.size()};
@@ -83,13 +88,21 @@ struct StudyCommand : StudyOptions {
       trial.site.file.seed = job.seed;
       return trial;
     };
+    const auto run_weights = [&](const std::string& name, const Trial& trial, const BlobBytes& blob) {
+      Prepared prepared = prepare(trial);
+      outcome[name] = json_of(metrics_of(trial.site, run_ours(trial, prepared, {blob, true, steps})));
+    };
     for (const std::string& preset : presets()) {
       const std::string& text = sources.at({twin_of(job.room), preset, job.seed});
       const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
+      const BlobBytes plain(bytes, bytes + text.size());
       const Trial trial = trial_of(preset);
-      Prepared prepared = prepare(trial);
-      outcome["ours-" + preset] = json_of(
-          metrics_of(trial.site, run_ours(trial, prepared, {BlobBytes(bytes, bytes + text.size()), true, steps})));
+      if (preset != "product") {
+        run_weights("ours-" + preset, trial, plain);
+        continue;
+      }
+      run_weights(head_alone, trial, plain);
+      run_weights("ours-product", trial, with_residual(trial.site, plain, built_in_residual(), "a study"));
     }
     const Trial trial = trial_of("product");
     Prepared again = prepare(trial);
@@ -165,6 +178,21 @@ struct StudyCommand : StudyOptions {
     print(outcomes, energyplus);
   }
 
+  static std::string peer_name(const std::string& peer, bool energyplus) {
+    if (peer == head_alone) return "the same without its residual network";
+    const PlantKind plant = energyplus ? PlantKind::energyplus : PlantKind::rc;
+    return make_baseline(peer, site_of("product").settings, plant)->name();
+  }
+
+  /// Of the product to a peer, over runs.
+  static Spread dae_ratio(const std::vector<Outcome>& outcomes, const std::string& peer) {
+    std::vector<double> ratios;
+    for (const Outcome& run : outcomes) {
+      ratios.push_back(run.at("ours-product").at("dae_degc").get<double>() / run.at(peer).at("dae_degc").get<double>());
+    }
+    return spread_of(ratios);
+  }
+
   void print(const std::vector<Outcome>& outcomes, bool energyplus) const {
     const std::string floor = energyplus ? "floor-full" : "floor-frozen";
     nlohmann::json j;
@@ -174,26 +202,33 @@ struct StudyCommand : StudyOptions {
     for (int s = 0; s < seeds; ++s) j["seeds"].push_back(first_seed + s);
     j["pretrain_days"] = pretrain_days;
     j["days"] = days;
-    std::vector<std::string> order{"ours-product", "ours-scratch"};
+    std::vector<std::string> order{"ours-product", head_alone, "ours-scratch"};
     if (!no_paper) order.insert(order.begin() + 1, "ours-paper");
     order.insert(order.end(), methods.begin(), methods.end());
     for (const std::string& name : order) j["methods"][name] = study_figures(outcomes, name, floor);
-    const auto worse = worse_days(outcomes, "ours-product", rival, worse_margin_degc);
-    std::string sentence;
-    if (worse) {
-      const PlantKind plant = energyplus ? PlantKind::energyplus : PlantKind::rc;
-      const std::string peer = make_baseline(rival, site_of("product").settings, plant)->name();
-      j["worse_days"] = {{"method", "ours-product"},         {"peer", rival},       {"peer_name", peer},
-                         {"margin_degc", worse_margin_degc}, {"days", worse->days}, {"worse", worse->worse},
-                         {"worst_degc", worse->worst_degc}};
-      sentence = fmt::format(
+    std::string text;
+    for (const std::string& peer : {std::string(rival), std::string(head_alone)}) {
+      const auto worse = worse_days(outcomes, "ours-product", peer, worse_margin_degc);
+      if (!worse) continue;
+      const std::string called = peer_name(peer, energyplus);
+      const Spread ratio = dae_ratio(outcomes, peer);
+      j[peer == rival ? "worse_days" : "worse_days_than_head"] = {{"method", "ours-product"},
+                                                                  {"peer", peer},
+                                                                  {"peer_name", called},
+                                                                  {"margin_degc", worse_margin_degc},
+                                                                  {"days", worse->days},
+                                                                  {"worse", worse->worse},
+                                                                  {"worst_degc", worse->worst_degc},
+                                                                  {"dae_ratio", ratio.mean},
+                                                                  {"dae_ratio_sd", ratio.sd}};
+      text += fmt::format(
           "On {} of {} days ours-product was more than {:g} °C worse than {}, {}; the worst difference was {:+.3f} "
-          "°C.\n",
-          worse->worse, worse->days, worse_margin_degc, rival, peer, worse->worst_degc);
+          "°C. Its DAE is {:.3f} ± {:.3f} of that one's, run by run.\n",
+          worse->worse, worse->days, worse_margin_degc, peer, called, worse->worst_degc, ratio.mean, ratio.sd);
     }
     if (!json) {
       fmt::print("{}", study_markdown(j["methods"], order, floor));
-      if (!sentence.empty()) fmt::print("\n{}", sentence);
+      if (!text.empty()) fmt::print("\n{}", text);
       fmt::print("\nBy {}.\n", text_of(facts));
     }
     for (std::size_t i = 0; i < outcomes.size(); ++i) j["runs"].push_back(outcomes[i]);

@@ -11,7 +11,9 @@
 #include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
 #include "tools/run/run_facts.hpp"
+#include "tools/run/training/built_in_residual.hpp"
 #include "tools/run/training/pretraining.hpp"
+#include "tools/run/training/residual_training.hpp"
 #include "tools/study/control_methods.hpp"
 #include "tools/study/table.hpp"
 
@@ -21,11 +23,12 @@ namespace {
 
 struct ScenariosCommand : StudyOptions {
   static constexpr const char* ours = "ours-product";
+  static constexpr const char* head_alone = "ours-head-alone";  ///< without the residual network
   /// A day on which DAE is higher than the rival's by more than this counts as worse. degC.
   static constexpr double worse_margin_degc = 0.02;
 
   std::string out;
-  std::vector<std::string> rooms, scenarios, methods = {"integral-tuned", "arx-rls", "mpc"};
+  std::vector<std::string> rooms, scenarios, methods = {head_alone, "integral-tuned", "arx-rls", "mpc"};
   int first_seed = 1, pretrain_days = 31, steps = 3000;
 
   ScenariosCommand() {
@@ -56,8 +59,10 @@ struct ScenariosCommand : StudyOptions {
     const auto twin = make_plant(choice(twin_of(job.room), job.seed, "2021-07-01"), trial.site, pretrain_days);
     PretrainOptions options;
     options.seed = job.seed;
+    options.with_residual = false;
     const CivilTime until{twin->time().seconds + pretrain_days * seconds_per_day};
-    const BlobBytes blob = pretrain(trial.site, *twin, until, options).blob;
+    const BlobBytes plain = pretrain(trial.site, *twin, until, options).blob;
+    const BlobBytes blob = with_residual(trial.site, plain, built_in_residual(), "a study");
     nlohmann::json found;
     const auto keep = [&](const std::string& name, const ControlRun& run) {
       for (const DayMetrics& day : metrics_of(trial.site, run).days) found[name].push_back(day.dae_degc);
@@ -66,7 +71,7 @@ struct ScenariosCommand : StudyOptions {
     keep(ours, run_ours(trial, prepared, {blob, true, steps}));
     for (const std::string& name : methods) {
       Prepared fresh = prepare(trial);
-      keep(name, run_method(trial, fresh, name));
+      keep(name, name == head_alone ? run_ours(trial, fresh, {plain, true, steps}) : run_method(trial, fresh, name));
     }
     return found.dump();
   }
@@ -88,7 +93,9 @@ struct ScenariosCommand : StudyOptions {
       }
     }
     if (rooms.empty()) rooms = {"301-real", "401-real", "402-real", "701-real", "702-real"};
-    for (const std::string& name : methods) check_method("--methods", name, energyplus);
+    for (const std::string& name : methods) {
+      if (name != head_alone) check_method("--methods", name, energyplus);
+    }
     for (const std::string& name : scenarios) {
       for (const std::string& room : rooms) (void)make_plant(under(name, room, 1), built_in_site(), 1);
     }
@@ -102,22 +109,25 @@ struct ScenariosCommand : StudyOptions {
     std::vector<std::string> all = methods;
     all.insert(all.begin(), ours);
     for (const std::string& name : all) {
-      std::vector<double> values;
+      std::vector<double> values, ratios;
       int worse = 0, days_seen = 0;
       for (std::size_t i = 0; i < list.size(); ++i) {
         if (list[i].scenario != scenario) continue;
         const auto own = found[i].at(ours).get<std::vector<double>>(),
                    its = found[i].at(name).get<std::vector<double>>();
-        double sum = 0;
+        double sum = 0, own_sum = 0;
         for (std::size_t d = 0; d < its.size(); ++d) {
           sum += its[d];
+          own_sum += own[d];
           worse += own[d] > its[d] + worse_margin_degc ? 1 : 0;
           ++days_seen;
         }
         values.push_back(sum / static_cast<double>(its.size()));
+        ratios.push_back(own_sum / sum);
       }
-      const Spread dae = spread_of(values);
-      row["methods"][name] = {{"dae_degc", dae.mean}, {"sd", dae.sd}, {"days", days_seen}, {"worse_days", worse}};
+      const Spread dae = spread_of(values), ratio = spread_of(ratios);
+      row["methods"][name] = {{"dae_degc", dae.mean}, {"sd", dae.sd},        {"days", days_seen},
+                              {"worse_days", worse},  {"ratio", ratio.mean}, {"ratio_sd", ratio.sd}};
     }
     return row;
   }
@@ -151,16 +161,17 @@ struct ScenariosCommand : StudyOptions {
     if (give_json(j, out, json)) return;
     fmt::print("| scenario | {} |", ours);
     for (const std::string& name : methods)
-      fmt::print(" {} | days worse than it by {:g} °C |", name, worse_margin_degc);
+      fmt::print(" {} | ours / it | days worse than it by {:g} °C |", name, worse_margin_degc);
     fmt::print("\n|---|---|");
-    for (std::size_t i = 0; i < methods.size(); ++i) fmt::print("---|---|");
+    for (std::size_t i = 0; i < methods.size(); ++i) fmt::print("---|---|---|");
     for (const nlohmann::json& row : j["scenarios"]) {
       const nlohmann::json& own = row["methods"][ours];
       fmt::print("\n| {} | {:.3f} ± {:.3f} |", row["scenario"].get<std::string>(), own["dae_degc"].get<double>(),
                  own["sd"].get<double>());
       for (const std::string& name : methods) {
         const nlohmann::json& its = row["methods"][name];
-        fmt::print(" {:.3f} ± {:.3f} | {} of {} |", its["dae_degc"].get<double>(), its["sd"].get<double>(),
+        fmt::print(" {:.3f} ± {:.3f} | {:.3f} ± {:.3f} | {} of {} |", its["dae_degc"].get<double>(),
+                   its["sd"].get<double>(), its["ratio"].get<double>(), its["ratio_sd"].get<double>(),
                    its["worse_days"].get<int>(), its["days"].get<int>());
       }
     }
@@ -182,7 +193,10 @@ void add_study_scenarios(CLI::App& study) {
   c->add_option("--rooms", self->rooms, "rooms, comma-separated (default: the five counterparts)")->delimiter(',');
   c->add_option("--scenarios", self->scenarios, "conditions, comma-separated (default: all that the plant knows)")
       ->delimiter(',');
-  c->add_option("--methods", self->methods, "peers and floors, comma-separated")->delimiter(',')->capture_default_str();
+  c->add_option("--methods", self->methods,
+                "peers and floors, comma-separated; ours-head-alone: the product without its residual network")
+      ->delimiter(',')
+      ->capture_default_str();
   c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
   c->add_option("--pretrain-days", self->pretrain_days, "days of pretraining")
       ->check(CLI::Range(2, 364))

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "tools/run/control_loop.hpp"
+#include "tools/run/training/built_in_residual.hpp"
 
 namespace airside::tools {
 
@@ -77,6 +78,7 @@ Pretraining pretrain_as(const Site& site, sim::PlantModel& model, CivilTime unti
     out.run.optimiser_steps = controller->learning().learner.steps();
   }
   out.transitions = controller->replay().total_pushed();
+  if (options.with_residual && settings.head != 0) controller->take_residual(built_in_residual());
   out.blob = blob_of<T>(*controller, options.provenance, until);
   return out;
 }

@@ -19,7 +19,8 @@ struct PretrainOptions {
   std::uint64_t seed = 1;
   int updates_per_cycle = 0;  ///< 0: the preset's; pretraining can afford more than the box
   Pretrainer pretrainer = Pretrainer::agent;
-  std::string provenance;  ///< twin, patches, weather, dates; stored in the blob
+  bool with_residual = true;  ///< where a room head controls: the blob carries built_in_residual()
+  std::string provenance;     ///< twin, patches, weather, dates; stored in the blob
 };
 
 struct Pretraining {
