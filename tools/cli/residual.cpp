@@ -40,7 +40,7 @@ struct ResidualCommand {
   SiteOptions site;
   std::string kind = "auto", blob, out, keep, text;
   std::vector<std::string> rooms, tried_rooms, scenarios, kept;
-  int seeds = 2, first_seed = 1, days = 28, expert_days = 5, jobs = 2, epochs = 12;
+  int seeds = 2, first_seed = 1, days = 28, expert_days = 5, jobs = 2, epochs = 30;
   bool json = false;
 
   struct Job {
@@ -238,6 +238,9 @@ void add_residual(CLI::App& app) {
       ->capture_default_str();
   c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
   c->add_option("--days", self->days, "controlled days a run")->check(CLI::Range(1, 180))->capture_default_str();
+  c->add_option("--epochs", self->epochs, "passes over the cycles while it learns")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   c->add_option("--jobs", self->jobs, "runs at a time")->check(CLI::Range(1, 256))->capture_default_str();
   c->add_option("--keep", self->keep, "keep the simulated cycles in this file, for --cycles");
   c->add_option("--cycles", self->kept,

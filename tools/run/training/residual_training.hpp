@@ -36,14 +36,14 @@ ResidualScore score_of(const ResidualNetwork& network, std::span<const ResidualS
 
 struct ResidualTraining {
   std::uint64_t seed = 1;
-  int epochs = 12;
+  int epochs = 30;
   int batch = 512;
   double learning_rate = 3e-3;  ///< at its height, a third of the way; it ends at nothing
   double weight_decay = 1e-4;
   double huber_k = 0.02;  ///< errors above count as their size, not as its square: outages must not drown the rest
 };
 
-/// Least mean Huber loss by Adam.  Cost: 12 epochs of 10^5 samples take some 10 s on a core.
+/// Least mean Huber loss by Adam.  Cost: 30 epochs of 10^5 samples take some 25 s on a core.
 /// Errors: hal::InputError for less samples than a batch.  Source: docs/method.md 16.6.
 ResidualNetwork train_residual(std::span<const ResidualSample> samples, const ResidualTraining& training,
                                const OnProgress& progress = {});
