@@ -9,6 +9,7 @@
 
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/write_budget.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside {
 namespace {

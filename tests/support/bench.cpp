@@ -125,11 +125,12 @@ void Bench::write_site(const std::string& transport) const {
   write_text(
       folder_ / "site.toml",
       fmt::format("[site]\nname = \"Bench\"\ntopology = \"{}\"\nscope = \"Bench\"\n"
-                  "[controller]\nseed = {}\n{}[modbus]\n{}unit_id = 1\ndeadline_s = 10.0\npoints = \"points.csv\"\n"
+                  "[controller]\nseed = {}\ncycle_min = {}\n{}[modbus]\n{}unit_id = 1\ndeadline_s = 10.0\npoints = "
+                  "\"points.csv\"\n"
                   "[clock]\nsource = \"plant\"\n[state]\ndir = \"state\"\n[log]\ndir = \"log\"\nmax_files = 400\n"
                   "{}{}",
-                  options_.topology, options_.plant.seed, options_.band ? "objective = \"band\"\n" : "", transport,
-                  parts, options_.more_site));
+                  options_.topology, options_.plant.seed, options_.cycle_min,
+                  options_.band ? "objective = \"band\"\n" : "", transport, parts, options_.more_site));
 }
 
 std::filesystem::path Bench::program(const std::string& name) const {
