@@ -10,7 +10,7 @@ import numpy as np
 from .failure import refused
 from .points import blocks_of
 from .program import ServedRoom, find_program
-from .site import SECONDS_OF_DAY, Site, limits_of
+from .site import ROW_S, SECONDS_OF_DAY, Site, limits_of
 
 HOURS_OF_A_ROW = ROW_S / 3600
 CLOCK_EPOCH = datetime.datetime(2000, 1, 1)
