@@ -284,9 +284,12 @@ TEST(Blob, OfAnotherCycleFitsThatCycleAlone) {
       read->cycle = cycle_of_minutes(minutes);
       const auto other = WeightBlob<ThreeVav>::decode(bytes, std::string(), *read);
       EXPECT_EQ(other.has_value(), minutes == 12) << minutes;
-      if (other) EXPECT_EQ(read->residual.is_trained, with_residual ? 1U : 0U);
-      if (!other) EXPECT_EQ(other.error().fault, Fault::blob_cycle);
-      if (!other) EXPECT_STREQ(other.error().field, "cycle_min");
+      if (other) {
+        EXPECT_EQ(read->residual.is_trained, with_residual ? 1U : 0U);
+      } else {
+        EXPECT_EQ(other.error().fault, Fault::blob_cycle);
+        EXPECT_STREQ(other.error().field, "cycle_min");
+      }
       EXPECT_EQ(WeightBlob<ThreeVav>::decode(usual, std::string(), *read).has_value(), minutes == 18) << minutes;
     }
   }

@@ -345,7 +345,7 @@ void check_units(LogTable& table, const CleanUpContext& context, std::vector<Rem
   }
 }
 
-void check_swapped(LogTable& table, const CleanUpContext&, std::vector<Remark>& remarks) {
+void check_swapped(LogTable& table, const CleanUpContext& context, std::vector<Remark>& remarks) {
   check_status_types(table, remarks);
   check_indoor_level(table, remarks);
   check_setpoint_steps(table, context.cycle, remarks);
