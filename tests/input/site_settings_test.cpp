@@ -61,7 +61,7 @@ TEST(SiteSettings, TheControlCycleIsSixToTwentyFourMinutesInRows) {
     expect_complaint(want, [&] { (void)site_of("[controller]\n" + more + "cycle_min = " + value + "\n"); });
   };
   refuse("10", {"site.toml:5:1: controller.cycle_min", "10", "6, 12, 18 or 24 min", "whole rows"});
-  refuse("30", {"controller.cycle_min", "30", "6", "24"});
+  refuse("30", {"controller.cycle_min", "30", "6 to 24", "18"});
   refuse("\"18\"", {"controller.cycle_min", "\"18\"", "whole number", ""});
   refuse("12", {"site.toml:6:1: controller.cycle_min", "12 beside objective = \"band\"", "18", "leave cycle_min out"},
          "objective = \"band\"\n");
