@@ -60,7 +60,7 @@ TEST_P(OtherCycles, TheRoomIsHeldByASetpointThatMovesOnceACycle) {
 }
 
 TEST_P(OtherCycles, PeersDecideOnceACycleAndHoldTheRoom) {
-  for (const char* name : {"integral-tuned", "arx-rls", "mpc", "g36-site-i1", "floor-full"}) {
+  for (const char* name : {"integral-5", "arx-rls", "mpc", "g36-site-i1", "floor-full"}) {
     tools::Trial trial{site_, rc_room("301-real"), 5, 2};
     tools::Prepared prepared = tools::prepare(trial);
     const auto run = tools::run_method(trial, prepared, name);

@@ -215,7 +215,7 @@ const Case cases[] = {
     {"SectionMistyped",
      "[weights]",
      "[weigths]",
-     {":63:", "unknown key `weigths`", "weights", "did you mean `weights`"}},
+     {":64:", "unknown key `weigths`", "weights", "did you mean `weights`"}},
     {"PatchesNotTexts",
      "# [twin]\n# model",
      "[twin]\nmodel = \"rc\"\npatches = [1]\n#",
