@@ -51,14 +51,17 @@ class DayLog {
     out_.text("row ").number(t.second_of_day() / row_s).text(" standing ");
     sensed ? out_.bits(sensed->setpoint_degc) : out_.text("none");
     out_.end();
-    if (starts_cycle(t)) decision(t, box);
+    if (control_cycle(box.settings()).starts(t)) decision(t, box);
     return true;
   }
 
  private:
   void decision(CivilTime t, const Box& box) {
     const Decision& d = box.decision();
-    out_.text("cycle ").number(cycle_of_day(t)).text(" setpoint ").bits(d.command.setpoint_degc());
+    out_.text("cycle ")
+        .number(control_cycle(box.settings()).of_day(t))
+        .text(" setpoint ")
+        .bits(d.command.setpoint_degc());
     out_.text(" applied ").bits(box.cycle().last_setpoint_degc);
     out_.text(" ").text(text_of(d.mode)).text(" reason ").number(static_cast<int>(d.reason));
     out_.text(" fault ").number(static_cast<int>(d.fault)).text(" at ").number(d.fault_signal);

@@ -22,17 +22,20 @@ DaemonState<T>::DaemonState(const hal::SiteFile& site, const hal::TopologyCounts
       columns_(columns),
       shape_(shape_in<T>(columns.shape())),
       log_row_(hal::make_log_row(columns_)),
-      trial_(site.keys_dir, site.inbox_dir, site.state_dir, layout(shape_).meaning, sync, site.scope, site.log_dir),
+      trial_(site.keys_dir, site.inbox_dir, site.state_dir, layout(shape_, cycle_of_minutes(site.cycle_min)).meaning,
+             sync, site.scope, site.log_dir),
       export_(site.state_dir, site.name, sync) {}
 
 template <Topology T>
-hal::StoreLayout DaemonState<T>::layout(const Shape& site) {
+hal::StoreLayout DaemonState<T>::layout(const Shape& site, ControlCycle cycle) {
+  // What was learned is of one length of the cycle; 0 for 18 min, so that state from before there was another stays.
+  const auto other_cycle = static_cast<std::uint64_t>(cycle.rows ^ default_cycle.rows);
   return {.learning_bytes = sizeof(Learning),
           .row_bytes = sizeof(RowRecord<T>),
           .transition_bytes = sizeof(typename Ring::Row),
           .ring_capacity = Ring::capacity,
-          .meaning =
-              topology_hash(site, parameters_of<T>(site)) ^ units_hash<T>(site) ^ (std::uint64_t{state_version} << 32)};
+          .meaning = topology_hash(site, parameters_of<T>(site)) ^ units_hash<T>(site) ^
+                     (std::uint64_t{state_version} << 32) ^ (other_cycle << 56)};
 }
 
 template <Topology T>
@@ -41,7 +44,7 @@ void DaemonState<T>::open() {
   std::error_code ignored;
   if (!std::filesystem::exists(site_.state_dir, ignored)) load_history();
   folders_.open_log(columns_);
-  folders_.open_store(layout(shape_));
+  folders_.open_store(layout(shape_, cycle_of_minutes(site_.cycle_min)));
   trial_.open_inbox();
   export_.open();
 }
@@ -118,12 +121,13 @@ hal::StoredState DaemonState<T>::state(CivilTime t) {
   record_.cycle = controller_.cycle();
   record_.decision = controller_.decision();
   record_.row_time = t;
-  return {.learning = controller_.saved_bytes().learning,
-          .row = std::as_bytes(std::span(&record_, 1)),
-          .replay = controller_.saved_bytes().replay,
-          .replay_count = controller_.replay().total_pushed(),
-          .log = folders_.log_position(),
-          .learning_changed = starts_cycle(t) || !has_committed_ || learning_exchanged_};
+  return {
+      .learning = controller_.saved_bytes().learning,
+      .row = std::as_bytes(std::span(&record_, 1)),
+      .replay = controller_.saved_bytes().replay,
+      .replay_count = controller_.replay().total_pushed(),
+      .log = folders_.log_position(),
+      .learning_changed = control_cycle(controller_.settings()).starts(t) || !has_committed_ || learning_exchanged_};
 }
 
 /// Reads the blob, if the site names one. Returns its checksum, 0 without.
@@ -133,6 +137,7 @@ std::uint32_t DaemonState<T>::load_blob() {
   payload_ = std::make_unique<Payload>();
   const std::vector<std::byte> bytes = hal::read_blob_file(site_.weights_blob);
   payload_->site = shape_;
+  payload_->cycle = control_cycle(controller_.settings());
   hal::decode_blob<T>(bytes, site_.scope, site_.weights_blob, *payload_);
   blob_bytes_ = bytes.size();
   return crc32c(bytes);

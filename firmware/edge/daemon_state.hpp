@@ -40,7 +40,7 @@ class DaemonState {
   DaemonState(const hal::SiteFile& site, const hal::TopologyCounts& columns, hal::Sync sync, Controller<T>& controller);
 
   /// Sizes of the durable state of this topology and build.
-  static hal::StoreLayout layout(const Shape& site);
+  static hal::StoreLayout layout(const Shape& site, ControlCycle cycle = default_cycle);
 
   /// Reads blob and history, then opens log, state and inbox. A folder that fails is tried again by every row.
   /// Errors: hal::InputError for a bad blob or history, which leaves no folder behind, or a state folder in use.

@@ -24,7 +24,8 @@ int run(int argc, char** argv) {
   CLI::App app{
       "airsided controls one air handling unit over Modbus and goes on learning from it.\n"
       "It reads the site file, resumes from its state folder (or starts from the weight blob, or runs the\n"
-      "schedule if there is none), and every 18 min chooses the supply-air temperature setpoint.\n"
+      "schedule if there is none), and once a control cycle (18 min, or as the site has it)\n"
+      "chooses the supply-air temperature setpoint.\n"
       "While the plant does not answer at the start, it waits. Exit codes: 0 stopped in order, 1 bad input,\n"
       "2 bad command line.",
       "airsided"};

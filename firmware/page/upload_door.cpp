@@ -17,6 +17,7 @@ UploadDoor::UploadDoor(const hal::SiteFile& site)
   with_topology(site.topology.c_str(), [&]<class T>(T) {
     auto payload = std::make_shared<typename WeightBlob<T>::Payload>();
     payload->site = parse_shape(site.topology.c_str());
+    payload->cycle = cycle_of_minutes(site.cycle_min);
     max_bytes_ = WeightBlob<T>::size(RoomHead<T>::states, ResidualNetwork::parameters, payload->site);
     decode_ = [payload, scope = scope_](std::span<const std::byte> blob) {
       return WeightBlob<T>::decode(blob, scope, *payload);

@@ -91,13 +91,13 @@ class SystemClock {
 /// that was ahead and is right again is followed.
 class ModbusPlantClock {
  public:
-  static constexpr std::int64_t leap_s = cycle_s;
+  static constexpr std::int64_t leap_s = clock_leap_s;
   static constexpr int confirmations = 3;
   static constexpr double confirm_every_s = 0.1;
   /// A clock that has not read near the last time believed for so long, nor steadily, is believed at its last word.
   static constexpr double give_in_s = 2.0;
-  /// run_cycles() waits at most for the row after a clock that was set back by a cycle.
-  static constexpr std::int64_t longest_wait_s = cycle_s + row_s;
+  /// run_cycles() waits at most for the row after a clock that was set back by clock_leap_s.
+  static constexpr std::int64_t longest_wait_s = clock_leap_s + row_s;
 
   /// Jumps since the start.
   struct Jumps {

@@ -18,7 +18,7 @@ weekday_only = false     # true: Saturday and Sunday are days off, with a daily 
 min_degc = 20.0          # the controller chooses from min to max
 max_degc = 26.0
 step_k = 0.1
-max_change_k = 4.5       # largest change from one 18-min cycle to the next
+max_change_k = 4.5       # largest change from one control cycle to the next
 round_k = 0.01           # resolution of what is written
 outside = "step"         # a setpoint found outside min and max: "step" max_change_k a cycle towards them, or "jump" inside
 
@@ -29,6 +29,7 @@ off_degc = 25.0          # outside
 [controller]
 preset = "product"       # product, or paper: the printed method, but it acts before it learns, and mode arbiter and safety limits stay
 objective = "mean"       # mean: hold the room temperature; band: boxes modulate, least energy with zones in their band
+cycle_min = 18           # control cycle: 6, 12, 18 or 24 min; weights are of one length; band has 18 alone
 seed = 1                 # of the random generator
 
 [controller.override]    # a controller setting that has no key above, by name, such as

@@ -9,6 +9,7 @@
 #include <limits>
 #include <span>
 
+#include "airside/civil_time.hpp"
 #include "airside/crc32c.hpp"
 #include "airside/topology.hpp"
 #include "hal/site/site_stand_ins.hpp"
@@ -25,6 +26,7 @@ struct OwnKey {
   const char* key;
 };
 constexpr OwnKey own_keys[] = {
+    {"cycle_min", "cycle_min in [controller]"},
     {"target_degc", "room_temp_degc in [target]"},
     {"work_start_h", "work_start in [target]"},
     {"work_end_h", "work_end in [target]"},
@@ -144,9 +146,23 @@ void read_expert(TomlSection root, SiteFile& out) {
   root.refuse_unknown_keys();
 }
 
+/// After the objective: not every one has every cycle.
+void read_cycle(TomlSection& root, SiteFile& out) {
+  out.cycle_min = static_cast<int>(root.whole("cycle_min", out.cycle_min, 6, most_rows_per_cycle * row_s / 60));
+  if (!is_cycle_min(out.cycle_min)) {
+    throw InputError(root.place("cycle_min"), root.found("cycle_min"), "6, 12, 18 or 24 min",
+                     "give whole rows of 6 min; 18 where nothing speaks for another");
+  }
+  if (fits_objective(out.objective, out.cycle_min)) return;
+  throw InputError(root.place("cycle_min"), root.found("cycle_min") + " beside objective = \"band\"",
+                   std::to_string(band_cycle.minutes()) + ": what band learns and costs is of cycles of that length",
+                   "leave cycle_min out, or take objective = \"mean\"");
+}
+
 void read_controller(TomlSection root, SiteFile& out, const SiteRules& rules) {
   out.preset = static_cast<ControllerPreset>(root.choice("preset", {"product", "paper"}, 0));
   out.objective = static_cast<Objective>(root.choice("objective", {"mean", "band"}, 0));
+  read_cycle(root, out);
   out.seed = static_cast<std::uint64_t>(root.whole("seed", 1, 0, std::numeric_limits<std::int64_t>::max()));
   TomlSection override_table = root.section("override");
   std::vector<std::string> names;

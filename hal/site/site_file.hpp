@@ -82,6 +82,7 @@ struct SiteFile {
 
   ControllerPreset preset = ControllerPreset::product;  ///< [controller]
   Objective objective = Objective::mean;
+  int cycle_min = 18;  ///< control cycle
   std::uint64_t seed = 1;
   std::map<std::string, double> overrides;  ///< [controller.override]
 

@@ -39,6 +39,7 @@ SiteRules site_rules() {
 ControllerSettings controller_settings(const SiteFile& site) {
   ControllerSettings s = site.preset == ControllerPreset::paper ? paper_settings() : product_settings();
   s.objective = site.objective;
+  s.cycle_min = site.cycle_min;
   s.shape = parse_shape(site.topology.c_str());
   s.target_degc = site.room_temp_degc;
   s.work_start_h = site.work_start_s / 3600.0;

@@ -37,7 +37,7 @@ const char* text_of(StoreFault fault) {
     case StoreFault::locked: return "another process uses it";
     case StoreFault::not_found: return "folder not found";
     case StoreFault::wrong_size: return "wrong size";
-    case StoreFault::other_layout: return "state of another topology or build";
+    case StoreFault::other_layout: return "state of another topology, control cycle or build";
     case StoreFault::log_shorter: return "log shorter than committed";
     case StoreFault::out_of_order: return "row not after the last one";
     case StoreFault::row_too_long: return "row too long";

@@ -15,7 +15,7 @@ enum class StoreFault : std::uint8_t {
   locked = 4,         ///< another process uses the folder
   not_found = 5,      ///< the folder does not exist and cannot be made
   wrong_size = 6,     ///< a span does not have the size that the store was opened with
-  other_layout = 7,   ///< valid state of another topology or build stands there
+  other_layout = 7,   ///< valid state of another topology, control cycle or build stands there
   log_shorter = 8,    ///< the log ends before the committed position: rows were lost
   out_of_order = 9,   ///< a row is not after the last one
   row_too_long = 10,  ///< a row does not fit the buffer

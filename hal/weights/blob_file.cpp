@@ -71,7 +71,8 @@ BlobComplaint complaint_of(Fault fault) {
       return {"another kind of file", "a weight blob (it begins with AIRSIDEB)",
               "give a file made by `airside pretrain` or `airside transfer`"};
     case Fault::blob_version:
-      return {"a format version that this build does not read", "version 1, or 2 with a residual network",
+      return {"a format version that this build does not read",
+              "version 1, 2 with a residual network, or 3 of another control cycle",
               "use the airside version that wrote it, or make the blob again"};
     case Fault::blob_architecture:
       return {"other byte order or float format", "little-endian IEEE 754", "make the blob on a little-endian machine"};
@@ -82,6 +83,9 @@ BlobComplaint complaint_of(Fault fault) {
     case Fault::blob_units:
       return {"other signals or units", "the signals in the order of docs/method.md 3.1",
               "make the blob again with this version"};
+    case Fault::blob_cycle:
+      return {"weights that predict another length of the control cycle", "[controller] cycle_min of the site",
+              "pretrain or transfer with this site file, or correct cycle_min in it"};
     case Fault::blob_scope:
       return {"a blob for another site", "this site's scope or none",
               "transfer it to this site, or correct `scope` in the site file"};
@@ -112,6 +116,15 @@ BlobComplaint complaint_of(Fault fault) {
 void throw_blob_error(const BlobError& error, const std::string& place) {
   const BlobComplaint complaint = complaint_of(error.fault);
   throw InputError(place + ": " + error.field, complaint.found, complaint.expected, complaint.remedy);
+}
+
+void throw_cycle_error(std::span<const std::byte> bytes, ControlCycle site, const std::string& place) {
+  BlobHeader header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  throw InputError(place + ": cycle_min", fmt::format("weights that predict a cycle of {} min", cycle_min_of(header)),
+                   fmt::format("a cycle of {} min, as the site has it", site.minutes()),
+                   fmt::format("pretrain or transfer with this site file, or set cycle_min = {} in [controller]",
+                               cycle_min_of(header)));
 }
 
 Kernels<float> box_kernels() {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "airside/civil_time.hpp"
 #include "airside/controller/blob.hpp"
 #include "airside/network/kernels/kernels.hpp"
 
@@ -31,11 +32,15 @@ BlobComplaint complaint_of(Fault fault);
 /// The same as InputError.
 [[noreturn]] void throw_blob_error(const BlobError& error, const std::string& place);
 
+/// Of a blob for another control cycle than the site's, with both. Shape: bytes at least a header.
+[[noreturn]] void throw_cycle_error(std::span<const std::byte> bytes, ControlCycle site, const std::string& place);
+
 /// Decodes into `payload`.  Errors: InputError naming `place` and the field.
 template <Topology T, int Parameters>
 BlobHeader decode_blob(std::span<const std::byte> bytes, const std::string& scope, const std::string& place,
                        BlobPayload<T, Parameters>& payload) {
   const auto header = BlobCodec<T, Parameters>::decode(bytes, scope, payload);
+  if (!header && header.error().fault == Fault::blob_cycle) throw_cycle_error(bytes, payload.cycle, place);
   if (!header) throw_blob_error(header.error(), place);
   return *header;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Local civil time as one integer, and the instants of the control cycle.
+// Local civil time as one integer, and the instants of rows and of the control cycle.
 
 #include <compare>  // IWYU pragma: keep: operator<=> needs it
 #include <cstdint>
@@ -23,16 +23,37 @@ struct CivilTime {
 
 constexpr std::int64_t seconds_per_hour = 3600;
 constexpr std::int64_t seconds_per_day = 86400;
-constexpr int row_s = 360;                       ///< a logged row: 6 min (docs/method.md, open point 1)
-constexpr int rows_per_cycle = 3;                ///< one decision: 18 min
-constexpr int cycle_s = row_s * rows_per_cycle;  ///< s
-constexpr int rows_per_day = 86400 / row_s;      ///< 240
-constexpr int cycles_per_day = 86400 / cycle_s;  ///< 80, aligned at midnight
+constexpr int row_s = 360;                   ///< a logged row: 6 min (docs/method.md, open point 1)
+constexpr int rows_per_day = 86400 / row_s;  ///< 240
+/// A clock that was set back by at most that is waited for; one that moved further is followed. s
+constexpr int clock_leap_s = 1080;
 
-/// Cycle of the day, 0..79.
-constexpr int cycle_of_day(CivilTime t) { return t.second_of_day() / cycle_s; }
-/// Whether t starts a control cycle.
-constexpr bool starts_cycle(CivilTime t) { return t.second_of_day() % cycle_s == 0; }
+/// The control cycle of a site, one decision: 1 to 4 logged rows, aligned at midnight. Source: docs/method.md 2.
+struct ControlCycle {
+  int rows = 3;
+
+  constexpr int seconds() const { return rows * row_s; }
+  constexpr int minutes() const { return seconds() / 60; }
+  constexpr int per_day() const { return rows_per_day / rows; }  ///< 80 of 18 min
+  /// Cycle of the day, from 0.
+  constexpr int of_day(CivilTime t) const { return t.second_of_day() / seconds(); }
+  /// Whether t starts a cycle.
+  constexpr bool starts(CivilTime t) const { return t.second_of_day() % seconds() == 0; }
+  constexpr bool operator==(const ControlCycle&) const = default;
+};
+constexpr ControlCycle default_cycle{};  ///< 18 min
+constexpr int most_rows_per_cycle = 4;
+
+/// Whether a site may have a cycle of this length: 6, 12, 18 or 24 min.
+constexpr bool is_cycle_min(int minutes) {
+  return minutes > 0 && minutes * 60 % row_s == 0 && minutes * 60 / row_s <= most_rows_per_cycle;
+}
+constexpr ControlCycle cycle_of_minutes(int minutes) { return {minutes * 60 / row_s}; }
+
+// Profiles of a day, whatever the cycle: 80 slots of 18 min.
+constexpr int profile_slot_s = 1080;
+constexpr int profile_slots = 86400 / profile_slot_s;
+constexpr int profile_slot_of(CivilTime t) { return t.second_of_day() / profile_slot_s; }
 
 /// When people's clocks are an hour ahead of standard time. Rows, cycles and logs always run on standard time, so a day
 /// has 240 rows all year; only what follows people (schedule, daily profile) asks for local_time().

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "airside/civil_time.hpp"
+
 namespace airside {
 
 /// What a site wants of the supply-air setpoint.
@@ -11,6 +13,12 @@ enum class Objective : std::uint8_t {
   mean = 0,  ///< hold the mean room temperature at its target: boxes that are open or shut
   band = 1,  ///< least energy with every zone in its band: boxes that modulate
 };
+
+/// Of the objective `band`: its numbers of a cycle and its profiles are of this length.
+constexpr ControlCycle band_cycle = default_cycle;
+constexpr bool fits_objective(Objective objective, int cycle_min) {
+  return is_cycle_min(cycle_min) && (objective != Objective::band || cycle_min == band_cycle.minutes());
+}
 
 /// Source: docs/method.md 17.
 struct DemandSettings {

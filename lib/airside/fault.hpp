@@ -40,6 +40,7 @@ enum class Fault : std::uint8_t {
   blob_taken_back = 29,    ///< whoever sent it asked for a rollback before it was tried
   no_way_back = 30,        ///< the weights before the pushed ones cannot be read
   counter_unknown = 31,    ///< what was taken before is lost, so that no blob is known to be newer
+  blob_cycle = 32,         ///< for another length of the control cycle
 };
 
 constexpr const char* text_of(Fault fault) {
@@ -76,6 +77,7 @@ constexpr const char* text_of(Fault fault) {
     case Fault::blob_taken_back: return "blob taken back";
     case Fault::no_way_back: return "no way back";
     case Fault::counter_unknown: return "counter unknown";
+    case Fault::blob_cycle: return "blob control cycle";
   }
   return "unknown";
 }

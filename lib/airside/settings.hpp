@@ -27,11 +27,10 @@ struct ControllerSettings {
   double utc_offset_h = 0;                ///< of local standard time, hours east; the European rule needs it
   double expert_work_degc = 20.5;         ///< schedule in working hours (docs/method.md 6.3)
   double expert_off_degc = 25.0;          ///< schedule outside
-
   // When the AHU's fan runs, where no point shows it. While it rests, supply air cannot follow its setpoint.
   double fan_start_h = 0.0, fan_end_h = 24.0;  ///< hours; 0 to 24: always on
   int fan_weekday_only = 0;                    ///< 1: it rests on Saturday and Sunday
-
+  int cycle_min = 18;  ///< control cycle: 6, 12, 18 or 24 min; `band` knows 18 alone (docs/method.md 2)
   // Action set (docs/method.md, open point 15)
   double action_min_degc = 20.0, action_max_degc = 26.0;
   double action_step_k = 0.1;
@@ -145,6 +144,7 @@ struct SettingEntry {
 
 /// Every setting by name. Shape: one entry a field of ControllerSettings.
 constexpr auto setting_table = std::to_array<SettingEntry>({
+    AIRSIDE_WHOLE(cycle_min, 6, 24),
     AIRSIDE_REAL(target_degc, 10, 40),
     AIRSIDE_REAL(work_start_h, 0, 24),
     AIRSIDE_REAL(work_end_h, 0, 24),
@@ -210,7 +210,7 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
     AIRSIDE_WHOLE(outside_jump, 0, 1),
     AIRSIDE_REAL(round_k, 0.001, 1),
     AIRSIDE_REAL(hold_s, 0, 86400),
-    AIRSIDE_REAL(writes_per_day, 0, 80),
+    AIRSIDE_REAL(writes_per_day, 0, 240),
     AIRSIDE_REAL(frozen_s, 720, 86400),
     AIRSIDE_REAL(disagree_k, 1, 50),
     AIRSIDE_REAL(drift_k, 0.1, 50),
@@ -228,7 +228,6 @@ constexpr auto setting_table = std::to_array<SettingEntry>({
 
 #undef AIRSIDE_REAL
 #undef AIRSIDE_WHOLE
-
 /// Whether all settings lie in their range and agree with one another.
 constexpr bool settings_valid(const ControllerSettings& s) {
   for (const SettingEntry& e : setting_table) {
@@ -236,17 +235,18 @@ constexpr bool settings_valid(const ControllerSettings& s) {
     if (!(v >= e.min && v <= e.max)) return false;
   }
   const double candidates = (s.action_max_degc - s.action_min_degc) / s.action_step_k;
-  return demand_settings_valid(s.demand) && s.work_start_h < s.work_end_h && s.fan_start_h < s.fan_end_h &&
-         s.action_min_degc < s.action_max_degc && candidates < max_candidates - 1 &&
+  return fits_objective(s.objective, s.cycle_min) && demand_settings_valid(s.demand) && s.work_start_h < s.work_end_h &&
+         s.fan_start_h < s.fan_end_h && s.action_min_degc < s.action_max_degc && candidates < max_candidates - 1 &&
          s.limit_min_degc < s.limit_max_degc && s.head_gain_min < s.head_gain_max;
 }
 
+constexpr ControlCycle control_cycle(const ControllerSettings& s) { return cycle_of_minutes(s.cycle_min); }
 /// People's clock at standard time t.
 constexpr CivilTime local_time(const ControllerSettings& s, CivilTime t) {
   return local_time(static_cast<DaylightSaving>(s.daylight_saving), s.utc_offset_h, t);
 }
 
-static_assert(settings_valid(product_settings()));
-static_assert(settings_valid(paper_settings()) || paper_settings().batch > max_batch);
+static_assert(settings_valid(product_settings()) &&
+              (settings_valid(paper_settings()) || paper_settings().batch > max_batch));
 
 }  // namespace airside

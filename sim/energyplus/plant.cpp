@@ -147,8 +147,9 @@ std::string EnergyPlusPlant::description() const {
 
 int EnergyPlusPlant::worker_pid() const { return process_->pid(); }
 
-double full_forecast_setpoint(EnergyPlusPlant& plant, double target_degc, double low_degc, double high_degc) {
-  const CivilTime until{std::min(plant.time().seconds + cycle_s, plant.end().seconds)};
+double full_forecast_setpoint(EnergyPlusPlant& plant, double target_degc, double low_degc, double high_degc,
+                              int ahead_s) {
+  const CivilTime until{std::min(plant.time().seconds + ahead_s, plant.end().seconds)};
   const auto error = [&](double setpoint) { return plant.branch_mean_room_temp_degc(setpoint, until) - target_degc; };
   // Secant from the present setpoint: the rooms answer it almost linearly, with jumps where a fan coil switches.
   double gain = 0.5;

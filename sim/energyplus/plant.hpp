@@ -58,9 +58,10 @@ class EnergyPlusPlant final : public PlantModel {
   std::unique_ptr<EnergyPlusProcess> process_;
 };
 
-/// The setpoint within [low, high] that brings the true mean room temperature to the target one cycle from now:
-/// what a controller with perfect foresight would choose, the floor of every comparison.
-/// Secant steps on branches, to 0.001 K, at most 7.  Units: degC.  Cost: about 30 ms.
-double full_forecast_setpoint(EnergyPlusPlant& plant, double target_degc, double low_degc, double high_degc);
+/// The setpoint within [low, high] that brings the true mean room temperature to the target `ahead_s`, a control cycle,
+/// from now: what a controller with perfect foresight would choose, the floor of every comparison. Secant steps on
+/// branches, to 0.001 K, at most 7.  Units: degC.  Cost: about 30 ms.
+double full_forecast_setpoint(EnergyPlusPlant& plant, double target_degc, double low_degc, double high_degc,
+                              int ahead_s = default_cycle.seconds());
 
 }  // namespace airside::sim

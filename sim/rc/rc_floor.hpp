@@ -15,13 +15,14 @@ enum class Foresight {
 
 /// Mean room temperature (what the sensors show, without noise) after `ahead_s` at a held setpoint; the plant itself
 /// stays where it is.  degC.
-double mean_room_temp_after(const RcPlant& plant, double setpoint_degc, Foresight foresight, int ahead_s = cycle_s);
+double mean_room_temp_after(const RcPlant& plant, double setpoint_degc, Foresight foresight,
+                            int ahead_s = default_cycle.seconds());
 
-/// The setpoint in [lo, hi], held for one cycle, whose mean room temperature at the cycle's end is nearest to the
-/// target; a limit if the target is out of reach.  degC.
-/// Source: docs/method.md 4.3, 16.4.  Cost: about 6 simulated cycles, 20 us.
+/// The setpoint in [lo, hi], held for `ahead_s`, a control cycle, whose mean room temperature at their end is nearest
+/// to the target; a limit if the target is out of reach.  degC. Source: docs/method.md 4.3, 16.4.  Cost: about 6
+/// simulated cycles, 20 us.
 double floor_setpoint(const RcPlant& plant, double target_degc, double lo, double hi, Foresight foresight,
-                      int ahead_s = cycle_s);
+                      int ahead_s = default_cycle.seconds());
 
 /// floor_setpoint with disturbances frozen at their last value: the floor without forecasting.
 double frozen_floor_setpoint(const RcPlant& plant, double target_degc, double lo, double hi);

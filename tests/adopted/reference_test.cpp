@@ -6,6 +6,7 @@
 #include "adopted/reference_models.hpp"
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/plant.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::sim {
 namespace {

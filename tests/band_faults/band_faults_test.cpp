@@ -10,6 +10,7 @@
 
 #include "band_faults/band_loop.hpp"
 #include "support/bench.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::band_faults {
 namespace {

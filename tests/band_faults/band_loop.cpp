@@ -12,6 +12,7 @@
 #include "hal/points/signal_limits.hpp"
 #include "sim/rc/modulating_room.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::band_faults {
 namespace {

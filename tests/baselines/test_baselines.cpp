@@ -9,6 +9,7 @@
 #include "airside/supervision/schedule.hpp"
 #include "baselines/first_order_plant.hpp"
 #include "hal/text/input_error.hpp"
+#include "support/default_cycle.hpp"
 #include "tools/baselines/arx.hpp"
 #include "tools/baselines/pid.hpp"
 #include "tools/baselines/schedule.hpp"
@@ -37,7 +38,7 @@ Metrics run(BaselineController& controller, int days, double swing_k = 0.8) {
   std::vector<CycleSample> samples;
   for (int i = 0; i < days * rows_per_day; ++i) {
     const bool cycle = starts_cycle(plant.time());
-    if (plant.time().second_of_day() % controller.decision_period_s() == 0) {
+    if (plant.time().second_of_day() % controller.decision_period_s(cycle_s) == 0) {
       plant.set_setpoint(controller.decide(plant.observe()));
     }
     if (cycle)

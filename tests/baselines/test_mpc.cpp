@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "baselines/first_order_plant.hpp"
+#include "support/default_cycle.hpp"
 #include "tools/baselines/mpc.hpp"
 #include "tools/baselines/schedule.hpp"
 

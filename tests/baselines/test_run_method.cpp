@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/default_cycle.hpp"
 #include "tools/baselines/baseline.hpp"
 #include "tools/study/control_methods.hpp"
 

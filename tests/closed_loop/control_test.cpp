@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "support/bench.hpp"
+#include "support/default_cycle.hpp"
 #include "tools/run/training/pretraining.hpp"
 
 namespace airside::closed_loop {

@@ -6,6 +6,7 @@
 
 #include "airside/demand/band_objective.hpp"
 #include "demand/zone_fixture.hpp"
+#include "support/default_cycle.hpp"
 
 namespace {
 

@@ -14,6 +14,7 @@
 #include "sim/rc/modulating_plant.hpp"
 #include "sim/simulated_plant.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "support/default_cycle.hpp"
 
 namespace {
 

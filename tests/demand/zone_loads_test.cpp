@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "airside/demand/zone_loads.hpp"
+#include "support/default_cycle.hpp"
 
 namespace {
 

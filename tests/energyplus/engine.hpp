@@ -9,6 +9,7 @@
 
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/plant.hpp"
+#include "support/default_cycle.hpp"
 
 #define AIRSIDE_NEEDS_ENGINE()                                                                  \
   if (!airside::sim::have_energyplus())                                                         \

@@ -9,6 +9,7 @@
 
 #include "energyplus/engine.hpp"
 #include "hal/text/input_error.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::sim {
 namespace {

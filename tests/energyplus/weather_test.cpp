@@ -9,6 +9,7 @@
 #include "hal/text/input_error.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::sim {
 namespace {

@@ -9,6 +9,7 @@
 #include "hal/points/signal_limits.hpp"
 #include "hal/weights/blob_file.hpp"
 #include "support/blob_maker.hpp"
+#include "support/default_cycle.hpp"
 #include "tools/run/training/transfer.hpp"
 
 namespace airside::fault_matrix {

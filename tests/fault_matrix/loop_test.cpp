@@ -5,6 +5,7 @@
 
 #include "fault_matrix/fault_loop.hpp"
 #include "support/bench.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::fault_matrix {
 namespace {

@@ -11,6 +11,7 @@
 #include "hal/weights/blob_file.hpp"
 #include "hal/weights/signature.hpp"
 #include "support/allocation_guard.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::footprint {
 namespace {

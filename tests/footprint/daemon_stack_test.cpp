@@ -8,6 +8,7 @@
 #include "footprint/daemon_here.hpp"
 #include "hal/weights/blob_file.hpp"
 #include "hal/weights/signature.hpp"
+#include "support/default_cycle.hpp"
 #include "support/stack_probe.hpp"
 
 namespace airside::footprint {

@@ -12,6 +12,7 @@
 #include "airside/signals.hpp"
 #include "sim/effects/effect.hpp"
 #include "sim/weather/recording.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::sim {
 

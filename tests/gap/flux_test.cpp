@@ -11,6 +11,7 @@
 #include "sim/rc/rc_plant.hpp"
 #include "sim/rc/rc_replay.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "support/default_cycle.hpp"
 #include "tools/gap/blind/blind.hpp"
 #include "tools/gap/explain/interval_text.hpp"
 #include "tools/gap/model/log_window.hpp"

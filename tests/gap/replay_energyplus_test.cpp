@@ -22,6 +22,7 @@
 #include "sim/energyplus/replay/replay_files.hpp"
 #include "sim/json/json_file.hpp"
 #include "sim/weather/epw.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::sim {
 namespace {

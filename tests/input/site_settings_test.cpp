@@ -51,6 +51,25 @@ TEST(SiteSettings, ARegisterThatIsTooCoarseForTheLimitsIsRefused) {
   });
 }
 
+TEST(SiteSettings, TheControlCycleIsSixToTwentyFourMinutesInRows) {
+  EXPECT_EQ(controller_settings(site_of("")).cycle_min, 18);
+  for (const int minutes : {6, 12, 18, 24}) {
+    const SiteFile site = site_of("[controller]\ncycle_min = " + std::to_string(minutes) + "\n");
+    EXPECT_EQ(control_cycle(controller_settings(site)).minutes(), minutes);
+  }
+  const auto refuse = [](const std::string& value, const Complaint& want, const std::string& more = "") {
+    expect_complaint(want, [&] { (void)site_of("[controller]\n" + more + "cycle_min = " + value + "\n"); });
+  };
+  refuse("10", {"site.toml:5:1: controller.cycle_min", "10", "6, 12, 18 or 24 min", "whole rows"});
+  refuse("30", {"controller.cycle_min", "30", "6 to 24", "18"});
+  refuse("\"18\"", {"controller.cycle_min", "\"18\"", "whole number", ""});
+  refuse("12", {"site.toml:6:1: controller.cycle_min", "12 beside objective = \"band\"", "18", "leave cycle_min out"},
+         "objective = \"band\"\n");
+  EXPECT_NO_THROW(site_of("[controller]\nobjective = \"band\"\ncycle_min = 18\n"));
+  expect_complaint({"override.cycle_min", "cycle_min", "key of their own", "cycle_min in [controller]"},
+                   [] { (void)site_of("[controller.override]\ncycle_min = 12\n"); });
+}
+
 TEST(SiteSettings, DaysOffHaveAProfileOfTheirOwnUnlessOverridden) {
   EXPECT_EQ(day_types_of(controller_settings(site_of(""))), 2);
   const std::string days_off = "[target]\nweekday_only = true\n";

@@ -69,6 +69,21 @@ TEST_F(MethodClaims, ThePublishedScoresPassTheirOwnRules) {
   EXPECT_NE(claim(6).ours.find("with DARV -1.00"), std::string::npos) << claim(6).ours;
 }
 
+TEST_F(MethodClaims, TheBestCycleIsJudgedByErrorUnrestAndForecasts) {
+  const auto cycle = [this](const std::string& row, double dae, double darv, double forecast) {
+    write(row, "301-real", 1, {{"dae_degc", dae}, {"darv_degc", darv}, {"forecast_mae_k", forecast}});
+  };
+  cycle("paper", 0.07, 0.28, 0.06);
+  cycle("paper-24", 0.10, 0.28, 0.08);
+  cycle("paper-12", 0.08, 0.40, 0.04);
+  EXPECT_EQ(claim(14).state, ClaimState::not_run);
+  cycle("paper-6", 0.09, 0.60, 0.02);
+  EXPECT_EQ(claim(14).state, ClaimState::reproduced) << claim(14).ours;
+  cycle("paper-6", 0.09, 0.20, 0.02);
+  EXPECT_EQ(claim(14).state, ClaimState::partly);
+  EXPECT_NE(claim(14).ours.find("DARV of paper-6 and 18 min 0.200 and 0.280"), std::string::npos) << claim(14).ours;
+}
+
 TEST_F(MethodClaims, AClaimAboutMethodsThatDidNotRunIsAtMostPartlyReproduced) {
   write_score("paper", 0.06, 0.36);
   write_score("pid", 0.35, 0.5);

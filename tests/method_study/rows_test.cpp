@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "airside/forecast/candidate_search.hpp"
 #include "airside/network/forward.hpp"
@@ -35,6 +36,17 @@ TEST(MethodRows, EachChangesExactlyWhatItNames) {
       }
     }
   }
+}
+
+TEST(MethodRows, EachCycleHasARowOfBothPresets) {
+  std::set<std::pair<bool, int>> found;
+  for (const MethodRow& row : method_rows()) {
+    if (row.table == MethodTable::cycle)
+      found.insert({row.is_product, method_settings(paper_settings(), row).cycle_min});
+  }
+  const std::set<std::pair<bool, int>> all = {{false, 6}, {false, 12}, {false, 24},  // 18 is the row "paper"
+                                              {true, 6},  {true, 12},  {true, 18},  {true, 24}};
+  EXPECT_EQ(found, all);
 }
 
 TEST(MethodRows, FilesOfNoTwoRunsHaveOneName) {

@@ -9,6 +9,7 @@
 
 #include "airside/settings.hpp"
 #include "sim/weather/weather.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::tools {
 namespace {

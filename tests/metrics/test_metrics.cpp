@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "hal/text/input_error.hpp"
+#include "support/default_cycle.hpp"
 #include "tools/run/metrics.hpp"
 
 namespace airside::tools {

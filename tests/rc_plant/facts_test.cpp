@@ -10,6 +10,7 @@
 #include "rc_plant/rc_fixture.hpp"
 #include "sim/rc/rc_floor.hpp"
 #include "sim/rc/rc_room_file.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::sim::test {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "sim/rc/rc_plant.hpp"
 #include "sim/weather/synthetic_weather.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::sim::test {
 

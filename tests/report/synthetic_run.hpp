@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "airside/splitmix64.hpp"
+#include "support/default_cycle.hpp"
 #include "tools/report/run_report.hpp"
 
 namespace airside::tools {

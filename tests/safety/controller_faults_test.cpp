@@ -1,6 +1,7 @@
 // Each fault degrades the decision to the schedule, is named, and is left behind when it ends.
 
 #include "support/controller_rig.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside {
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "support/controller_rig.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside {
 namespace {

@@ -1,6 +1,7 @@
 // New weights must pass the gate before they control: poisoned memories and broken steps leave the old ones standing.
 
 #include "support/controller_rig.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/write_budget.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside {
 namespace {
@@ -66,10 +67,11 @@ TEST(DriftMonitor, RestsWhereRoomsOnlySwing) { EXPECT_EQ(days_until_noticed(0), 
 
 TEST(ExcitationMonitor, NoticesASetpointThatRestsForADayAndForgetsItWhenItMoves) {
   ExcitationMonitor watch;
-  for (int i = 0; i < cycles_per_day - 1; ++i) EXPECT_FALSE(watch.cycle(22, 0.05)) << "not before a day";
-  EXPECT_TRUE(watch.cycle(22, 0.05));
+  for (int i = 0; i < cycles_per_day - 1; ++i)
+    EXPECT_FALSE(watch.cycle(22, 0.05, cycles_per_day)) << "not before a day";
+  EXPECT_TRUE(watch.cycle(22, 0.05, cycles_per_day));
   bool rests = true;
-  for (int i = 0; i < 20; ++i) rests = watch.cycle(22 + 0.5 * (i % 2), 0.05);
+  for (int i = 0; i < 20; ++i) rests = watch.cycle(22 + 0.5 * (i % 2), 0.05, cycles_per_day);
   EXPECT_FALSE(rests);
 }
 
@@ -80,8 +82,8 @@ TEST(ScheduleShadowMonitor, FindsTheScheduleCloserOnlyWhereItWouldBe) {
     good.cycle(s, s.target_degc + 0.05, 22.0, s.expert_work_degc, 0.6);
     bad.cycle(s, s.target_degc + 1.0, 22.0, s.expert_work_degc, 0.6);  // the schedule's 20.5 would be 0.9 K colder
   }
-  EXPECT_FALSE(good.worse(s.worse_k));
-  EXPECT_TRUE(bad.worse(s.worse_k));
+  EXPECT_FALSE(good.worse(s));
+  EXPECT_TRUE(bad.worse(s));
   EXPECT_NEAR(bad.schedule_k(), 0.1, 1e-9);
 }
 
@@ -89,9 +91,9 @@ TEST(ScheduleShadowMonitor, JudgesNothingBeforeItHasSeenHoursAndNothingThatIsNoN
   const ControllerSettings s = product_settings();
   ScheduleShadowMonitor watch;
   for (int i = 0; i < 11; ++i) watch.cycle(s, s.target_degc + 5, 26, s.expert_work_degc, 0.6);
-  EXPECT_FALSE(watch.worse(s.worse_k));
+  EXPECT_FALSE(watch.worse(s));
   for (int i = 0; i < 50; ++i) watch.cycle(s, std::nan(""), 26, s.expert_work_degc, 0.6);
-  EXPECT_FALSE(watch.worse(s.worse_k));
+  EXPECT_FALSE(watch.worse(s));
 }
 
 TEST(OverrideMonitor, OnlyTheThirdWithinADayIsAFight) {
@@ -129,7 +131,7 @@ TEST(WriteBudget, KeepsItsAverageWhateverIsWished) {
     int writes = 0;
     constexpr int days = 200;
     for (int i = 0; i < days * cycles_per_day; ++i) {
-      budget.earn(20);
+      budget.earn(20, cycles_per_day);
       if (!budget.allows(largest_k * draw.symmetric(), 20)) continue;
       budget.spend(20);
       ++writes;
@@ -143,7 +145,7 @@ TEST(WriteBudget, ALargeMoveIsNeverLateAndASmallOneWaits) {
   WriteBudget budget;
   EXPECT_TRUE(budget.allows(4.5, 20)) << "the schedule's step, without a token";
   EXPECT_FALSE(budget.allows(0.3, 20));
-  for (int i = 0; i < cycles_per_day; ++i) budget.earn(20);
+  for (int i = 0; i < cycles_per_day; ++i) budget.earn(20, cycles_per_day);
   EXPECT_TRUE(budget.allows(0.06, 20)) << "rested for a day";
 }
 
@@ -152,11 +154,11 @@ TEST(WriteBudget, WritesThatWereForcedForWeeksMakeADebtOfADay) {
   for (int i = 0; i < 1000; ++i) budget.spend(20);
   int cycles = 0;
   while (!budget.allows(2, 20)) {
-    budget.earn(20);
+    budget.earn(20, cycles_per_day);
     ++cycles;
   }
   EXPECT_LE(cycles, 4) << "a move of 2 K";
-  for (; !budget.allows(0.3, 20); ++cycles) budget.earn(20);
+  for (; !budget.allows(0.3, 20); ++cycles) budget.earn(20, cycles_per_day);
   EXPECT_LE(cycles, cycles_per_day * 3 / 2);
 }
 

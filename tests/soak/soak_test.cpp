@@ -16,6 +16,7 @@
 #include "hal/points/register_codec.hpp"
 #include "sim/faults/faulty_model.hpp"
 #include "support/bench.hpp"
+#include "support/default_cycle.hpp"
 #include "support/sanitized.hpp"
 #include "tools/chaos/chaos_proxy.hpp"
 #include "tools/run/served_plant.hpp"

@@ -45,17 +45,19 @@ LogText text_of_rows(const tools::Site& site, const std::vector<hal::LogRow>& ro
   return text;
 }
 
-/// Weights for the bench's room shape: two days of pretraining on the embedded plant, once a shape and process.
+/// Weights for the bench's room shape and control cycle: days of pretraining on the embedded plant, once a process.
 tools::BlobBytes weights_for(const tools::Site& site) {
   static std::vector<std::pair<std::string, tools::BlobBytes>> made;
+  const std::string wanted = fmt::format("{}, {} min", site.counts.name, site.settings.cycle_min);
   for (const auto& [name, blob] : made) {
-    if (name == site.counts.name) return blob;
+    if (name == wanted) return blob;
   }
-  const tools::Site plain = tools::built_in_site(site.counts.name);
+  tools::Site plain = tools::built_in_site(site.counts.name);
+  plain.settings.cycle_min = plain.file.cycle_min = site.settings.cycle_min;
   const tools::PlantChoice twin = rc_room("301", "2021-07-01");
   const auto model = tools::make_plant(twin, plain, 4);
   const CivilTime until{tools::start_of(twin).seconds + 4 * 86400};
-  made.emplace_back(site.counts.name, tools::pretrain(plain, *model, until, {}).blob);
+  made.emplace_back(wanted, tools::pretrain(plain, *model, until, {}).blob);
   return made.back().second;
 }
 
@@ -125,11 +127,12 @@ void Bench::write_site(const std::string& transport) const {
   write_text(
       folder_ / "site.toml",
       fmt::format("[site]\nname = \"Bench\"\ntopology = \"{}\"\nscope = \"Bench\"\n"
-                  "[controller]\nseed = {}\n{}[modbus]\n{}unit_id = 1\ndeadline_s = 10.0\npoints = \"points.csv\"\n"
+                  "[controller]\nseed = {}\ncycle_min = {}\n{}[modbus]\n{}unit_id = 1\ndeadline_s = 10.0\npoints = "
+                  "\"points.csv\"\n"
                   "[clock]\nsource = \"plant\"\n[state]\ndir = \"state\"\n[log]\ndir = \"log\"\nmax_files = 400\n"
                   "{}{}",
-                  options_.topology, options_.plant.seed, options_.band ? "objective = \"band\"\n" : "", transport,
-                  parts, options_.more_site));
+                  options_.topology, options_.plant.seed, options_.cycle_min,
+                  options_.band ? "objective = \"band\"\n" : "", transport, parts, options_.more_site));
 }
 
 std::filesystem::path Bench::program(const std::string& name) const {

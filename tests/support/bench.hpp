@@ -26,6 +26,7 @@ struct BenchOptions {
   hal::StandIns stand_ins = {};     ///< for signals that the site has no sensor for
   std::string more_points = {};     ///< rows at the end of the point map
   std::string more_site = {};       ///< text at the end of the site file
+  int cycle_min = 18;               ///< control cycle
   bool band = false;                ///< the objective band, without weights, on a room whose boxes modulate
 };
 

@@ -11,6 +11,7 @@
 
 #include "airside/controller/instances.hpp"
 #include "support/controller_access.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside {
 

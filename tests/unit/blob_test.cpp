@@ -177,7 +177,7 @@ TEST(Blob, Row45Row46EachFieldThatDoesNotFitIsNamed) {
   expect_refused<ThreeVav>(
       b, [](H& h) { h.magic[0] = 'X'; }, Fault::blob_magic, "magic");
   expect_refused<ThreeVav>(
-      b, [](H& h) { h.format_version = 3; }, Fault::blob_version, "format_version");
+      b, [](H& h) { h.format_version = 4; }, Fault::blob_version, "format_version");
   expect_refused<ThreeVav>(
       b, [](H& h) { h.header_bytes = 64; }, Fault::blob_version, "header_bytes");
   expect_refused<ThreeVav>(
@@ -265,6 +265,42 @@ TEST(Blob, SaysByItsVersionWhetherThereIsAResidualNetwork) {
   for (const Bytes& bytes : {with, without}) {
     expect_refused<ThreeVav>(bytes, other, Fault::blob_size, "residual_parameters");
   }
+}
+
+TEST(Blob, OfAnotherCycleFitsThatCycleAlone) {
+  for (const bool with_residual : {false, true}) {
+    const auto payload = some_payload<ThreeVav>(true, with_residual);
+    const Bytes usual = encode<ThreeVav>(*payload);
+    payload->cycle = cycle_of_minutes(12);
+    const Bytes bytes = encode<ThreeVav>(*payload);
+    BlobHeader header;
+    std::memcpy(&header, bytes.data(), sizeof header);
+    EXPECT_EQ(header.format_version, 3) << "readers from before there was another must refuse it";
+    EXPECT_EQ(cycle_min_of(header), 12U);
+    std::memcpy(&header, usual.data(), sizeof header);
+    EXPECT_EQ(header.cycle_min, 0U) << "the bytes of 18 min are those of before";
+    for (const int minutes : {6, 12, 18, 24}) {
+      auto read = std::make_unique<Payload<ThreeVav>>();
+      read->cycle = cycle_of_minutes(minutes);
+      const auto other = WeightBlob<ThreeVav>::decode(bytes, std::string(), *read);
+      EXPECT_EQ(other.has_value(), minutes == 12) << minutes;
+      if (other) {
+        EXPECT_EQ(read->residual.is_trained, with_residual ? 1U : 0U);
+      } else {
+        EXPECT_EQ(other.error().fault, Fault::blob_cycle);
+        EXPECT_STREQ(other.error().field, "cycle_min");
+      }
+      EXPECT_EQ(WeightBlob<ThreeVav>::decode(usual, std::string(), *read).has_value(), minutes == 18) << minutes;
+    }
+  }
+}
+
+TEST(Blob, RefusesACycleThatItsVersionDoesNotHave) {
+  const Bytes usual = encode<ThreeVav>(*some_payload<ThreeVav>(true));
+  expect_refused<ThreeVav>(
+      usual, [](BlobHeader& h) { h.cycle_min = 18; }, Fault::blob_cycle, "cycle_min");
+  expect_refused<ThreeVav>(
+      usual, [](BlobHeader& h) { h.format_version = 3; }, Fault::blob_cycle, "cycle_min");
 }
 
 TEST(Blob, RefusesAResidualNetworkThatCannotBe) {

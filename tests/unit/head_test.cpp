@@ -7,6 +7,7 @@
 
 #include "airside/forecast/room_head.hpp"
 #include "airside/splitmix64.hpp"
+#include "support/default_cycle.hpp"
 #include "unit/monday.hpp"
 
 namespace airside {

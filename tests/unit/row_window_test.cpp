@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "airside/supervision/schedule.hpp"
+#include "support/default_cycle.hpp"
 #include "unit/monday.hpp"
 
 namespace airside {
@@ -58,6 +59,34 @@ TEST(RowWindow, ATransitionHoldsItsOwnRows) {
   EXPECT_EQ(window.at(rows_per_cycle).value(0), 16);
   EXPECT_EQ(window.at(rows_per_cycle).time.seconds, monday.seconds + 16 * row_s);
 }
+
+TEST(RowWindow, HoldsTheRowsOfEachLengthOfTheCycle) {
+  for (const int n : {1, 2, 4}) {
+    const ControlCycle cycle{n};
+    RowWindow<T> window(cycle);
+    int transitions = 0, with_change = 0;
+    double setpoint = 20;
+    for (int i = 0; i < rows_per_day; ++i) {
+      const CivilTime t{monday.seconds + i * row_s};
+      if (cycle.starts(t)) setpoint = setpoint == 20 ? 21 : 20;
+      window.push(t, Vector::Constant(i), setpoint);
+      if (!window.has_transition()) continue;
+      ++transitions;
+      EXPECT_TRUE(cycle.starts(t)) << "the setpoint changes each cycle, so that only whole ones count";
+      EXPECT_EQ(window.at(n).value(0), i - n);
+      EXPECT_EQ(window.at(n).time.seconds, t.seconds - cycle.seconds());
+      if (!window.has_change_before()) continue;
+      ++with_change;
+      EXPECT_EQ(window.at(2 * n).value(0), i - 2 * n);
+      EXPECT_EQ(window.setpoint_degc(3 * n), window.setpoint_degc(n));
+      EXPECT_NE(window.setpoint_degc(2 * n), window.setpoint_degc(n));
+    }
+    EXPECT_EQ(transitions, cycle.per_day() - 1) << n;
+    EXPECT_EQ(with_change, cycle.per_day() - 3) << n;
+  }
+}
+
+TEST(RowWindow, IsNoLargerThanTenRows) { EXPECT_LE(sizeof(RowWindow<T>), 10 * sizeof(RowWindow<T>::Row) + 64); }
 
 TEST(RowWindow, AGapADoubleAndAHoleEachBeginAnew) {
   const auto pairs_after = [](const std::function<void(RowWindow<T>&, CivilTime)>& disturb) {

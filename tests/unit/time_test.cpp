@@ -10,6 +10,7 @@
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/envelope.hpp"
 #include "airside/supervision/schedule.hpp"
+#include "support/default_cycle.hpp"
 #include "unit/monday.hpp"
 
 namespace airside {
@@ -46,6 +47,31 @@ TEST(CivilTime, HasEightyCyclesADayAlignedAtMidnight) {
   EXPECT_EQ(cycle_of_day(at(0, 23, 59, 59)), 79);
 }
 
+TEST(ControlCycle, IsOfOneToFourRowsAndDividesTheDay) {
+  for (const int minutes : {6, 12, 18, 24}) {
+    ASSERT_TRUE(is_cycle_min(minutes));
+    const ControlCycle cycle = cycle_of_minutes(minutes);
+    EXPECT_EQ(cycle.minutes(), minutes);
+    int starts = 0;
+    for (int row = 0; row < rows_per_day; ++row) starts += cycle.starts({monday.seconds + row * row_s});
+    EXPECT_EQ(starts, cycle.per_day());
+    EXPECT_EQ(starts * minutes, 24 * 60);
+    EXPECT_EQ(cycle.of_day(at(0, 23, 59, 59)), starts - 1);
+  }
+  for (const int minutes : {-6, 0, 1, 10, 15, 30, 36, 60}) EXPECT_FALSE(is_cycle_min(minutes)) << minutes;
+  EXPECT_EQ(default_cycle.minutes(), 18);
+}
+
+TEST(ControlCycle, OfASiteIsOneThatItsObjectiveHas) {
+  for (const int minutes : {6, 10, 12, 18, 24}) {
+    ControllerSettings s = product_settings();
+    s.cycle_min = minutes;
+    EXPECT_EQ(settings_valid(s), minutes != 10) << minutes;
+    s.objective = Objective::band;
+    EXPECT_EQ(settings_valid(s), minutes == 18) << minutes;
+  }
+}
+
 TEST(CivilTime, NextRowIsAtOrAfter) {
   EXPECT_EQ(next_row(at(0, 0, 6)), at(0, 0, 6));
   EXPECT_EQ(next_row(at(0, 0, 6, 1)), at(0, 0, 12));
@@ -77,7 +103,13 @@ struct CorrectedClock {
 };
 struct Schedule {
   Decision last{.time = {}, .command = SafetyEnvelope(paper_settings()).limit(25, 25, 25)};
-  const Decision& decide(CivilTime, const Expected<Reading<FiveZone>>&) { return last; }
+  ControllerSettings site = paper_settings();
+  const ControllerSettings& settings() const { return site; }
+  int decisions = 0;
+  const Decision& decide(CivilTime, const Expected<Reading<FiveZone>>&) {
+    ++decisions;
+    return last;
+  }
   void absorb(const Decision&, const Expected<Applied>&) {}
   void observe(CivilTime, const Expected<Reading<FiveZone>>&) {}
 };
@@ -95,6 +127,20 @@ std::vector<CivilTime> rows_with(std::int64_t correction_s) {
   Times times;
   run_cycles<FiveZone>(plant, clock, controller, times, at(0, 12, 0), at(2, 0, 0));
   return times.rows;
+}
+
+TEST(RunCycles, DecideOnceACycleOfTheSite) {
+  for (const int minutes : {6, 12, 18, 24}) {
+    AnsweringPlant plant;
+    CorrectedClock clock{at(0, 0, 0), 0, -1};
+    Schedule controller;
+    controller.site.cycle_min = minutes;
+    struct {
+      bool row(CivilTime, const Expected<Reading<FiveZone>>&, const Schedule&) { return true; }
+    } sink;
+    run_cycles<FiveZone>(plant, clock, controller, sink, at(0, 0, 0), at(1, 0, 0));
+    EXPECT_EQ(controller.decisions, 24 * 60 / minutes);
+  }
 }
 
 TEST(RunCycles, FollowsAClockThatIsSetBackInsteadOfWaitingForIt) {

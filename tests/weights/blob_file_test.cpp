@@ -110,7 +110,7 @@ TEST(BlobRefusals, EachFaultHasWordsOfItsOwn) {
   for (const Fault fault :
        {Fault::blob_truncated, Fault::blob_magic, Fault::blob_version, Fault::blob_architecture, Fault::blob_digest,
         Fault::blob_topology, Fault::blob_units, Fault::blob_scope, Fault::blob_value, Fault::blob_size,
-        Fault::blob_signature, Fault::blob_counter, Fault::blob_taken_back, Fault::state_invalid}) {
+        Fault::blob_signature, Fault::blob_cycle, Fault::blob_counter, Fault::blob_taken_back, Fault::state_invalid}) {
     ++faults;
     try {
       hal::throw_blob_error({fault, "the_field"}, "a.blob");

@@ -6,6 +6,7 @@
 #include "firmware/edge/daemon_state.hpp"
 #include "support/blob_maker.hpp"
 #include "support/controller_rig.hpp"
+#include "support/default_cycle.hpp"
 #include "support/test_folder.hpp"
 
 namespace airside::weights {

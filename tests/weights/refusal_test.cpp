@@ -6,6 +6,7 @@
 
 #include <thread>
 
+#include "support/default_cycle.hpp"
 #include "weights/trial_rig.hpp"
 
 namespace airside::weights {
@@ -134,6 +135,10 @@ const Refused refused[] = {
        return signed_by(blob_of<T>(
                             c, [](auto&) {}, header),
                         key, 9);
+     }},
+    {"OfAnotherCycle", Fault::blob_cycle,
+     [](const auto& c, const auto& key) {
+       return signed_by(blob_of<T>(c, [](auto& p) { p.cycle = cycle_of_minutes(12); }), key, 9);
      }},
     {"WithoutNumbers", Fault::blob_value,
      [](const auto& c, const auto& key) {

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "hal/storage/state_copy.hpp"
+#include "support/default_cycle.hpp"
 #include "weights/trial_rig.hpp"
 
 namespace airside::weights {

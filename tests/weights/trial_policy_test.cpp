@@ -3,6 +3,7 @@
 #include "airside/controller/weight_trial.hpp"
 
 #include "support/controller_rig.hpp"
+#include "support/default_cycle.hpp"
 
 namespace airside::weights {
 namespace {

@@ -1,6 +1,7 @@
 // Pushed weights are taken in one commit and kept on trial for a day; what acts wildly is taken back by itself. Every
 // row of the loop is the daemon's own code.
 
+#include "support/default_cycle.hpp"
 #include "weights/trial_rig.hpp"
 
 namespace airside::weights {

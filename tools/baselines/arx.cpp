@@ -9,8 +9,6 @@ namespace {
 
 constexpr int own_parameters = 2;
 constexpr int gain_index = 1;
-/// Neighbouring rows share two thirds of their cycle, so three of them are worth one.
-constexpr double row_overlap = rows_per_cycle;
 
 int parameter_count(const ArxSettings& s) { return own_parameters + (s.exogenous ? ArxBaseline::exogenous_count : 0); }
 
@@ -85,14 +83,16 @@ void ArxBaseline::observe_history(std::span<const HistoryRow> rows) {
   std::vector<Instant> log;
   log.reserve(rows.size());
   for (const HistoryRow& row : rows) log.push_back(instant(row.time, row.sensors, row.setpoint_degc));
-  constexpr std::size_t cycle = rows_per_cycle;
+  const auto cycle = static_cast<std::size_t>(control_cycle(site_).rows);
+  const int cycle_s = control_cycle(site_).seconds();
   const auto held = [&](std::size_t from) {
     for (std::size_t j = from + 1; j < from + cycle; ++j) {
       if (log[j].setpoint_degc != log[from].setpoint_degc) return false;
     }
     return log[from + cycle].time.seconds - log[from].time.seconds == cycle_s;
   };
-  const double noise_var = settings_.noise_sd_k * settings_.noise_sd_k * row_overlap;
+  // Neighbouring rows share all but one row of their cycle, so those of a cycle are worth one.
+  const double noise_var = settings_.noise_sd_k * settings_.noise_sd_k * control_cycle(site_).rows;
   for (std::size_t j = cycle; j + cycle < log.size(); ++j) {
     if (!held(j - cycle) || !held(j)) continue;
     const double change = log[j].setpoint_degc - log[j - cycle].setpoint_degc;
@@ -108,7 +108,7 @@ double ArxBaseline::decide(const CycleObservation& observed) {
   Instant now = instant(observed.time, observed.sensors, observed.previous_setpoint_degc);
   const auto ago = [&](int cycles) -> const Instant* {
     for (const Instant& i : past_) {
-      if (i.time.seconds == observed.time.seconds - cycles * cycle_s) return &i;
+      if (i.time.seconds == observed.time.seconds - cycles * control_cycle(site_).seconds()) return &i;
     }
     return nullptr;
   };

@@ -42,9 +42,9 @@ class BaselineController {
   virtual std::string name() const = 0;
   /// The expert days that every method is given before the first decision, 6 min apart, in order of time.
   virtual void observe_history(std::span<const HistoryRow> rows) { static_cast<void>(rows); }
-  /// How often decide() is called and its setpoint written, s: a whole number of rows, whole in a cycle. A controller
-  /// cycle, except where the method is defined otherwise.
-  virtual int decision_period_s() const { return cycle_s; }
+  /// How often decide() is called and its setpoint written, s: a whole number of rows, whole in a cycle; `cycle_s`, the
+  /// site's control cycle, except where the method is defined otherwise.
+  virtual int decision_period_s(int cycle_s) const { return cycle_s; }
   /// False: its source's own range holds, though this site would never let it be written.
   virtual bool keeps_to_site() const { return true; }
   /// The setpoint to hold until the next decision: admissible and rounded. degC.

@@ -13,7 +13,7 @@ class Guideline36Baseline final : public BaselineController {
   Guideline36Baseline(const ControllerSettings& site, const Guideline36Settings& settings, std::string name)
       : site_(site), settings_(settings), name_(std::move(name)) {}
   std::string name() const override { return name_; }
-  int decision_period_s() const override { return settings_.period_s; }
+  int decision_period_s(int) const override { return settings_.period_s; }
   bool keeps_to_site() const override { return settings_.clamp_to_site; }
   double decide(const CycleObservation& now) override {
     return logic_.setpoint_degc(site_, settings_, now.time, now.sensors.room_temp_degc, now.sensors.vav_on,

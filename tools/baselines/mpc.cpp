@@ -99,7 +99,8 @@ void MpcBaseline::observe_history(std::span<const HistoryRow> rows) {
 }
 
 void MpcBaseline::identify(std::span<const HistoryRow> rows) {
-  constexpr std::size_t cycle = rows_per_cycle;
+  const auto cycle = static_cast<std::size_t>(control_cycle(site_).rows);
+  const int cycle_s = control_cycle(site_).seconds();
   const auto held = [&](std::size_t from) {
     for (std::size_t j = from + 1; j < from + cycle; ++j) {
       if (rows[j].setpoint_degc != rows[from].setpoint_degc) return false;
@@ -107,8 +108,8 @@ void MpcBaseline::identify(std::span<const HistoryRow> rows) {
     return rows[from + cycle].time.seconds - rows[from].time.seconds == cycle_s;
   };
   const auto mean_k = [&](std::size_t j) { return room_mean_degc(rows[j].sensors) - site_.target_degc; };
-  // Neighbouring rows share two thirds of their cycle, so three of them are worth one.
-  const double noise_var = settings_.noise_sd_k * settings_.noise_sd_k * rows_per_cycle;
+  // Neighbouring rows share all but one row of their cycle, so those of a cycle are worth one.
+  const double noise_var = settings_.noise_sd_k * settings_.noise_sd_k * control_cycle(site_).rows;
   for (std::size_t j = cycle; j + cycle < rows.size(); ++j) {
     if (!held(j - cycle) || !held(j)) continue;
     if (!std::isfinite(mean_k(j - cycle) + mean_k(j) + mean_k(j + cycle))) continue;
@@ -130,6 +131,7 @@ double MpcBaseline::decide(const CycleObservation& now) {
     return admissible_setpoint_degc(now.previous_setpoint_degc, site_);
   }
   const Eigen::VectorXd& p = model_.parameters();
+  const int cycle_s = control_cycle(site_).seconds();
   const bool follows = last_ && now.time.seconds - last_->time.seconds == cycle_s;
   if (follows) {
     last_->u_k = u_k;  // what the AHU took

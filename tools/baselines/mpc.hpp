@@ -10,7 +10,7 @@
 namespace airside::tools {
 
 struct MpcSettings {
-  int horizon = 10;                ///< cycles, 3 h
+  int horizon = 10;                ///< cycles, 3 h of 18 min
   double move_weight = 0.1;        ///< of a squared setpoint move against a squared error
   double disturbance_share = 0.5;  ///< of an innovation that is taken for a lasting disturbance, (0, 1]
   double noise_sd_k = 0.06;        ///< of the identification

@@ -13,8 +13,8 @@ namespace {
 
 /// Hours since the last decision. The first decision counts a cycle; a pause (a gap in the log) at most an
 /// hour.
-double hours_since(const std::optional<CivilTime>& last, CivilTime now) {
-  if (!last) return cycle_s / 3600.0;
+double hours_since(const std::optional<CivilTime>& last, CivilTime now, const ControllerSettings& site) {
+  if (!last) return control_cycle(site).seconds() / 3600.0;
   return std::clamp(static_cast<double>(now.seconds - last->seconds) / 3600.0, 0.0, 1.0);
 }
 
@@ -23,7 +23,7 @@ double hours_since(const std::optional<CivilTime>& last, CivilTime now) {
 double PidBaseline::decide(const CycleObservation& now) {
   const double error_k = now.target_degc - room_mean_degc(now.sensors);
   if (!std::isfinite(error_k)) return admissible_setpoint_degc(now.previous_setpoint_degc, site_);
-  const double dt_h = hours_since(last_time_, now.time);
+  const double dt_h = hours_since(last_time_, now.time, site_);
   const double slope = last_time_ && dt_h > 0 ? (error_k - last_error_k_) / dt_h : 0.0;
   last_time_ = now.time;
   last_error_k_ = error_k;
@@ -47,7 +47,7 @@ std::string IntegralBaseline::name() const { return fmt::format("integral (Ki {:
 double IntegralBaseline::decide(const CycleObservation& now) {
   const double error_k = now.target_degc - room_mean_degc(now.sensors);
   if (!std::isfinite(error_k)) return admissible_setpoint_degc(now.previous_setpoint_degc, site_);
-  const double dt_h = hours_since(last_time_, now.time);
+  const double dt_h = hours_since(last_time_, now.time, site_);
   last_time_ = now.time;
   return admissible_setpoint_degc(now.previous_setpoint_degc + ki_per_h_ * error_k * dt_h, site_);
 }

@@ -26,10 +26,10 @@ class CycleBench {
 
   /// The rows before the next cycle, the first of which ends the last one.
   void rows() {
-    for (int k = 0; k < rows_per_cycle; ++k) {
+    for (int k = 0; k < band_cycle.rows; ++k) {
       t_.seconds += row_s;
       now_ = reading();
-      if (!starts_cycle(t_)) controller_->observe(t_, now_);
+      if (!band_cycle.starts(t_)) controller_->observe(t_, now_);
     }
   }
   void cycle() {
@@ -80,7 +80,7 @@ template <Topology T>
 void measure_band(const Stopwatch& watch, const Kernels<float>& kernels, const std::string& prefix,
                   const Shape& shape) {
   CycleBench<T> bench(shape, kernels);
-  for (int k = 0; k < 3 * cycles_per_day; ++k) {  // until the objective acts on what it has learned
+  for (int k = 0; k < 3 * band_cycle.per_day(); ++k) {  // until the objective acts on what it has learned
     bench.rows();
     bench.cycle();
   }

@@ -70,7 +70,7 @@ struct ResidualCommand {
     Trial trial{s, choice(job), expert_days, days};
     trial.site.file.seed = job.seed;
     Prepared prepared = prepare(trial);
-    return bytes_of(residual_samples(run_ours(trial, prepared, {under, true, steps})));
+    return bytes_of(residual_samples(s, run_ours(trial, prepared, {under, true, steps})));
   }
 
   void choose_rooms(bool energyplus) {
@@ -219,7 +219,7 @@ void add_residual(CLI::App& app) {
   auto self = std::make_shared<ResidualCommand>();
   CLI::App* c = app.add_subcommand(
       "residual",
-      "add to weights a small network that predicts what their room head will get wrong in the next 18 min.\n"
+      "add to weights a small network that predicts what their room head will get wrong in the next control cycle.\n"
       "Simulates the product in many rooms and conditions, learns from its head's errors, and tries the network on "
       "rooms,\ndays and seeds that it has not seen. Where less than 1 % could be predicted nothing is written.");
   add_site_options(*c, self->site);

@@ -182,6 +182,7 @@ void refuse_for_site(const std::string& blob, std::span<const std::byte> bytes, 
   with_topology(site.topology.c_str(), [&]<class T>(T) {
     auto payload = std::make_unique<typename WeightBlob<T>::Payload>();
     payload->site = parse_shape(site.topology.c_str());
+    payload->cycle = cycle_of_minutes(site.cycle_min);
     hal::decode_blob<T>(bytes, site.scope, blob, *payload);
   });
 }
@@ -319,9 +320,9 @@ void add_weights(CLI::App& app, SendBlob over_http) {
            "nothing");
   add_wish(app, "release", hal::Mailbox::release_name,
            "let a box stop writing, so that the AHU's own controller takes over",
-           "the daemon stops writing within 18 min, until `airside hand-back`");
+           "the daemon stops writing at the next decision, within a control cycle, until `airside hand-back`");
   add_wish(app, "hand-back", hal::Mailbox::hand_back_name, "give a released or overridden AHU back to the box",
-           "the daemon takes over again within 24 min");
+           "the daemon takes over again within a row and a control cycle");
 }
 
 }  // namespace airside::tools

@@ -1,5 +1,7 @@
 #include "tools/report/run_record.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -75,11 +77,12 @@ RunRecord make_run_record(const Site& site, const ControlRun& run) {
   r.room_names = room_names(site);
   const std::vector<std::string> meters = meter_names(site);
 
+  const ControlCycle cycle = control_cycle(site.settings);
   std::vector<const hal::LogRow*> cycles;
   for (const hal::LogRow& row : run.rows) {
     r.row_time.push_back(row.time);
     r.room_mean_degc.push_back(room_mean(row, at.rooms));
-    if (starts_cycle(row.time)) cycles.push_back(&row);
+    if (cycle.starts(row.time)) cycles.push_back(&row);
   }
   for (std::size_t i = 0; i < at.rooms; ++i) r.room_temp_degc.push_back({r.room_names[i], column(run.rows, i)});
   r.outdoor_degc = column(run.rows, at.outdoor);
@@ -127,7 +130,7 @@ ControlRun run_of_log(const Site& site, const hal::Log& log, const std::string& 
     const auto power = value + static_cast<std::ptrdiff_t>(at.power);
     const double kw = std::accumulate(power, power + static_cast<std::ptrdiff_t>(at.powers), 0.0);
     if (std::isfinite(kw) && metered) run.energy.push_back({row.time, kw});
-    if (!starts_cycle(row.time) || !whole_cycle(row, at.rooms)) continue;
+    if (!control_cycle(site.settings).starts(row.time) || !whole_cycle(row, at.rooms)) continue;
     run.cycles.push_back({row.time,
                           room_mean(row, at.rooms),
                           {value, value + static_cast<std::ptrdiff_t>(at.rooms)},
@@ -135,7 +138,8 @@ ControlRun run_of_log(const Site& site, const hal::Log& log, const std::string& 
   }
   if (run.cycles.empty()) {
     throw hal::InputError(place, "no whole row at the start of a control cycle",
-                          "rows at 00:00, 00:18, 00:36 ... with all room temperatures and the setpoint",
+                          fmt::format("rows every {} min from 00:00 on with all room temperatures and the setpoint",
+                                      site.settings.cycle_min),
                           "export the log with rows every 6 min counted from midnight");
   }
   return run;

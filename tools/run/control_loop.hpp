@@ -52,6 +52,7 @@ class Chooser {
   }
   void absorb(const Decision&, const Expected<Applied>& applied) { last_degc_ = applied->setpoint_degc; }
   const Decision& decision() const { return decision_; }
+  const ControllerSettings& settings() const { return settings_; }
   double last_degc() const { return last_degc_; }
 
  private:

@@ -16,6 +16,7 @@ MetricsSettings metrics_settings(const Site& site) {
   m.target_degc = site.settings.target_degc;
   m.work_start_s = static_cast<int>(std::lround(site.settings.work_start_h * 3600));
   m.work_end_s = static_cast<int>(std::lround(site.settings.work_end_h * 3600));
+  m.cycle_s = control_cycle(site.settings).seconds();
   m.weekdays_only = site.settings.weekday_only != 0;
   return m;
 }
@@ -28,7 +29,7 @@ ControlRun run_schedule(const Site& site, sim::PlantModel& plant, CivilTime unti
   ControlRun run;
   for_topology_of(site, [&]<class T>(T) {
     run = run_chooser<T>(
-        site, site.settings, plant, until, progress, cycle_s,
+        site, site.settings, plant, until, progress, control_cycle(site.settings).seconds(),
         [&site](CivilTime t, const Reading<T>&, double) { return expert_setpoint_degc(site.settings, t); });
   });
   return run;
@@ -43,6 +44,7 @@ ControlRun run_controller(const Site& site, sim::PlantModel& plant, const BlobBy
     if (!blob.empty()) {
       auto payload = std::make_unique<SitePayload<T>>();
       payload->site = shape_of<T>(site);
+      payload->cycle = control_cycle(site.settings);
       hal::decode_blob<T>(blob, site.file.scope, "weights", *payload);
       take_payload<T>(*controller, *payload);
     }
@@ -55,7 +57,8 @@ ControlRun run_controller(const Site& site, sim::PlantModel& plant, const BlobBy
 
 ControlRun run_baseline(const Site& site, sim::PlantModel& plant, BaselineController& baseline,
                         const std::vector<hal::LogRow>& history, CivilTime until, const OnProgress& progress) {
-  const int period_s = baseline.decision_period_s();
+  const int cycle_s = control_cycle(site.settings).seconds();
+  const int period_s = baseline.decision_period_s(cycle_s);
   if (period_s <= 0 || period_s % row_s != 0 || cycle_s % period_s != 0) {
     throw std::logic_error(fmt::format("{}: a period of {} s; rows are {} s apart, cycles {} s", baseline.name(),
                                        period_s, row_s, cycle_s));
@@ -109,7 +112,7 @@ ControlRun run_setpoints(const Site& site, sim::PlantModel& plant, const std::fu
                          CivilTime until, const OnProgress& progress) {
   ControlRun run;
   for_topology_of(site, [&]<class T>(T) {
-    run = run_chooser<T>(site, site.settings, plant, until, progress, cycle_s,
+    run = run_chooser<T>(site, site.settings, plant, until, progress, control_cycle(site.settings).seconds(),
                          [&](CivilTime, const Reading<T>&, double) { return choose(); });
   });
   return run;
@@ -120,6 +123,7 @@ BlobBytes read_blob(const std::string& path, const Site& site) {
   for_topology_of(site, [&]<class T>(T) {
     auto payload = std::make_unique<SitePayload<T>>();
     payload->site = shape_of<T>(site);
+    payload->cycle = control_cycle(site.settings);
     hal::decode_blob<T>(bytes, site.file.scope, path, *payload);
   });
   return bytes;

@@ -19,6 +19,7 @@ struct CycleSample {
   double setpoint_degc = 0;
   /// By which the room head's forecast of the cycle that ended then was wrong; NaN: it had none.
   double head_error_k = std::numeric_limits<double>::quiet_NaN();
+  double network_error_k = std::numeric_limits<double>::quiet_NaN();  ///< the same of the network's forecast
   /// What the residual forecaster saw then; empty: nothing.
   std::vector<float> residual_features = {};
 };
@@ -34,7 +35,7 @@ struct MetricsSettings {
   double target_degc = 25.25;
   int work_start_s = 7 * 3600;            ///< second of day; the first scored cycle starts at or after it
   int work_end_s = 19 * 3600;             ///< second of day; the last scored cycle starts before it
-  int cycle_s = airside::cycle_s;         ///< control cycle; 1080 s gives k = 24..63, 40 scored samples a day
+  int cycle_s = default_cycle.seconds();  ///< control cycle; 1080 s gives k = 24..63, 40 scored samples a day
   int row_s = airside::row_s;             ///< spacing of the energy rows
   double reference_setpoint_degc = 20.5;  ///< of the energy-saved area
   bool weekdays_only = false;             ///< score Monday to Friday only (energy_kwh still counts every row)

@@ -17,6 +17,7 @@ class Recorder {
  public:
   Recorder(const Site& site, const sim::PlantModel& model, CivilTime until, const OnProgress& progress)
       : counts_(site.counts),
+        cycle_(control_cycle(site.settings)),
         blank_(hal::make_log_row(site.counts)),
         model_(model),
         from_(next_row(model.time())),
@@ -47,13 +48,14 @@ class Recorder {
       sample.setpoint_degc = room.setpoint_degc;
     }
     run.energy.push_back({t, power});
-    if (starts_cycle(t)) {
+    if (cycle_.starts(t)) {
       for (const double s : sample.room_temp_degc) sample.room_mean_degc += s / counts_.vavs;
       sample.head_error_k = decision.head_error_k;
+      sample.network_error_k = decision.network_error_k;
       run.cycles.push_back(std::move(sample));
     }
-    if (progress_ && starts_cycle(t)) {
-      progress_(static_cast<double>(t.seconds + cycle_s - from_.seconds) /
+    if (progress_ && cycle_.starts(t)) {
+      progress_(static_cast<double>(t.seconds + cycle_.seconds() - from_.seconds) /
                 static_cast<double>(until_.seconds - from_.seconds));
     }
   }
@@ -62,6 +64,7 @@ class Recorder {
 
  private:
   hal::TopologyCounts counts_;
+  ControlCycle cycle_;
   hal::LogRow blank_;
   const sim::PlantModel& model_;
   CivilTime from_, until_;
@@ -94,7 +97,7 @@ struct ControllerSink {
     steps.row(controller);
     recorder.add<T>(t, sensed, controller.decision(), controller.cycle().last_setpoint_degc);
     const auto& residual = controller.cycle().residual;
-    if (starts_cycle(t) && residual.has_features != 0) {
+    if (control_cycle(controller.settings()).starts(t) && residual.has_features != 0) {
       recorder.run.cycles.back().residual_features.assign(residual.features.x.begin(), residual.features.x.end());
     }
     return true;

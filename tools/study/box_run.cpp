@@ -61,7 +61,7 @@ class BoxChooser {
     at.coldest = last_degc_ <= choice_.min_degc + 0.05;
     at.warmest = last_degc_ >= choice_.max_degc - 0.05;
     objective_.observe(method_.demand, at);
-    if (!starts_cycle(t)) return last_degc_;
+    if (!band_cycle.starts(t)) return last_degc_;
     choice_.last_degc = last_degc_;
     const double chosen = objective_.choose(method_.demand, at, choice_).setpoint_degc;
     return limited(before ? site_.expert_work_degc : chosen);
@@ -84,7 +84,7 @@ class BoxChooser {
   double last_degc_ = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Mean |second difference| of successive 18-min setpoints, a day's sum over n - 3 terms.
+/// Mean |second difference| of successive cycles' setpoints, a day's sum over n - 3 terms.
 class DarvCount {
  public:
   void add(double setpoint_degc) {
@@ -144,7 +144,7 @@ BoxFigures run_boxes(const BoxRun& run, const BoxMethod& method) {
     plant.set_setpoint(setpoint);
     f.lowest_degc = std::min(f.lowest_degc, setpoint);
     f.highest_degc = std::max(f.highest_degc, setpoint);
-    if (t >= run.from && starts_cycle(t)) {
+    if (t >= run.from && band_cycle.starts(t)) {
       if (t.second_of_day() == 0) darv.end_day();
       if (plant.boxes().occupied > 0.5) f.setpoint_degc += setpoint, ++samples, darv.add(setpoint);
     }

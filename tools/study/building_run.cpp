@@ -144,10 +144,10 @@ void control(const Site& site, const BuildingRun& run, const BuildingMethod& met
     case Kind::own: return plant.advance_to(until);
     case Kind::schedule: return static_cast<void>(run_schedule(site, plant, until));
     case Kind::constant:
-      return run_rows(site, plant, until, cycle_s,
+      return run_rows(site, plant, until, control_cycle(site.settings).seconds(),
                       [&method](const sim::Sensors&, CivilTime, double) { return method.value; });
     case Kind::integral:
-      return run_rows(site, plant, until, cycle_s,
+      return run_rows(site, plant, until, control_cycle(site.settings).seconds(),
                       by_baseline(site, std::make_shared<IntegralBaseline>(site.settings, method.value)));
     case Kind::guideline36: return run_rows(site, plant, until, row_s, by_guideline36(site, method.value));
     case Kind::mpc: {
@@ -157,7 +157,7 @@ void control(const Site& site, const BuildingRun& run, const BuildingMethod& met
       settings.disturbance_share = gains.mpc_disturbance_share;
       auto mpc = std::make_shared<MpcBaseline>(site.settings, settings);
       mpc->observe_history(history_of(site, history));
-      return run_rows(site, plant, until, cycle_s, by_baseline(site, mpc));
+      return run_rows(site, plant, until, control_cycle(site.settings).seconds(), by_baseline(site, mpc));
     }
     case Kind::ours: return run_ours(site, run, plant, history, until);
   }

@@ -67,15 +67,17 @@ ControlRun run_method(const Trial& trial, Prepared& prepared, const std::string&
     if (name == "floor-full") foresight = sim::Foresight::full;
     if (foresight) {
       return run_setpoints(
-          trial.site, *rc, [&] { return sim::floor_setpoint(*rc, target, low, high, *foresight); }, prepared.until,
-          progress);
+          trial.site, *rc,
+          [&] { return sim::floor_setpoint(*rc, target, low, high, *foresight, control_cycle(s).seconds()); },
+          prepared.until, progress);
     }
   }
   if (auto* engine = dynamic_cast<sim::EnergyPlusPlant*>(prepared.model.get());
       engine != nullptr && name == "floor-full") {
     return run_setpoints(
-        trial.site, *engine, [&] { return sim::full_forecast_setpoint(*engine, target, low, high); }, prepared.until,
-        progress);
+        trial.site, *engine,
+        [&] { return sim::full_forecast_setpoint(*engine, target, low, high, control_cycle(s).seconds()); },
+        prepared.until, progress);
   }
   throw hal::InputError("method " + name, "a floor that this plant cannot give",
                         "floor-frozen, floor-profile, floor-full on rc; floor-full on EnergyPlus",

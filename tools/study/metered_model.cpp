@@ -46,7 +46,7 @@ void MeteredModel::advance_to(CivilTime t) {
   while (inner_.time() < t) {
     const CivilTime now = inner_.time();
     const bool counts = !(now < from_);
-    if (counts && starts_cycle(now)) count_cycle();
+    if (counts && control_cycle(site_.settings).starts(now)) count_cycle();
     const CivilTime next{std::min(t.seconds, now.seconds + step_s())};
     inner_.advance_to(next);
     if (counts) count_step(static_cast<double>(next.seconds - now.seconds) / 3600);

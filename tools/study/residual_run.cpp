@@ -20,7 +20,6 @@ namespace {
 
 constexpr int training_steps = 300;  // the head is what is looked at, not the network
 constexpr int cycles_ahead = 3;
-constexpr int cycle_min = cycle_s / 60;
 
 std::shared_ptr<const sim::Weather> weather_of(const Trial& trial) {
   if (!trial.plant.weather.empty()) return sim::read_epw(trial.plant.weather);
@@ -41,7 +40,7 @@ void add_number(std::string& line, double value) {
   if (std::isfinite(value)) line += fmt::format("{:.6g}", value);
 }
 
-std::string header_of(const hal::TopologyCounts& counts, int signals) {
+std::string header_of(const hal::TopologyCounts& counts, int signals, int cycle_min) {
   std::string line = "time,setpoint_degc,head_error_k";
   for (const char* before : {"", "before_"}) {
     for (int i = 0; i < signals; ++i) line += fmt::format(",{}{}", before, hal::column_of(counts, i));
@@ -58,23 +57,24 @@ std::string residual_csv(const Trial& trial) {
   const auto* rc = dynamic_cast<const sim::RcPlant*>(prepared.model.get());
   const auto weather = weather_of(trial);
   const int signals = static_cast<int>(run.rows.front().value.size());
-  std::string text = header_of(trial.site.counts, signals);
-  for (std::size_t i = 1, cycle = 0; i < run.rows.size(); ++i) {
+  const ControlCycle cycle = control_cycle(trial.site.settings);
+  std::string text = header_of(trial.site.counts, signals, cycle.minutes());
+  for (std::size_t i = 1, k = 0; i < run.rows.size(); ++i) {
     const hal::LogRow &row = run.rows[i], &before = run.rows[i - 1];
-    if (!starts_cycle(row.time)) continue;
-    while (cycle + 1 < run.cycles.size() && run.cycles[cycle].time.seconds < row.time.seconds) ++cycle;
+    if (!cycle.starts(row.time)) continue;
+    while (k + 1 < run.cycles.size() && run.cycles[k].time.seconds < row.time.seconds) ++k;
     text += hal::civil_text(row.time);
     add_number(text, row.setpoint_degc);
-    add_number(text, run.cycles[cycle].head_error_k);
+    add_number(text, run.cycles[k].head_error_k);
     for (const double v : row.value) add_number(text, v);
     for (const double v : before.value) add_number(text, v);
     for (int ahead = 0; ahead <= cycles_ahead; ++ahead) {
-      const sim::WeatherRecord then = weather->at({row.time.seconds + ahead * cycle_s});
+      const sim::WeatherRecord then = weather->at({row.time.seconds + ahead * cycle.seconds()});
       add_number(text, then.outdoor_temp_degc);
       add_number(text, then.global_horizontal_w_m2);
     }
     for (int ahead = 0; ahead <= 1; ++ahead)
-      add_number(text, people_w(rc, trial.plant.seed, {row.time.seconds + ahead * cycle_s}));
+      add_number(text, people_w(rc, trial.plant.seed, {row.time.seconds + ahead * cycle.seconds()}));
     text += '\n';
   }
   return text;

@@ -101,6 +101,7 @@ BlobError WeightsTrial<T>::install(CivilTime t, std::span<const std::byte> bytes
   const auto key = hal::verify_blob(bytes, keys_);
   if (!key) return key.error();
   payload_->site = controller.settings().shape;
+  payload_->cycle = control_cycle(controller.settings());
   const auto header = WeightBlob<T>::read(bytes, scope_, *payload_);
   if (!header) return header.error();
   TrialRecord::Counter* counter = counter_of(record, header->key_id);

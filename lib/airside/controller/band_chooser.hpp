@@ -32,7 +32,7 @@ class BandChooser {
   /// A row of a history: what would have been chosen is computed as well, since the fan's next start begins on it.
   void remember(const Reading<T>& sensed, const ValidReading<T>& valid, bool counts) {
     observe(sensed, valid, counts);
-    if (!starts_cycle(sensed.time)) return;
+    if (!band_cycle.starts(sensed.time)) return;
     (void)propose(sensed, valid, air_flows(settings_, sensed.time, sensed.flows),
                   expert_setpoint_degc(settings_, sensed.time));
   }

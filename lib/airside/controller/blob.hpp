@@ -54,6 +54,11 @@ class BlobCodec {
     header.head_states = payload.head_states;
     header.residual_parameters = payload.residual_parameters();
     header.format_version = header.residual_parameters != 0 ? blob_version_residual : blob_version_plain;
+    header.cycle_min = 0;
+    if (payload.cycle != default_cycle) {
+      header.format_version = blob_version_cycle;
+      header.cycle_min = static_cast<std::uint32_t>(payload.cycle.minutes());
+    }
     std::byte* at = out.data() + sizeof(BlobHeader);
     const auto put = [&at](const void* from, std::size_t n) {
       std::memcpy(at, from, n);
@@ -92,7 +97,7 @@ class BlobCodec {
 
   /// As decode(), for a caller who has other questions before he looks at the values.
   /// Errors: BlobError naming the field; checked in the order length, magic, version, architecture, size, digest,
-  /// topology, units, scope.
+  /// topology, units, sizes, cycle, scope.
   static tl::expected<BlobHeader, BlobError> read(std::span<const std::byte> in, std::span<const char> site_scope,
                                                   Payload& payload) {
     const auto refuse = [](Fault fault, const char* field) { return tl::unexpected(BlobError{fault, field}); };
@@ -100,8 +105,7 @@ class BlobCodec {
     BlobHeader header;
     std::memcpy(&header, in.data(), sizeof header);
     if (header.magic != BlobHeader{}.magic) return refuse(Fault::blob_magic, "magic");
-    const bool has_residual = header.format_version == blob_version_residual;
-    if (!has_residual && header.format_version != blob_version_plain) {
+    if (header.format_version < blob_version_plain || header.format_version > blob_version_cycle) {
       return refuse(Fault::blob_version, "format_version");
     }
     if (header.header_bytes != sizeof header) return refuse(Fault::blob_version, "header_bytes");
@@ -130,11 +134,18 @@ class BlobCodec {
     const bool known_head = header.head_states == 0 || header.head_states == one ||
                             header.head_states == static_cast<std::uint32_t>(RoomHead<T>::states);
     if (!known_head) return refuse(Fault::blob_size, "head_states");
+    const bool has_residual = header.format_version == blob_version_cycle
+                                  ? header.residual_parameters != 0
+                                  : header.format_version == blob_version_residual;
     if (header.residual_parameters != (has_residual ? std::uint32_t{ResidualNetwork::parameters} : 0u)) {
       return refuse(Fault::blob_size, "residual_parameters");
     }
     if (header.payload_bytes != Payload::bytes(header.head_states, header.residual_parameters, payload.site)) {
       return refuse(Fault::blob_size, "payload_bytes");
+    }
+    if ((header.format_version == blob_version_cycle) != (header.cycle_min != 0) ||
+        cycle_min_of(header) != static_cast<std::uint32_t>(payload.cycle.minutes())) {
+      return refuse(Fault::blob_cycle, "cycle_min");
     }
     if (!scope_matches(header, site_scope)) return refuse(Fault::blob_scope, "site_scope");
     read_payload(header, in.subspan(sizeof header), payload);

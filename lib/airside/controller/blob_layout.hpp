@@ -10,6 +10,7 @@
 #include <span>
 #include <type_traits>
 
+#include "airside/civil_time.hpp"
 #include "airside/crc32c.hpp"
 #include "airside/forecast/residual_forecaster.hpp"
 #include "airside/forecast/room_head.hpp"
@@ -22,8 +23,9 @@ namespace airside {
 
 static_assert(std::endian::native == std::endian::little, "the blob codec copies little-endian memory");
 
-/// Of blobs without and with a residual network: readers from before there were any refuse the latter by its version.
-constexpr std::uint16_t blob_version_plain = 1, blob_version_residual = 2;
+/// Of blobs without and with a residual network, and of those of another cycle than 18 min: readers from before there
+/// were any refuse what they do not know by its version.
+constexpr std::uint16_t blob_version_plain = 1, blob_version_residual = 2, blob_version_cycle = 3;
 
 /// Fixed header. Every field is little-endian; reserved bytes are zero.
 struct BlobHeader {
@@ -44,9 +46,15 @@ struct BlobHeader {
   std::array<std::uint8_t, 32> digest{};
   std::int64_t created_s = 0;             ///< civil time of training's end
   std::uint32_t residual_parameters = 0;  ///< 0: no residual network; else its numbers follow the head
-  std::array<std::uint8_t, 44> reserved{};
+  std::uint32_t cycle_min = 0;            ///< control cycle that the weights predict; 0: 18, as in versions 1 and 2
+  std::array<std::uint8_t, 40> reserved{};
 };
 static_assert(sizeof(BlobHeader) == 192 && std::is_trivially_copyable_v<BlobHeader>);
+
+/// min
+constexpr std::uint32_t cycle_min_of(const BlobHeader& header) {
+  return header.cycle_min != 0 ? header.cycle_min : static_cast<std::uint32_t>(default_cycle.minutes());
+}
 
 constexpr std::size_t blob_signature_bytes = 64;    ///< Ed25519; zero while unsigned
 constexpr std::size_t blob_provenance_bytes = 512;  ///< UTF-8, zero-padded
@@ -97,6 +105,7 @@ constexpr std::uint64_t units_hash(const Shape& site) {
 template <Topology T, int Parameters>
 struct BlobPayload {
   Shape site = capacity_of<T>();  ///< set by who encodes, and by who expects it before decode() or read()
+  ControlCycle cycle;             ///< the same
   Scaler<T> scaler;
   std::array<float, static_cast<std::size_t>(Parameters)> weights{};
   std::uint32_t head_states = 0;

@@ -58,7 +58,7 @@ class Controller : public ControllerMemory<T, Scalar> {
     supervisor.begin_cycle(t, sensed, resumed_, decision_.mode);
     resumed_ = false;
     const double expert = supervisor.expert_degc(t);
-    Pending pending = CycleRecord<T, Scalar>(cycle_).begin(t, expert, limit(expert, expert));
+    Pending pending = CycleRecord<T, Scalar>(settings_, cycle_).begin(t, expert, limit(expert, expert));
     const ActiveMode found = sensed ? choose(*sensed, supervisor, pending) : no_reading(sensed.error(), pending);
     const ActiveMode on = supervisor.settle(found.mode, found.reason, t);
     pending.mode = on.mode;
@@ -72,7 +72,7 @@ class Controller : public ControllerMemory<T, Scalar> {
   /// Remembers what the AHU took and learns from the cycle that just ended.
   /// Errors: a refused command is remembered as unknown, and nothing is learned from the cycle it would have begun.
   void absorb(const Pending& pending, const Expected<Applied>& applied) {
-    CycleRecord<T, Scalar> record(cycle_);
+    CycleRecord<T, Scalar> record(settings_, cycle_);
     Supervisor<T> supervisor(settings_, cycle_);
     const CommandOutcome outcome = record.outcome_of(pending, applied);
     if (!applied && !outcome.is_released) note(applied.error());

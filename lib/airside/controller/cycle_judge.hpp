@@ -35,7 +35,8 @@ class CycleJudge {
 
   /// Whether a whole cycle ends at t whose readings may be learned from.
   bool has_ended(CivilTime t, bool is_usable) const {
-    return t.seconds - cycle_.last_time.seconds == cycle_s && is_usable && cycle_.usable_cycles >= 1;
+    return t.seconds - cycle_.last_time.seconds == control_cycle(settings_).seconds() && is_usable &&
+           cycle_.usable_cycles >= 1;
   }
 
   /// Fills in what the cycle that ended shows: errors, losses, confidence, the completed row.
@@ -62,7 +63,7 @@ class CycleJudge {
     const double moved_k = at.room_mean_degc - cycle_.last_value.head(rooms_of<T>(settings_.shape)).mean();
     HeadFeatures f = cycle_.features;
     f.x(HeadFeatures::setpoint_change) = cycle_.last_setpoint_degc - cycle_.before_setpoint_degc;
-    learning_.head.grow(settings_, 1.0 / cycles_per_day);
+    learning_.head.grow(settings_, 1.0 / control_cycle(settings_).per_day());
     if (!doubted) learning_.head.update(settings_, cycle_.last_time, f, moved_k);
     supervisor_.watch_gain(at.time, learning_.head);
   }

@@ -10,6 +10,7 @@
 #include "airside/controller/pending_cycle.hpp"
 #include "airside/fault.hpp"
 #include "airside/learning/learning_state.hpp"
+#include "airside/settings.hpp"
 #include "airside/supervision/control_mode.hpp"
 #include "airside/topology.hpp"
 
@@ -29,7 +30,8 @@ template <Topology T, class Scalar>
 class CycleRecord {
  public:
   using Pending = PendingCycle<T, Scalar>;
-  explicit CycleRecord(CycleState<T>& cycle) : cycle_(cycle) {}
+  CycleRecord(const ControllerSettings& settings, CycleState<T>& cycle)
+      : cycle_s_(control_cycle(settings).seconds()), cycle_(cycle) {}
 
   /// A decision before its reading is looked into: the schedule's command, and what the last cycle left.
   Pending begin(CivilTime t, double expert_degc, const Command& command) const {
@@ -50,7 +52,7 @@ class CycleRecord {
 
   /// Makes the cycle that begins now the last one.
   void finish(const Pending& pending, const CommandOutcome& outcome) {
-    const bool follows = pending.time.seconds - cycle_.last_time.seconds == cycle_s;
+    const bool follows = pending.time.seconds - cycle_.last_time.seconds == cycle_s_;
     cycle_.features = pending.features;
     cycle_.residual.features = pending.residual_features;
     cycle_.residual.has_features = pending.has_residual_features && outcome.is_applied ? 1 : 0;
@@ -71,6 +73,7 @@ class CycleRecord {
   }
 
  private:
+  std::int64_t cycle_s_;
   CycleState<T>& cycle_;
 };
 

@@ -36,7 +36,11 @@ class HistoryReader {
   enum class Starts { every_row, every_cycle };
 
   HistoryReader(Controller<T, Scalar>& controller, Head head, Starts starts = Starts::every_row)
-      : controller_(controller), head_(head), starts_(starts), validator_(controller.limits(), controller.settings()) {}
+      : controller_(controller),
+        head_(head),
+        starts_(starts),
+        window_(control_cycle(controller.settings())),
+        validator_(controller.limits(), controller.settings()) {}
 
   /// One row of signals alone.
   void row(CivilTime time, const typename Reading<T>::Vector& value, double setpoint_degc) {
@@ -67,27 +71,27 @@ class HistoryReader {
       ++refused_;
       return;
     }
+    const ControlCycle cycle = control_cycle(controller_.settings());
     const auto& now = valid->value();  // as sensed, stand-ins filled in
     window_.push(time, now, setpoint_degc);
-    if (!window_.has_transition() || (starts_ == Starts::every_cycle && !starts_cycle(time))) return;
-    const auto& before = window_.at(rows_per_cycle);
+    if (!window_.has_transition() || (starts_ == Starts::every_cycle && !cycle.starts(time))) return;
+    const auto& before = window_.at(cycle.rows);
     controller_.remember(before.value, before.setpoint_degc, now);
     ++transitions_;
     if (head_ == Head::leave || !window_.has_change_before()) return;
-    const auto& earlier = window_.at(2 * rows_per_cycle);
+    const auto& earlier = window_.at(2 * cycle.rows);
     const Scaler<T>& scaler = controller_.learning().scaler;
     const Shape site = controller_.settings().shape;
-    HeadFeatures f =
-        head_features<T>({.before = earlier.value,
-                          .recent = window_.at(rows_per_cycle + 1).value,
-                          .now = before.value,
-                          .setpoint_before_degc = earlier.setpoint_degc,
-                          .last_move_k = earlier.setpoint_degc - window_.at(3 * rows_per_cycle).setpoint_degc},
-                         site, scaler.head_power_scale(site));
+    HeadFeatures f = head_features<T>({.before = earlier.value,
+                                       .recent = window_.at(cycle.rows + 1).value,
+                                       .now = before.value,
+                                       .setpoint_before_degc = earlier.setpoint_degc,
+                                       .last_move_k = earlier.setpoint_degc - window_.setpoint_degc(3 * cycle.rows)},
+                                      site, scaler.head_power_scale(site));
     f.x(HeadFeatures::setpoint_change) = before.setpoint_degc - earlier.setpoint_degc;
     const double moved = now.head(rooms_of<T>(site)).mean() - before.value.head(rooms_of<T>(site)).mean();
-    // Where three rows share each cycle, each is worth a third of a sample.
-    const double noise = starts_ == Starts::every_cycle ? 1.0 : std::sqrt(static_cast<double>(rows_per_cycle));
+    // Rows that share a cycle are worth one sample together.
+    const double noise = starts_ == Starts::every_cycle ? 1.0 : std::sqrt(static_cast<double>(cycle.rows));
     const double error_k = controller_.remember_change(before.time, f, moved, noise);
     if (!std::isfinite(error_k)) return;
     ++forecasts_;

@@ -37,7 +37,7 @@ class Proposer {
   /// The regressors of now.
   static void take_features(const ControllerSettings& s, const CycleState<T>& cycle, const Scaler<T>& scaler,
                             Pending& at) {
-    const Vector recent = recent_of(cycle, at);
+    const Vector recent = recent_of(s, cycle, at);
     at.features = head_features<T>(instants(cycle, recent, at), s.shape, scaler.head_power_scale(s.shape));
     at.has_features = true;
   }
@@ -82,9 +82,9 @@ class Proposer {
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
   /// A row that was missed 6 min ago is taken to lie on the line from the last decision.
-  static Vector recent_of(const CycleState<T>& cycle, const Pending& at) {
+  static Vector recent_of(const ControllerSettings& s, const CycleState<T>& cycle, const Pending& at) {
     if (at.time.seconds - cycle.row_time.seconds == row_s) return cycle.row_value;
-    return at.now - (at.now - cycle.last_value) / rows_per_cycle;
+    return at.now - (at.now - cycle.last_value) / control_cycle(s).rows;
   }
 
   static HeadInstants<T> instants(const CycleState<T>& cycle, const Vector& recent, const Pending& at) {
@@ -100,7 +100,7 @@ class Proposer {
   static void correct(const ControllerSettings& s, const LearningState<T, Scalar>& learning, const CycleState<T>& cycle,
                       Pending& at) {
     if (!cycle.residual.is_complete() || !in_working_hours(s, at.time)) return;
-    const Vector recent = recent_of(cycle, at);
+    const Vector recent = recent_of(s, cycle, at);
     at.residual_features = residual_features<T>(s, at.time, instants(cycle, recent, at), cycle.residual, at.head_degc);
     at.has_residual_features = true;
     if (learning.residual.network.is_trained == 0) return;

@@ -53,10 +53,10 @@ class Supervisor {
   void begin_cycle(CivilTime t, const Expected<Reading<T>>& sensed, bool resumed, ControlMode last_mode) {
     cycle_.mode_arbiter.tick(t);
     if (settings_.objective == Objective::band) drop_forecast_reasons(t);
-    cycle_.budget.earn(settings_.writes_per_day);
+    cycle_.budget.earn(settings_.writes_per_day, control_cycle(settings_).per_day());
     if (!sensed) return;
     see_setpoint(sensed->setpoint_degc, resumed);
-    const bool made_again = resumed && t.seconds - cycle_.last_time.seconds == cycle_s;
+    const bool made_again = resumed && t.seconds - cycle_.last_time.seconds == control_cycle(settings_).seconds();
     if (!made_again) adopt_setpoint(t, *sensed, resumed, last_mode);
     cycle_.contact = sensed->contact;
   }
@@ -136,7 +136,8 @@ class Supervisor {
     if (settings_.writes_per_day > 0 && written) cycle_.budget.spend(settings_.writes_per_day);
     cycle_.mode_arbiter.set(Reason::setpoint_altered, altered, t);
     if (!flows) return;
-    const bool rests = cycle_.excitation.cycle(applied->setpoint_degc, settings_.excitation_k);
+    const bool rests =
+        cycle_.excitation.cycle(applied->setpoint_degc, settings_.excitation_k, control_cycle(settings_).per_day());
     const bool learns = cycle_.has_weights != 0 && settings_.objective == Objective::mean;
     cycle_.mode_arbiter.set(Reason::no_excitation, rests && learns, t);
   }
@@ -146,10 +147,10 @@ class Supervisor {
     if (cycle_.ours == 0 || !in_working_hours(settings_, cycle_.last_time)) return;
     cycle_.shadow.cycle(settings_, room_mean_degc, cycle_.last_setpoint_degc,
                         expert_setpoint_degc(settings_, cycle_.last_time), gain);
-    const bool worse = cycle_.shadow.worse(settings_.worse_k);
+    const bool worse = cycle_.shadow.worse(settings_);
     cycle_.mode_arbiter.set(Reason::worse_than_schedule, worse, t);
     cycle_.worse_cycles = worse ? cycle_.worse_cycles + 1 : 0;
-    if (cycle_.worse_cycles * cycle_s < settings_.worse_h * 3600) return;
+    if (cycle_.worse_cycles * control_cycle(settings_).seconds() < settings_.worse_h * 3600) return;
     cycle_.mode_arbiter.hold(Reason::worse_for_long, t, seconds_per_day);
     cycle_.mode_arbiter.set(Reason::worse_than_schedule, false, t);
     cycle_.shadow.reset();

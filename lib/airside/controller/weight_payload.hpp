@@ -28,7 +28,8 @@ void take_head(Controller<T, float>& controller, const WeightPayload<T>& payload
 /// this room, the blob's another one or a twin.
 template <Topology T>
 bool wants_head(const Controller<T, float>& controller, const WeightPayload<T>& payload) {
-  return payload.head_states > 0 && controller.learning().head.updates() < cycles_per_day;
+  const auto day = static_cast<std::uint32_t>(control_cycle(controller.settings()).per_day());
+  return payload.head_states > 0 && controller.learning().head.updates() < day;
 }
 
 /// A blob's weights and scaler in place of those in use, its head where wants_head(), its residual network where it has
@@ -54,6 +55,7 @@ template <Topology T>
 void give_payload(const Controller<T, float>& controller, WeightPayload<T>& payload) {
   const auto& learning = controller.learning();
   payload.site = controller.settings().shape;
+  payload.cycle = control_cycle(controller.settings());
   payload.scaler = learning.scaler;
   std::copy(learning.weights.flat().begin(), learning.weights.flat().end(), payload.weights.begin());
   using Head = RoomHead<T>;

@@ -98,7 +98,7 @@ class WeightTrial {
   static constexpr std::int64_t trial_s = seconds_per_day;
   static constexpr double wildest_replay_k = 5.0;  ///< forecasts so far from what the room did are wild
   static constexpr std::uint32_t enough_cycles = 40, few_cycles = 10;
-  static constexpr double bad_error_k = 1.0;  ///< forecasts of 18 min that err so, and more than those before, are bad
+  static constexpr double bad_error_k = 1.0;  ///< forecasts of a cycle that err so, and more than those before, are bad
 
   /// Checks finite numbers, canary states, forecasts of what this room did, and the head where it would be taken, in
   /// this order.  `work` is memory for one network. Cost: that of Controller::forecast_deviation().
@@ -154,7 +154,7 @@ class WeightTrial {
     record.until_s = std::min(record.until_s, t.seconds + trial_s);  // no clock makes it longer
     const Decision& d = controller.decision();
     if (d.time.seconds <= record.begun_s) return TrialVerdict::goes_on;
-    if (starts_cycle(t)) count(d, record);
+    if (control_cycle(controller.settings()).starts(t)) count(d, record);
     if (d.fault == Fault::forecast_invalid) return TrialVerdict::no_numbers;
     constexpr std::uint32_t patience = 3;
     if (record.worse_cycles >= patience) return TrialVerdict::schedule_is_better;

@@ -41,8 +41,9 @@ class BandObjective {
       rows_ = has_begin_ = 0;
       return;
     }
-    if (starts_cycle(at.time)) {
-      if (has_begin_ != 0 && at.time.seconds - begin_.seconds == cycle_s && rows_ == rows_per_cycle) learn(s, at);
+    if (band_cycle.starts(at.time)) {
+      if (has_begin_ != 0 && at.time.seconds - begin_.seconds == band_cycle.seconds() && rows_ == band_cycle.rows)
+        learn(s, at);
       begin_cycle(at);
     }
     sum_up(s, at);
@@ -87,7 +88,7 @@ class BandObjective {
       if (std::isfinite(start_degc_)) best.setpoint_degc = std::clamp(start_degc_, c.min_degc, limit);
       return best;
     }
-    const bool starts = started_ == 0 && at.time.seconds - rested_at_s_ <= 2 * cycle_s;
+    const bool starts = started_ == 0 && at.time.seconds - rested_at_s_ <= 2 * band_cycle.seconds();
     started_ = 1;
     if (!carries(at) || !std::isfinite(at.outdoor_degc)) return best;
     const bool moves = c.last_degc >= c.min_degc && c.last_degc <= limit && !starts;

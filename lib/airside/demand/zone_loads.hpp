@@ -54,17 +54,17 @@ class ZoneLoads {
   /// Remembers how the day's loads go: the mean load of a time of day. Loads of a day off, on which zones are set back
   /// and the fan cycles, say nothing of working days.
   void note_profile(CivilTime t, std::size_t count, double mean_setpoint_degc, bool set_back) {
-    if (mean_setpoint_degc > 0) setpoint_profile_[static_cast<std::size_t>(cycle_of_day(t))] = mean_setpoint_degc;
+    if (mean_setpoint_degc > 0) setpoint_profile_[static_cast<std::size_t>(profile_slot_of(t))] = mean_setpoint_degc;
     if (set_back) return;
-    double& slot = profile_[static_cast<std::size_t>(cycle_of_day(t))];
+    double& slot = profile_[static_cast<std::size_t>(profile_slot_of(t))];
     const double now = mean_load_k(count);
     if (now > 0) slot += (slot > 0 ? 0.3 : 1.0) * (now - slot);
   }
 
   /// By which factor loads use to change from the cycle at t to the next; 1 where the day is not known yet.
   double growth(CivilTime t) const {
-    const double now = profile_[static_cast<std::size_t>(cycle_of_day(t))];
-    const double next = profile_[static_cast<std::size_t>((cycle_of_day(t) + 1) % cycles_per_day)];
+    const double now = profile_[static_cast<std::size_t>(profile_slot_of(t))];
+    const double next = profile_[static_cast<std::size_t>((profile_slot_of(t) + 1) % profile_slots)];
     return now > 0 && next > 0 ? std::clamp(next / now, 0.8, 1.25) : 1.0;
   }
 
@@ -79,7 +79,7 @@ class ZoneLoads {
   double setpoint_fall_k(CivilTime t, double mean_setpoint_degc) const {
     double lowest = 0;
     for (int ahead = 1; ahead <= 5; ++ahead) {
-      const double then = setpoint_profile_[static_cast<std::size_t>((cycle_of_day(t) + ahead) % cycles_per_day)];
+      const double then = setpoint_profile_[static_cast<std::size_t>((profile_slot_of(t) + ahead) % profile_slots)];
       if (then > 0) lowest = std::min(lowest, then - mean_setpoint_degc);
     }
     return lowest;
@@ -138,7 +138,7 @@ class ZoneLoads {
   void note_held(std::size_t i, double room_degc, double moved_k, double damper, double setpoint_degc) {
     Zone& zone = zones_[i];
     if (!std::isfinite(moved_k) || is_set_back(i, setpoint_degc)) return;
-    zone.held_degc += 0.7 / cycles_per_day;
+    zone.held_degc += 0.7 / band_cycle.per_day();
     const bool held = std::abs(moved_k) < 0.1 && damper < zone.least_damper + 0.02;
     if (held) zone.held_degc = std::min(zone.held_degc, room_degc);
   }
@@ -217,7 +217,7 @@ class ZoneLoads {
   static constexpr double warmest_cooling_degc = 25;  ///< a room that is cooled at 30 is not heated at 27
   static constexpr double forget_free_load = 0.92;    ///< a cycle: half in two and a half hours
   static constexpr double credited_rise_k = 0.3;      ///< in a cycle; a zone that rises faster is warming up
-  static constexpr std::int32_t remembered_cycles = 3 * cycles_per_day;
+  static constexpr std::int32_t remembered_cycles = 3 * band_cycle.per_day();
 
   struct Zone {
     RecursiveLeastSquares<2> model;
@@ -243,8 +243,8 @@ class ZoneLoads {
   }
 
   std::array<Zone, max_zones> zones_{};
-  std::array<double, cycles_per_day> profile_{};           ///< mean load, K
-  std::array<double, cycles_per_day> setpoint_profile_{};  ///< mean zone setpoint, degC
+  std::array<double, profile_slots> profile_{};           ///< mean load, K
+  std::array<double, profile_slots> setpoint_profile_{};  ///< mean zone setpoint, degC
 };
 
 }  // namespace airside

@@ -32,7 +32,7 @@ template <Topology T>
 class RoomHead {
  public:
   static constexpr int regressors = HeadFeatures::count;
-  static constexpr int slots = cycles_per_day;
+  static constexpr int slots = profile_slots;
   static constexpr int day_types = max_day_types;
   static constexpr int states = regressors + slots * day_types;
   using State = Eigen::Matrix<double, states, 1>;
@@ -162,7 +162,7 @@ class RoomHead {
     State h = State::Zero();
     h.template head<regressors>() = f.x;
     const int type = day_types_of(s) == 2 && t.weekday() >= 5 ? 1 : 0;
-    const double position = static_cast<double>(t.second_of_day()) / cycle_s;
+    const double position = static_cast<double>(t.second_of_day()) / profile_slot_s;
     const int slot = std::min(static_cast<int>(position), slots - 1);
     const double share = position - slot;
     const int first = regressors + type * slots;

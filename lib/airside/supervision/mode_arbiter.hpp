@@ -64,8 +64,8 @@ class ModeArbiter {
   /// Follows the clock: where it is set back, what began later is moved with it, so that no time limit grows; and
   /// where one that was never set is set at last, so that none shrinks.
   constexpr void tick(CivilTime t) {
-    const bool set_back = t.seconds < last_s_ - cycle_s;
-    const bool set_at_last = t.seconds > last_s_ + cycle_s && active(Reason::clock_not_set, t);
+    const bool set_back = t.seconds < last_s_ - clock_leap_s;
+    const bool set_at_last = t.seconds > last_s_ + clock_leap_s && active(Reason::clock_not_set, t);
     if (last_s_ != never && (set_back || set_at_last)) {
       const std::int64_t moved_s = t.seconds - last_s_;
       for (int i = 1; i < reason_count; ++i) {
@@ -106,7 +106,7 @@ class ModeArbiter {
 
  private:
   static constexpr std::int64_t for_ever = std::numeric_limits<std::int64_t>::max();
-  static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::min() + cycle_s;
+  static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::min() + clock_leap_s;
 
   constexpr std::int64_t& until(Reason r) { return until_s_[static_cast<std::size_t>(r)]; }
   constexpr std::int64_t& since(Reason r) { return since_s_[static_cast<std::size_t>(r)]; }

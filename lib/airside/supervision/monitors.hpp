@@ -110,7 +110,7 @@ class DriftMonitor {
 class ExcitationMonitor {
  public:
   /// Takes one cycle's applied setpoint. Returns whether it has hardly moved, known only after a day.
-  bool cycle(double setpoint_degc, double least_sd_k) {
+  bool cycle(double setpoint_degc, double least_sd_k, int cycles_per_day) {
     if (cycles_ < cycles_per_day) ++cycles_;
     const double share = 1.0 / static_cast<double>(cycles_);
     const double step = setpoint_degc - mean_degc_;
@@ -133,12 +133,15 @@ class ScheduleShadowMonitor {
              double gain) {
     if (!std::isfinite(applied_degc) || !std::isfinite(room_mean_degc)) return;
     const double shadow = room_mean_degc + gain * (expert_degc - applied_degc);
-    if (cycles_ < 40) ++cycles_;  // a working day has 40 cycles
+    if (cycles_ < control_cycle(settings).per_day() / 2) ++cycles_;  // a working day
     const double share = 1.0 / static_cast<double>(cycles_);
     ours_k_ += share * (std::abs(room_mean_degc - settings.target_degc) - ours_k_);
     schedule_k_ += share * (std::abs(shadow - settings.target_degc) - schedule_k_);
   }
-  bool worse(double by_k) const { return cycles_ >= 12 && ours_k_ > schedule_k_ + by_k; }
+  bool worse(const ControllerSettings& settings) const {
+    const int least = control_cycle(settings).per_day() * 3 / 20;  // 3.6 h
+    return cycles_ >= least && ours_k_ > schedule_k_ + settings.worse_k;
+  }
   void reset() { *this = {}; }
   double ours_k() const { return known(ours_k_); }  ///< NaN before the first working cycle
   double schedule_k() const { return known(schedule_k_); }

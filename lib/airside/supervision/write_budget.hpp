@@ -10,14 +10,14 @@
 namespace airside {
 
 /// Tokens that are earned by the cycle and spent by the write.
-///   tokens += writes_per_day / 80, at most a quarter of a day's;  a move counts if |move| >= 0.5 K - 0.09 K tokens,
-///   and never below 0.05 K; without a token it must be 2 K
+///   tokens += writes_per_day / cycles per day, at most a quarter of a day's;  a move counts if |move| >= 0.5 K - 0.09
+///   K tokens, and never below 0.05 K; without a token it must be 2 K
 /// so that the long average keeps the budget, and a large move is never late. Plain bytes, part of the durable state.
 /// Source: docs/box-and-safety.md, "Write budget".
 class WriteBudget {
  public:
   /// Once a cycle, on every control mode.
-  void earn(double writes_per_day) {
+  void earn(double writes_per_day, int cycles_per_day) {
     tokens_ = std::min(tokens_ + writes_per_day / cycles_per_day, writes_per_day / 4);
   }
   /// Whether a move of `move_k` is worth a write now.

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "gap/gap_desk.hpp"
+#include "support/default_cycle.hpp"
 #include "tools/gap/blind/blind_cases.hpp"
 #include "tools/gap/blind/blind_tests.hpp"
 #include "tools/gap/blind/test_commands.hpp"

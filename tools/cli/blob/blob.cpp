@@ -37,6 +37,7 @@ std::vector<std::pair<const char*, std::string>> header_fields(const BlobFacts& 
       {"topology", f.topology.empty() ? fmt::format("none of this build (hash {:016x})", h.topology_hash) : f.topology},
       {"units hash", fmt::format("{:016x}", h.units_hash)},
       {"site scope", scope_text(h)},
+      {"cycle min", std::to_string(cycle_min_of(h))},
       {"created", hal::civil_text({h.created_s})},
       {"security counter", std::to_string(h.security_counter)},
       {"key", key_text(h)},

@@ -103,6 +103,8 @@ template <Topology T>
 std::optional<BlobError> refusal_of(std::span<const std::byte> file, const Shape& site, const BlobHeader& header) {
   auto payload = std::make_unique<typename WeightBlob<T>::Payload>();
   payload->site = site;
+  if (const auto minutes = static_cast<int>(std::min(cycle_min_of(header), 1440U)); is_cycle_min(minutes))
+    payload->cycle = cycle_of_minutes(minutes);
   const auto decoded = WeightBlob<T>::decode(file, header.site_scope, *payload);
   if (decoded) return {};
   return decoded.error();

@@ -123,7 +123,8 @@ void add_study_method(CLI::App& study) {
       "A run is one row, room and seed, and one JSON file of --out; runs that the folder has are left out, so a study "
       "that\nwas stopped goes on. A run takes 10 s to 4 min of one core, all rows of a seed about an hour.\n"
       "Tables: control (Fig. 7), score (Table IV), ablation (V), physics, pretraining (Fig. 9), deployment (11, 12), "
-      "data\n(schedule days before control), neighbours (13), offline (Table VI).");
+      "data\n(schedule days before control), neighbours (13), offline (Table VI), cycle (Fig. 10: 6 to 24 "
+      "min, preset `product` too).");
   std::vector<std::string> names;
   for (int t = 0; t < method_tables; ++t) names.emplace_back(text_of(static_cast<MethodTable>(t)));
   c->add_option("--plant", self->study.kind, "rc or energyplus")

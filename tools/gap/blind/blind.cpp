@@ -228,7 +228,7 @@ std::vector<hal::LogRow> measure(const sim::RcRoom& room, std::shared_ptr<const 
     const CivilTime t = plant.time();
     sim::Sensors shown = plant.sensors();
     wrong.apply(shown, t);
-    if (starts_cycle(t)) {
+    if (default_cycle.starts(t)) {
       const double usual = operated.setpoint_degc(t, shown.room_temp_degc);
       setpoint = run.tests ? run.tests->setpoint_degc(t, usual, setpoint) : usual;
       plant.set_setpoint(setpoint);

@@ -361,7 +361,7 @@ std::vector<hal::LogRow> measure(const EnergyPlusRoom& room, const std::filesyst
     }
     shown.outdoor_temp_degc = std::round(100 * (shown.outdoor_temp_degc + room.outdoor_shown_k)) / 100;
     wrong.apply(shown, t);
-    if (starts_cycle(t)) {
+    if (default_cycle.starts(t)) {
       const double usual = operated.setpoint_degc(t, shown.room_temp_degc);
       setpoint = run.tests ? run.tests->setpoint_degc(t, usual, setpoint) : usual;
       plant.set_setpoint(setpoint);

@@ -48,6 +48,7 @@ CleanLog read_log_of(const CaseDescription& c, const std::string& path, CleanUpC
   context.place = path;
   // Meters of a model that somebody else wrote may be of a whole building.
   if (!c.site.empty() || !c.map.empty()) context.largest_zone_kw = std::numeric_limits<double>::infinity();
+  if (!c.site.empty()) context.cycle = control_cycle(load_site(c.site).settings);
   CleanLog log = c.map.empty() ? read_dirty_log(path, context) : read_mapped_log(path, read_mapping(c.map), context);
   log.place = path;
   return log;

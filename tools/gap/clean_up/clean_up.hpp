@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "airside/civil_time.hpp"
 #include "hal/log/log_csv.hpp"
 #include "sim/weather/weather.hpp"
 
@@ -69,6 +70,7 @@ struct CleanUpContext {
   std::array<hal::LogLimits, 9> limits = hal::default_log_limits;  ///< by SignalKind; units as in the log
   /// Electric power a zone, far above any room's; infinite where meters may be of a whole building.
   double largest_zone_kw = 20;
+  ControlCycle cycle;  ///< in which the setpoint steps
   /// Of a log with whichever columns its owner has: any may be absent, as long as one is there.
   bool partial = false;
   std::optional<CivilTime> from, to;  ///< period that was asked for

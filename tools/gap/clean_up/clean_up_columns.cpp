@@ -244,29 +244,32 @@ void check_indoor_level(LogTable& table, std::vector<Remark>& remarks) {
   }
 }
 
-/// Share of a column's changes that fall on one of the three rows of a cycle; 1/3 for what is measured.
-double share_in_step(const LogTable& table, const LogColumn& column) {
+/// Share of a column's changes that fall on one of the rows of a cycle; 1/rows for what is measured.
+double share_in_step(const LogTable& table, const LogColumn& column, ControlCycle cycle) {
   constexpr std::size_t least_changes = 20;
-  std::array<std::size_t, rows_per_cycle> changes{};
+  std::array<std::size_t, most_rows_per_cycle> changes{};
   std::size_t all = 0;
   const auto& v = column.value;
   for (std::size_t i = 1; i < v.size(); ++i) {
     if (!std::isfinite(v[i] - v[i - 1]) || v[i] == v[i - 1]) continue;
     if (table.time[i].seconds - table.time[i - 1].seconds != row_s) continue;
     ++all;
-    ++changes[static_cast<std::size_t>(table.time[i].second_of_day() / row_s % rows_per_cycle)];
+    ++changes[static_cast<std::size_t>(table.time[i].second_of_day() / row_s % cycle.rows)];
   }
   if (all < least_changes) return no_value;
   return static_cast<double>(*std::max_element(changes.begin(), changes.end())) / static_cast<double>(all);
 }
 
-/// A setpoint steps every 18 min; no measured temperature does.
-void check_setpoint_steps(LogTable& table, std::vector<Remark>& remarks) {
+/// A setpoint steps once a control cycle; no measured temperature does, where a cycle is more than a row or two.
+void check_setpoint_steps(LogTable& table, ControlCycle cycle, std::vector<Remark>& remarks) {
+  if (cycle.rows < default_cycle.rows) return;
   const LogColumn& setpoint = table.only(Role::setpoint);
-  if (!(share_in_step(table, setpoint) < 0.6)) return;
+  if (!(share_in_step(table, setpoint, cycle) < 0.6)) return;
   for (const LogColumn& c : table.columns) {
-    if (!c.facts().temperature || c.role == Role::setpoint || !(share_in_step(table, c) > 0.9)) continue;
-    refuse_pair(table, setpoint, c, "the second steps every 18 min, as setpoints do, the first does not", remarks);
+    if (!c.facts().temperature || c.role == Role::setpoint || !(share_in_step(table, c, cycle) > 0.9)) continue;
+    refuse_pair(table, setpoint, c,
+                fmt::format("the second steps every {} min, as setpoints do, the first does not", cycle.minutes()),
+                remarks);
     return;
   }
 }
@@ -342,10 +345,10 @@ void check_units(LogTable& table, const CleanUpContext& context, std::vector<Rem
   }
 }
 
-void check_swapped(LogTable& table, const CleanUpContext&, std::vector<Remark>& remarks) {
+void check_swapped(LogTable& table, const CleanUpContext& context, std::vector<Remark>& remarks) {
   check_status_types(table, remarks);
   check_indoor_level(table, remarks);
-  check_setpoint_steps(table, remarks);
+  check_setpoint_steps(table, context.cycle, remarks);
   check_outdoor(table, remarks);
 }
 

@@ -10,9 +10,8 @@ import numpy as np
 from .failure import refused
 from .points import blocks_of
 from .program import ServedRoom, find_program
-from .site import SECONDS_OF_DAY, Site, limits_of
+from .site import ROW_S, SECONDS_OF_DAY, Site, limits_of
 
-ROW_S, ROWS_OF_A_STEP = 360, 3
 HOURS_OF_A_ROW = ROW_S / 3600
 CLOCK_EPOCH = datetime.datetime(2000, 1, 1)
 TIME_NAMES = ("time_of_day_sin", "time_of_day_cos", "weekend")
@@ -20,7 +19,7 @@ OF_ONE_EPISODE = {"start", "room", "plant", "days", "expert_days", "serve_option
 
 
 class RoomEnvironment(gymnasium.Env):
-    """One episode is a run of days, one step a control cycle of 18 min.
+    """One episode is a run of days, one step a control cycle: 18 min unless the site says otherwise.
 
     Observation: Box of float32, shape (len(signal_names),): the site's signals in the order of its point map and in
     their units (signal_units), as the sensors show them at the end of the step, then sine and cosine of the time of
@@ -111,20 +110,21 @@ class RoomEnvironment(gymnasium.Env):
         if self._served is None or self._time >= self._end:
             raise refused("step", "an episode that is over or not begun", "one that goes on", "call reset() first")
         before, setpoint = self._setpoint_degc, self._setpoint_of(action)
+        rows = self._site.rows_of_a_cycle
         now_s = round((self._time - CLOCK_EPOCH).total_seconds())
         requests = [self._site.points["setpoint"].write_of(setpoint)]
-        for row in range(1, ROWS_OF_A_STEP + 1):
+        for row in range(1, rows + 1):
             requests.append(self._site.points["clock_advance_s"].write_of(now_s + row * ROW_S))
-            if self._meters or row == ROWS_OF_A_STEP:
+            if self._meters or row == rows:
                 requests += [block.request for block in self._blocks]
         answers = [answer for answer in self._exchange(requests) if answer]
         for at in range(0, len(answers), len(self._blocks)):
             self._energy_kwh += HOURS_OF_A_ROW * sum(self._values[name] for name in self._meters)
             self._read(answers[at:at + len(self._blocks)])
         reached_s = round((self._time - CLOCK_EPOCH).total_seconds())
-        if reached_s != now_s + ROWS_OF_A_STEP * ROW_S:
+        if reached_s != now_s + rows * ROW_S:
             self._stop()
-            raise refused("clock_s", f"{reached_s} s", f"{now_s + ROWS_OF_A_STEP * ROW_S} s",
+            raise refused("clock_s", f"{reached_s} s", f"{now_s + rows * ROW_S} s",
                           "the plant did not go on; let it be served without --speed")
         moved = 0.0 if before is None else abs(self._setpoint_degc - before)
         scored = self._site.is_scored(self._time)

@@ -11,6 +11,7 @@ from .program import run
 
 BEYOND_SIGNALS = {"clock_s", "clock_advance_s", "heartbeat", "device_heartbeat", "map_fingerprint"}
 SECONDS_OF_DAY = 86400
+ROW_S = 360
 
 
 def _seconds(text):
@@ -54,6 +55,7 @@ class Site:
         self.target_degc = float(target["room_temp_degc"])
         self.work_s = _seconds(target["work_start"]), _seconds(target["work_end"])
         self.weekday_only = bool(target["weekday_only"])
+        self.rows_of_a_cycle = int(tables["controller"]["cycle_min"]) * 60 // ROW_S
         self.setpoint_degc = float(setpoint["min_degc"]), float(setpoint["max_degc"])
         points = read_points(os.path.join(os.path.dirname(self.path), tables["modbus"]["points"]))
         self.points = {point.name: point for point in points}

@@ -32,7 +32,7 @@ ControlRun run_varied_schedule(const Site& site, sim::PlantModel& plant, CivilTi
   SplitMix64 draw(seed ^ 0x57A71Cu);
   std::int64_t day = -1;
   double work_degc = site.settings.expert_work_degc;
-  return run_chooser<T>(site, unbound, plant, until, progress, cycle_s,
+  return run_chooser<T>(site, unbound, plant, until, progress, control_cycle(site.settings).seconds(),
                         [&, draw, day, work_degc](CivilTime t, const Reading<T>&, double) mutable {
                           if (t.day() != day) {
                             day = t.day();

@@ -114,12 +114,12 @@ void shuffle(std::vector<std::size_t>& order, SplitMix64& random) {
 
 }  // namespace
 
-std::vector<ResidualSample> residual_samples(const ControlRun& run) {
+std::vector<ResidualSample> residual_samples(const Site& site, const ControlRun& run) {
   std::vector<ResidualSample> out;
   for (std::size_t i = 0; i + 1 < run.cycles.size(); ++i) {
     const CycleSample &begin = run.cycles[i], &end = run.cycles[i + 1];
     if (begin.residual_features.empty() || !std::isfinite(end.head_error_k)) continue;
-    if (end.time.seconds - begin.time.seconds != cycle_s) continue;
+    if (end.time.seconds - begin.time.seconds != control_cycle(site.settings).seconds()) continue;
     ResidualSample& sample = out.emplace_back();
     std::ranges::copy(begin.residual_features, sample.x.begin());
     sample.error_k = static_cast<float>(end.head_error_k);
@@ -199,6 +199,7 @@ BlobBytes with_residual(const Site& site, const BlobBytes& blob, const ResidualN
   for_topology_of(site, [&]<class T>(T) {
     auto payload = std::make_unique<SitePayload<T>>();
     payload->site = shape_of<T>(site);
+    payload->cycle = control_cycle(site.settings);
     const BlobHeader header = hal::decode_blob<T>(blob, site.file.scope, "blob", *payload);
     payload->residual = network;
     payload->provenance.fill('\0');

@@ -21,7 +21,7 @@ struct ResidualSample {
 };
 
 /// The samples of a run of the product: cycles with regressors whose end was seen too.
-std::vector<ResidualSample> residual_samples(const ControlRun& run);
+std::vector<ResidualSample> residual_samples(const Site& site, const ControlRun& run);
 
 /// Samples as bytes, for a process that hands them to another.
 std::string bytes_of(std::span<const ResidualSample> samples);

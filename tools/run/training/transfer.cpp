@@ -24,6 +24,7 @@ BlobBytes fine_tune(const Site& site, const BlobBytes& source, std::span<const h
     } else {
       auto payload = std::make_unique<SitePayload<T>>();
       payload->site = shape_of<T>(site);
+      payload->cycle = control_cycle(site.settings);
       hal::decode_blob<T>(source, site.file.scope, "source blob", *payload);
       take_payload<T>(*controller, *payload);
       if (payload->head_states != 0) {
@@ -34,8 +35,11 @@ BlobBytes fine_tune(const Site& site, const BlobBytes& source, std::span<const h
     controller->reset_head(gain, gain_sd);
     read_history<T>(site, *controller, rows, HistoryReader<T>::Head::learn);
     if (controller->replay().size() == 0) {
-      throw hal::InputError("log", fmt::format("{} rows without one 18-min stretch of constant setpoint", rows.size()),
-                            "at least four successive 6-min rows under one setpoint", "log some days of the schedule");
+      throw hal::InputError(
+          "log",
+          fmt::format("{} rows without one {}-min stretch of constant setpoint", rows.size(), site.settings.cycle_min),
+          fmt::format("at least {} successive 6-min rows under one setpoint", control_cycle(site.settings).rows + 1),
+          "log some days of the schedule");
     }
     for (int i = 0; i < options.steps; ++i) {
       (void)controller->train_step();
@@ -60,6 +64,7 @@ double forecast_error_k(const Site& site, const BlobBytes& blob, std::span<const
   auto controller = make_controller<T>(site, site.settings, 1);
   auto payload = std::make_unique<SitePayload<T>>();
   payload->site = shape_of<T>(site);
+  payload->cycle = control_cycle(site.settings);
   hal::decode_blob<T>(blob, site.file.scope, "blob", *payload);
   take_payload<T>(*controller, *payload);
   HistoryReader<T> reader(*controller, HistoryReader<T>::Head::learn);
@@ -75,6 +80,7 @@ BlobBytes renamed(const Site& site, const BlobBytes& blob, const std::string& pr
   auto controller = make_controller<T>(site, site.settings, 1);
   auto payload = std::make_unique<SitePayload<T>>();
   payload->site = shape_of<T>(site);
+  payload->cycle = control_cycle(site.settings);
   hal::decode_blob<T>(blob, site.file.scope, "source blob", *payload);
   take_payload<T>(*controller, *payload);
   return blob_of<T>(*controller, provenance, end);

@@ -26,6 +26,7 @@ class FrozenNetwork {
         scratch_(std::make_unique<NetworkScratch<T, float>>()) {
     auto payload = std::make_unique<SitePayload<T>>();
     payload->site = shape_of<T>(site);
+    payload->cycle = control_cycle(site.settings);
     hal::decode_blob<T>(blob, site.file.scope, "weights", *payload);
     take_payload<T>(*controller_, *payload);
     scratch_->kernels = hal::box_kernels();
@@ -69,9 +70,11 @@ ForecastCheck check_as(const Site& site, const BlobBytes& blob, std::span<const 
   const Shape shape = shape_of<T>(site);
   ForecastCheck out;
   int slopes = 0, inputs = 0;
-  for (std::size_t i = 0; i + rows_per_cycle < rows.size(); ++i) {
-    const hal::LogRow &now = rows[i], &then = rows[i + rows_per_cycle];
-    if (!starts_cycle(now.time) || then.time.seconds - now.time.seconds != cycle_s) continue;
+  const ControlCycle cycle = control_cycle(site.settings);
+  const auto ahead = static_cast<std::size_t>(cycle.rows);
+  for (std::size_t i = 0; i + ahead < rows.size(); ++i) {
+    const hal::LogRow &now = rows[i], &then = rows[i + ahead];
+    if (!cycle.starts(now.time) || then.time.seconds - now.time.seconds != cycle.seconds()) continue;
     const auto value = hal::signals_of<T>(now, shape), later = hal::signals_of<T>(then, shape);
     if (!value.allFinite() || !later.allFinite()) continue;
     const auto scaled = network.scaler().template signals<float>(value);

@@ -33,6 +33,14 @@ constexpr MethodRow pretrained(const char* name, MethodStart start) {
   return {.name = name, .table = Table::pretraining, .work = Work::pretrain, .start = start};
 }
 
+constexpr MethodRow cycled(const char* name, bool is_product, double minutes, const Published& published = {}) {
+  return {.name = name,
+          .table = Table::cycle,
+          .is_product = is_product,
+          .overrides = {{{"cycle_min", minutes}}},
+          .published = published};
+}
+
 constexpr MethodRow deployed(const char* name, MethodTable table, MethodStart start, int days) {
   return {.name = name, .table = table, .start = start, .data_days = days};
 }
@@ -78,6 +86,13 @@ constexpr auto all_rows = std::to_array<MethodRow>({
     deployed("scratch-10", Table::data, Start::scratch, 10),
     deployed("dynamic-20", Table::data, Start::dynamic_twin, 20),
     deployed("scratch-20", Table::data, Start::scratch, 20),
+    cycled("paper-6", false, 6),
+    cycled("paper-12", false, 12),
+    cycled("paper-24", false, 24, {{{"dae_degc", 0.10}, {"darv_degc", 0.28}}}),
+    cycled("product-6", true, 6),
+    cycled("product-12", true, 12),
+    cycled("product-18", true, 18),
+    cycled("product-24", true, 24),
 });
 
 void set(ControllerSettings& s, const MethodOverride& o) {
@@ -93,7 +108,7 @@ void set(ControllerSettings& s, const MethodOverride& o) {
 
 const char* text_of(MethodTable table) {
   constexpr std::array<const char*, method_tables> names = {
-      "control", "score", "ablation", "physics", "pretraining", "deployment", "data", "neighbours", "offline"};
+      "control", "score", "ablation", "physics", "pretraining", "deployment", "data", "neighbours", "offline", "cycle"};
   return names.at(static_cast<std::size_t>(table));
 }
 
@@ -135,19 +150,19 @@ const char* source_row(MethodStart start) {
   return "";
 }
 
-ControllerSettings method_settings(ControllerSettings paper, const MethodRow& row) {
+ControllerSettings method_settings(ControllerSettings preset, const MethodRow& row) {
   // Bounds of setting_table that no run reaches.
   for (const MethodOverride& none : {MethodOverride{"worse_k", 10},
                                      {"authority_k", 50},
                                      {"supply_ignored_k", 50},
                                      {"drift_k", 50},
                                      {"excitation_k", 0}}) {
-    set(paper, none);
+    set(preset, none);
   }
   for (const MethodOverride& o : row.overrides) {
-    if (o.name != nullptr) set(paper, o);
+    if (o.name != nullptr) set(preset, o);
   }
-  return paper;
+  return preset;
 }
 
 }  // namespace airside::tools

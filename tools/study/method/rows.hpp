@@ -12,8 +12,8 @@
 namespace airside::tools {
 
 /// What a row is run for.
-enum class MethodTable { control, score, ablation, physics, pretraining, deployment, data, neighbours, offline };
-constexpr int method_tables = 9;
+enum class MethodTable { control, score, ablation, physics, pretraining, deployment, data, neighbours, offline, cycle };
+constexpr int method_tables = 10;
 
 /// Its name on the command line.
 const char* text_of(MethodTable table);
@@ -48,6 +48,7 @@ struct MethodRow {
   MethodStart start = MethodStart::scratch;
   int data_days = 5;               ///< schedule days before control
   const char* baseline = nullptr;  ///< of baseline_names(); none: the published method
+  bool is_product = false;         ///< preset `product` in the place of `paper`
   std::array<MethodOverride, 4> overrides{};
   std::array<PublishedFigure, 6> published{};
 };
@@ -63,7 +64,7 @@ std::vector<std::string> method_rooms(const MethodRow& row);
 std::string source_room(MethodStart start, const std::string& room);
 const char* source_row(MethodStart start);
 
-/// Settings of preset `paper` as the publication has them: nothing supervises the method; then the row's overrides.
-ControllerSettings method_settings(ControllerSettings paper, const MethodRow& row);
+/// Settings of a preset as the publication has them: nothing supervises the method; then the row's overrides.
+ControllerSettings method_settings(ControllerSettings preset, const MethodRow& row);
 
 }  // namespace airside::tools

@@ -150,6 +150,22 @@ Plan offline_plan() {
            line("702, scratch", "702-real", "scratch_", 0.259, 0.379, 0.319)}};
 }
 
+Plan cycle_plan() {
+  Plan plan{MethodTable::cycle,
+            "Length of the control cycle, room 301 after five schedule days",
+            {{"dae_degc", "DAE °C"},
+             {"row_dae_degc", "DAE of all 6-min rows °C"},
+             {"me_degc", "ME °C"},
+             {"darv_degc", "DARV °C"},
+             {"forecast_mae_k", "error of one cycle K", 4},
+             {"room_sd_k", "sd of the room mean K"}},
+            {}};
+  plan.lines = lines_of(MethodTable::cycle);
+  const Line published{"paper-18", "paper", "", "", {{"dae_degc", 0.07}, {"darv_degc", 0.28}}};
+  plan.lines.insert(plan.lines.begin() + 2, published);
+  return plan;
+}
+
 std::vector<Plan> plans() {
   return {control_plan(),
           {MethodTable::score, "Weights of the score and discount (a_s, b_s, g)", short_columns,
@@ -160,7 +176,8 @@ std::vector<Plan> plans() {
           deployment_plan(),
           data_plan(),
           neighbours_plan(),
-          offline_plan()};
+          offline_plan(),
+          cycle_plan()};
 }
 
 nlohmann::json line_json(const MethodResults& results, const Plan& plan, const Line& line) {
