@@ -27,7 +27,7 @@ work_degc = 20.5         # in working hours
 off_degc = 25.0          # outside
 
 [controller]
-preset = "product"       # product, or paper: the printed method, but it acts before it learns, and mode arbiter and safety limits stay
+preset = "product"       # product; paper: the printed method, but it acts before it learns, and mode arbiter and safety limits stay; paper-repaired: that without its offsets
 objective = "mean"       # mean: hold the room temperature; band: boxes modulate, least energy with zones in their band
 seed = 1                 # of the random generator
 

@@ -145,7 +145,7 @@ void read_expert(TomlSection root, SiteFile& out) {
 }
 
 void read_controller(TomlSection root, SiteFile& out, const SiteRules& rules) {
-  out.preset = static_cast<ControllerPreset>(root.choice("preset", {"product", "paper"}, 0));
+  out.preset = static_cast<ControllerPreset>(root.choice("preset", preset_names(), 0));
   out.objective = static_cast<Objective>(root.choice("objective", {"mean", "band"}, 0));
   out.seed = static_cast<std::uint64_t>(root.whole("seed", 1, 0, std::numeric_limits<std::int64_t>::max()));
   TomlSection override_table = root.section("override");

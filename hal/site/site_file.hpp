@@ -13,6 +13,7 @@
 
 #include "airside/demand_settings.hpp"
 #include "hal/points/stand_ins.hpp"
+#include "hal/site/controller_preset.hpp"  // IWYU pragma: export
 #include "hal/site/twin_section.hpp"
 
 namespace airside::hal {
@@ -30,7 +31,6 @@ struct SiteRules {
   std::vector<SettingRule> settings;                ///< empty: override names are not checked
 };
 
-enum class ControllerPreset : std::uint8_t { product, paper };
 enum class ModbusTransport : std::uint8_t { tcp, rtu };
 enum class ClockSource : std::uint8_t { system, plant };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "airside/presets.hpp"
 #include "airside/topologies.hpp"
 #include "hal/site/objective.hpp"
 #include "hal/text/input_error.hpp"
@@ -37,7 +38,7 @@ SiteRules site_rules() {
 }
 
 ControllerSettings controller_settings(const SiteFile& site) {
-  ControllerSettings s = site.preset == ControllerPreset::paper ? paper_settings() : product_settings();
+  ControllerSettings s = settings_of(site.preset);
   s.objective = site.objective;
   s.shape = parse_shape(site.topology.c_str());
   s.target_degc = site.room_temp_degc;

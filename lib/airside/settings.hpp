@@ -1,7 +1,6 @@
 #pragma once
-// Every number that a person may choose about control and learning, with meaning, default and range. Two presets:
-// `paper_settings()` follows the printed method with the decisions of docs/method.md 15; `product_settings()` is
-// what the rooms showed to be best (docs/results.md, "Why the default differs from the paper").
+// Every number that a person may choose about control and learning, with meaning, default and range. The defaults are
+// those of the printed method; presets.hpp has whole sets.
 
 #include <array>
 
@@ -108,26 +107,6 @@ struct ControllerSettings {
   double trust_ratio = 0.10;       ///< one cycle's learning may move the weights by this share of their norm
   int refused_updates = 80;        ///< number in a row that freezes the weights for a day
 };
-
-/// The printed method. Source: docs/method.md 15.
-constexpr ControllerSettings paper_settings() { return {}; }
-
-/// The product's default: network and room head. Source: docs/results.md, "Why the default differs from the paper".
-constexpr ControllerSettings product_settings() {
-  ControllerSettings s;
-  s.refine_step_k = 0.01;
-  s.move_penalty = 0.1;
-  s.confidence_scale = 3.0;
-  s.confidence_full = 0.9;
-  s.confidence_error_k = 0.5;
-  s.label_vav = -1.0;
-  s.batch = 128;
-  s.updates_per_cycle = 2;
-  s.recent_in_batch = 32;
-  s.gate = 1;
-  s.head = 1;
-  return s;
-}
 
 /// One overridable setting: its name in site files, where it lives, its bounds.
 struct SettingEntry {
@@ -243,8 +222,5 @@ constexpr bool settings_valid(const ControllerSettings& s) {
 constexpr CivilTime local_time(const ControllerSettings& s, CivilTime t) {
   return local_time(static_cast<DaylightSaving>(s.daylight_saving), s.utc_offset_h, t);
 }
-
-static_assert(settings_valid(product_settings()));
-static_assert(settings_valid(paper_settings()) || paper_settings().batch > max_batch);
 
 }  // namespace airside

@@ -156,7 +156,7 @@ const Case cases[] = {
     {"PresetUnknown",
      "preset = \"product\"",
      "preset = \"papr\"",
-     {":28:1: controller.preset", "papr", "one of product, paper", "did you mean \"paper\""}},
+     {":28:1: controller.preset", "papr", "one of product, paper, paper-repaired", "did you mean \"paper\""}},
     {"SeedNegative", "seed = 1", "seed = -1", {":30:1: controller.seed", "-1", "whole number from 0", "range"}},
     {"SeedWithPoint", "seed = 1", "seed = 1.5", {":30:1: controller.seed", "1.5", "whole number", "decimal point"}},
     {"OverrideUnknown",

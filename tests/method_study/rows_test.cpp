@@ -9,6 +9,7 @@
 
 #include "airside/forecast/candidate_search.hpp"
 #include "airside/network/forward.hpp"
+#include "airside/presets.hpp"
 #include "tools/study/method/run.hpp"
 
 namespace airside::tools {

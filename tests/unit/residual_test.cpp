@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "airside/forecast/residual_forecaster.hpp"
+#include "airside/presets.hpp"
 #include "airside/settings.hpp"
 #include "airside/splitmix64.hpp"
 #include "airside/topology.hpp"

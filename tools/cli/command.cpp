@@ -19,8 +19,8 @@ CLI::Validator a_topology() {
 
 void add_site_options(CLI::App& command, SiteOptions& options) {
   command.add_option("--site", options.path, "site file (default: a built-in one)");
-  command.add_option("--preset", options.preset, "product or paper, instead of the site's")
-      ->check(CLI::IsMember({"product", "paper"}));
+  command.add_option("--preset", options.preset, "product, paper or paper-repaired, instead of the site's")
+      ->check(CLI::IsMember(hal::preset_names()));
   command.add_option("--topology", options.topology, "of the built-in site")
       ->check(a_topology())
       ->capture_default_str();
@@ -29,7 +29,7 @@ void add_site_options(CLI::App& command, SiteOptions& options) {
 Site make_site(const SiteOptions& options) {
   Site site = options.path.empty() ? built_in_site(options.topology) : load_site(options.path);
   if (!options.preset.empty()) {
-    site = with_preset(site, options.preset == "paper" ? hal::ControllerPreset::paper : hal::ControllerPreset::product);
+    site = with_preset(site, hal::preset_named(options.preset));
   }
   return site;
 }

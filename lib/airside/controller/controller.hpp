@@ -17,6 +17,7 @@
 #include "airside/controller/supervisor.hpp"
 #include "airside/demand_settings.hpp"
 #include "airside/fault.hpp"
+#include "airside/presets.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/supervision/control_mode.hpp"

@@ -1,0 +1,20 @@
+#pragma once
+// The printed network alone, without what was found to hold it off its target.
+
+#include "airside/memory_size.hpp"
+#include "airside/settings.hpp"
+
+namespace airside {
+
+/// Preset `paper-repaired`. Source: docs/results.md, "The printed network, repaired".
+constexpr ControllerSettings paper_repaired_settings() {
+  ControllerSettings s;
+  s.confidence_full = 0.1;  // the schedule has no weight
+  s.gamma = 0.0;            // no bootstrapped term, whose bias is an offset of the score
+  s.label_vav = -1.0;       // more cool air lowers the room
+  return s;
+}
+
+static_assert(settings_valid(paper_repaired_settings()) || paper_repaired_settings().batch > max_batch);
+
+}  // namespace airside
