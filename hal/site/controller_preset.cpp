@@ -14,13 +14,13 @@ struct PresetEntry {
   ControllerSettings (*settings)();
 };
 /// In the order of ControllerPreset.
-constexpr std::array<PresetEntry, 3> table{{
+constexpr std::array<PresetEntry, 3> presets{{
     {"product", product_settings},
     {"paper", paper_settings},
     {"paper-repaired", paper_repaired_settings},
 }};
 
-const PresetEntry& entry_of(ControllerPreset preset) { return table[static_cast<std::size_t>(preset)]; }
+const PresetEntry& entry_of(ControllerPreset preset) { return presets[static_cast<std::size_t>(preset)]; }
 
 }  // namespace
 
@@ -29,13 +29,13 @@ ControllerSettings settings_of(ControllerPreset preset) { return entry_of(preset
 
 std::vector<std::string> preset_names() {
   std::vector<std::string> names;
-  for (const PresetEntry& e : table) names.emplace_back(e.name);
+  for (const PresetEntry& e : presets) names.emplace_back(e.name);
   return names;
 }
 
 ControllerPreset preset_named(std::string_view name) {
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    if (name == table[i].name) return static_cast<ControllerPreset>(i);
+  for (std::size_t i = 0; i < presets.size(); ++i) {
+    if (name == presets[i].name) return static_cast<ControllerPreset>(i);
   }
   return ControllerPreset::product;
 }

@@ -9,7 +9,8 @@ namespace {
 
 constexpr const char* after_topology = R"(
 [target]
-room_temp_degc = 25.25   # mean of the rooms to hold, degC
+room_temp_degc = 25.25   # at which the rooms are held, degC
+hold = "mean"            # what of them: mean; weighted: mean by weights = [...], one a VAV box; middle: of warmest and coldest
 work_start = "07:00"     # local time; standard time unless daylight_saving is set
 work_end = "19:00"
 weekday_only = false     # true: Saturday and Sunday are days off, with a daily profile of their own

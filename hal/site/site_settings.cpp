@@ -42,6 +42,7 @@ ControllerSettings controller_settings(const SiteFile& site) {
   s.objective = site.objective;
   s.shape = parse_shape(site.topology.c_str());
   s.target_degc = site.room_temp_degc;
+  s.held = site.held;
   s.work_start_h = site.work_start_s / 3600.0;
   s.work_end_h = site.work_end_s / 3600.0;
   s.weekday_only = site.weekday_only ? 1 : 0;  // the room head's day types follow it, unless overridden

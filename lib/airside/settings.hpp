@@ -6,6 +6,7 @@
 
 #include "airside/civil_time.hpp"
 #include "airside/demand_settings.hpp"
+#include "airside/held_rooms.hpp"
 #include "airside/memory_size.hpp"
 #include "airside/topology.hpp"
 
@@ -18,7 +19,8 @@ struct ControllerSettings {
   // Goal and schedule
   Objective objective = Objective::mean;  ///< docs/method.md 17 for `band`
   DemandSettings demand{};                ///< of the objective `band`
-  double target_degc = 25.25;             ///< room temperature to hold, mean of the VAVs (docs/method.md 1)
+  double target_degc = 25.25;             ///< room temperature to hold (docs/method.md 1)
+  HeldRooms held{};                       ///< which value of the rooms that is; of the site file (docs/method.md 16.7)
   double work_start_h = 7.0;              ///< hours; scoring and the expert's day start here (docs/method.md 2)
   double work_end_h = 19.0;               ///< hours
   int weekday_only = 0;                   ///< 1: Saturday and Sunday are days off, for schedule, scoring and room head
@@ -213,8 +215,8 @@ constexpr bool settings_valid(const ControllerSettings& s) {
     if (!(v >= e.min && v <= e.max)) return false;
   }
   const double candidates = (s.action_max_degc - s.action_min_degc) / s.action_step_k;
-  return demand_settings_valid(s.demand) && s.work_start_h < s.work_end_h && s.fan_start_h < s.fan_end_h &&
-         s.action_min_degc < s.action_max_degc && candidates < max_candidates - 1 &&
+  return demand_settings_valid(s.demand) && held_rooms_valid(s.held, s.shape.vavs) && s.work_start_h < s.work_end_h &&
+         s.fan_start_h < s.fan_end_h && s.action_min_degc < s.action_max_degc && candidates < max_candidates - 1 &&
          s.limit_min_degc < s.limit_max_degc && s.head_gain_min < s.head_gain_max;
 }
 

@@ -11,6 +11,7 @@
 #include "airside/demand_settings.hpp"
 #include "airside/fault.hpp"
 #include "airside/forecast/head_features.hpp"
+#include "airside/held_rooms.hpp"
 #include "airside/learning/row_window.hpp"
 #include "airside/network/scaler.hpp"
 #include "airside/reading.hpp"
@@ -82,10 +83,12 @@ class HistoryReader {
                           .recent = window_.at(rows_per_cycle + 1).value,
                           .now = before.value,
                           .setpoint_before_degc = earlier.setpoint_degc,
-                          .last_move_k = earlier.setpoint_degc - window_.at(3 * rows_per_cycle).setpoint_degc},
+                          .last_move_k = earlier.setpoint_degc - window_.at(3 * rows_per_cycle).setpoint_degc,
+                          .held = controller_.settings().held},
                          site, scaler.head_power_scale(site));
     f.x(HeadFeatures::setpoint_change) = before.setpoint_degc - earlier.setpoint_degc;
-    const double moved = now.head(rooms_of<T>(site)).mean() - before.value.head(rooms_of<T>(site)).mean();
+    const HeldRooms& held = controller_.settings().held;
+    const double moved = held_after_degc<T>(held, site, before.value, now) - held_degc<T>(held, site, before.value);
     // Where three rows share each cycle, each is worth a third of a sample.
     const double noise = starts_ == Starts::every_cycle ? 1.0 : std::sqrt(static_cast<double>(rows_per_cycle));
     const double error_k = controller_.remember_change(before.time, f, moved, noise);
