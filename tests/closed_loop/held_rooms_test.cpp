@@ -12,9 +12,9 @@ namespace {
 
 /// Four days of control after five under the schedule, by weights that were pretrained on the twin under the same rule.
 tools::Metrics four_days(const HeldRooms& held) {
-  tools::Trial trial{tools::built_in_site(), rc_room("401-real"), 5, 4};
+  tools::Trial trial{tools::built_in_site(), rc_room("701-real"), 5, 4};
   trial.site.file.held = trial.site.settings.held = held;
-  const tools::PlantChoice twin = rc_room("401", "2021-07-01");
+  const tools::PlantChoice twin = rc_room("701", "2021-07-01");
   const auto model = tools::make_plant(twin, trial.site, 5);
   const auto blob = tools::pretrain(trial.site, *model, {tools::start_of(twin).seconds + 5 * 86400}, {}).blob;
   tools::Prepared prepared = tools::prepare(trial);

@@ -74,6 +74,9 @@ TEST(SiteSettings, BeginWithThePresetThatTheSiteNames) {
   EXPECT_EQ(repaired.gamma, 0.0);
   EXPECT_EQ(printed.label_vav, 1.0);
   EXPECT_EQ(repaired.label_vav, -1.0);
+  EXPECT_EQ(repaired.refine_step_k, 0.01);
+  EXPECT_EQ(repaired.batch, 128);
+  EXPECT_EQ(repaired.recent_in_batch, 32);
   EXPECT_EQ(repaired.head, 0) << "the published network alone";
   EXPECT_EQ(controller_settings(site_of("")).head, 1) << "product";
 }
