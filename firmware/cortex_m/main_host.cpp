@@ -10,6 +10,7 @@
 #include <system_error>
 #include <vector>
 
+#include "airside/presets.hpp"
 #include "firmware/cortex_m/day.hpp"
 
 namespace airside::cortex_m {

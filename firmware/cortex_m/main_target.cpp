@@ -8,6 +8,7 @@
 #include <new>
 #include <type_traits>
 
+#include "airside/presets.hpp"
 #include "firmware/cortex_m/board.hpp"
 #include "firmware/cortex_m/day.hpp"
 #include "firmware/cortex_m/semihosting.hpp"

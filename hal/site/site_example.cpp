@@ -9,7 +9,8 @@ namespace {
 
 constexpr const char* after_topology = R"(
 [target]
-room_temp_degc = 25.25   # mean of the rooms to hold, degC
+room_temp_degc = 25.25   # at which the rooms are held, degC
+hold = "mean"            # what of them: mean; weighted: mean by weights = [...], one a VAV box; middle: of warmest and coldest
 work_start = "07:00"     # local time; standard time unless daylight_saving is set
 work_end = "19:00"
 weekday_only = false     # true: Saturday and Sunday are days off, with a daily profile of their own
@@ -27,7 +28,7 @@ work_degc = 20.5         # in working hours
 off_degc = 25.0          # outside
 
 [controller]
-preset = "product"       # product, or paper: the printed method, but it acts before it learns, and mode arbiter and safety limits stay
+preset = "product"       # product; paper: the printed method, but it acts before it learns, and mode arbiter and safety limits stay; paper-repaired: that without its offsets
 objective = "mean"       # mean: hold the room temperature; band: boxes modulate, least energy with zones in their band
 cycle_min = 18           # control cycle: 6, 12, 18 or 24 min; weights are of one length; band has 18 alone
 seed = 1                 # of the random generator

@@ -101,8 +101,31 @@ void read_site(TomlSection root, SiteFile& out, const SiteRules& rules) {
   root.refuse_unknown_keys();
 }
 
+/// Which value of the rooms is held.
+void read_hold(TomlSection& root, SiteFile& out) {
+  out.held.rule = static_cast<HoldRule>(root.choice("hold", {"mean", "weighted", "middle"}, 0));
+  const std::vector<double> weights = root.number_list("weights", 0, 1000);
+  const auto rooms = static_cast<std::size_t>(parse_shape(out.topology.c_str()).vavs);
+  const std::string wanted = fmt::format("{} weights, one a VAV box of {}", rooms, out.topology);
+  if (out.held.rule != HoldRule::weighted) {
+    if (!root.has("weights")) return;
+    throw InputError(root.place("weights"), fmt::format("weights beside hold = \"{}\"", text_of(out.held.rule)),
+                     "weights only where hold = \"weighted\"", "set hold = \"weighted\", or take weights out");
+  }
+  if (weights.size() != rooms) {
+    throw InputError(root.place("weights"), root.has("weights") ? fmt::format("{} of them", weights.size()) : "nothing",
+                     wanted, "list one in the order of the boxes, such as weights = [1, 1, 2]");
+  }
+  if (std::ranges::none_of(weights, [](double w) { return w > 0; })) {
+    throw InputError(root.place("weights"), "weights that are all 0", wanted + ", one of them above 0",
+                     "give the rooms that count a weight, or set hold = \"mean\"");
+  }
+  std::ranges::copy(weights, out.held.weights.begin());
+}
+
 void read_target(TomlSection root, SiteFile& out) {
   out.room_temp_degc = root.number("room_temp_degc", out.room_temp_degc, 10, 40, "degC");
+  read_hold(root, out);
   out.work_start_s = root.time_of_day("work_start", out.work_start_s);
   out.work_end_s = root.time_of_day("work_end", out.work_end_s);
   out.weekday_only = root.flag("weekday_only", out.weekday_only);
@@ -160,8 +183,13 @@ void read_cycle(TomlSection& root, SiteFile& out) {
 }
 
 void read_controller(TomlSection root, SiteFile& out, const SiteRules& rules) {
-  out.preset = static_cast<ControllerPreset>(root.choice("preset", {"product", "paper"}, 0));
+  out.preset = static_cast<ControllerPreset>(root.choice("preset", preset_names(), 0));
   out.objective = static_cast<Objective>(root.choice("objective", {"mean", "band"}, 0));
+  if (out.objective == Objective::band && out.held.rule != HoldRule::mean) {
+    throw InputError(
+        root.place("objective"), fmt::format("\"band\" beside hold = \"{}\" in [target]", text_of(out.held.rule)),
+        "hold = \"mean\", since band keeps every zone in its own band", "take hold and weights out of [target]");
+  }
   read_cycle(root, out);
   out.seed = static_cast<std::uint64_t>(root.whole("seed", 1, 0, std::numeric_limits<std::int64_t>::max()));
   TomlSection override_table = root.section("override");

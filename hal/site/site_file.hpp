@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "airside/demand_settings.hpp"
+#include "airside/held_rooms.hpp"
 #include "hal/points/stand_ins.hpp"
+#include "hal/site/controller_preset.hpp"  // IWYU pragma: export
 #include "hal/site/twin_section.hpp"
 
 namespace airside::hal {
@@ -30,7 +32,6 @@ struct SiteRules {
   std::vector<SettingRule> settings;                ///< empty: override names are not checked
 };
 
-enum class ControllerPreset : std::uint8_t { product, paper };
 enum class ModbusTransport : std::uint8_t { tcp, rtu };
 enum class ClockSource : std::uint8_t { system, plant };
 
@@ -64,6 +65,7 @@ struct SiteFile {
   std::string scope;     ///< which weight blobs this room takes; the name unless given
 
   double room_temp_degc = 25.25;  ///< [target]
+  HeldRooms held;                 ///< hold, weights: which value of the rooms is held there
   int work_start_s = 7 * 3600;    ///< s since midnight
   int work_end_s = 19 * 3600;
   bool weekday_only = false;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "airside/presets.hpp"
 #include "airside/topologies.hpp"
 #include "hal/site/objective.hpp"
 #include "hal/text/input_error.hpp"
@@ -37,11 +38,12 @@ SiteRules site_rules() {
 }
 
 ControllerSettings controller_settings(const SiteFile& site) {
-  ControllerSettings s = site.preset == ControllerPreset::paper ? paper_settings() : product_settings();
+  ControllerSettings s = settings_of(site.preset);
   s.objective = site.objective;
   s.cycle_min = site.cycle_min;
   s.shape = parse_shape(site.topology.c_str());
   s.target_degc = site.room_temp_degc;
+  s.held = site.held;
   s.work_start_h = site.work_start_s / 3600.0;
   s.work_end_h = site.work_end_s / 3600.0;
   s.weekday_only = site.weekday_only ? 1 : 0;  // the room head's day types follow it, unless overridden

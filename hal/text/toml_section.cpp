@@ -205,6 +205,24 @@ std::vector<std::string> TomlSection::text_list(std::string_view key) {
   return list;
 }
 
+std::vector<double> TomlSection::number_list(std::string_view key, double min, double max) {
+  const toml::node* node = take(key);
+  std::vector<double> list;
+  if (node == nullptr) return list;
+  const std::string expected = "a list of numbers from " + number_text(min) + " to " + number_text(max);
+  if (!node->is_array()) refuse(key, expected, "write it as [1, 1.5, 2]");
+  for (const toml::node& item : *node->as_array()) {
+    const auto value = item.is_number() ? item.value<double>() : std::nullopt;
+    const std::string where = "number " + std::to_string(list.size() + 1) + " of the list";
+    if (!value) throw InputError(place(key), where + " is none", expected, "write numbers without quotes");
+    if (!(*value >= min && *value <= max)) {
+      throw InputError(place(key), where + ": " + number_text(*value), expected, "use a value in that range");
+    }
+    list.push_back(*value);
+  }
+  return list;
+}
+
 std::vector<std::string> TomlSection::take_all_keys() {
   if (table_ == nullptr) return {};
   std::vector<std::string> keys;

@@ -35,6 +35,7 @@ class TomlSection {
   /// `07:00` as seconds since midnight.
   int time_of_day(std::string_view key, int default_value_s);
   std::vector<std::string> text_list(std::string_view key);
+  std::vector<double> number_list(std::string_view key, double min, double max);
 
   /// All keys of this table, marked as read.
   std::vector<std::string> take_all_keys();

@@ -1,12 +1,12 @@
 #pragma once
-// Every number that a person may choose about control and learning, with meaning, default and range. Two presets:
-// `paper_settings()` follows the printed method with the decisions of docs/method.md 15; `product_settings()` is
-// what the rooms showed to be best (docs/results.md, "Why the default differs from the paper").
+// Every number that a person may choose about control and learning, with meaning, default and range. The defaults are
+// those of the printed method; presets.hpp has whole sets.
 
 #include <array>
 
 #include "airside/civil_time.hpp"
 #include "airside/demand_settings.hpp"
+#include "airside/held_rooms.hpp"
 #include "airside/memory_size.hpp"
 #include "airside/topology.hpp"
 
@@ -19,7 +19,8 @@ struct ControllerSettings {
   // Goal and schedule
   Objective objective = Objective::mean;  ///< docs/method.md 17 for `band`
   DemandSettings demand{};                ///< of the objective `band`
-  double target_degc = 25.25;             ///< room temperature to hold, mean of the VAVs (docs/method.md 1)
+  double target_degc = 25.25;             ///< room temperature to hold (docs/method.md 1)
+  HeldRooms held{};                       ///< which value of the rooms that is; of the site file (docs/method.md 16.7)
   double work_start_h = 7.0;              ///< hours; scoring and the expert's day start here (docs/method.md 2)
   double work_end_h = 19.0;               ///< hours
   int weekday_only = 0;                   ///< 1: Saturday and Sunday are days off, for schedule, scoring and room head
@@ -108,26 +109,6 @@ struct ControllerSettings {
   double trust_ratio = 0.10;       ///< one cycle's learning may move the weights by this share of their norm
   int refused_updates = 80;        ///< number in a row that freezes the weights for a day
 };
-
-/// The printed method. Source: docs/method.md 15.
-constexpr ControllerSettings paper_settings() { return {}; }
-
-/// The product's default: network and room head. Source: docs/results.md, "Why the default differs from the paper".
-constexpr ControllerSettings product_settings() {
-  ControllerSettings s;
-  s.refine_step_k = 0.01;
-  s.move_penalty = 0.1;
-  s.confidence_scale = 3.0;
-  s.confidence_full = 0.9;
-  s.confidence_error_k = 0.5;
-  s.label_vav = -1.0;
-  s.batch = 128;
-  s.updates_per_cycle = 2;
-  s.recent_in_batch = 32;
-  s.gate = 1;
-  s.head = 1;
-  return s;
-}
 
 /// One overridable setting: its name in site files, where it lives, its bounds.
 struct SettingEntry {
@@ -235,7 +216,8 @@ constexpr bool settings_valid(const ControllerSettings& s) {
     if (!(v >= e.min && v <= e.max)) return false;
   }
   const double candidates = (s.action_max_degc - s.action_min_degc) / s.action_step_k;
-  return fits_objective(s.objective, s.cycle_min) && demand_settings_valid(s.demand) && s.work_start_h < s.work_end_h &&
+  return fits_objective(s.objective, s.cycle_min) && demand_settings_valid(s.demand) &&
+         held_rooms_valid(s.held, s.shape.vavs) && s.work_start_h < s.work_end_h &&
          s.fan_start_h < s.fan_end_h && s.action_min_degc < s.action_max_degc && candidates < max_candidates - 1 &&
          s.limit_min_degc < s.limit_max_degc && s.head_gain_min < s.head_gain_max;
 }
@@ -245,8 +227,5 @@ constexpr ControlCycle control_cycle(const ControllerSettings& s) { return cycle
 constexpr CivilTime local_time(const ControllerSettings& s, CivilTime t) {
   return local_time(static_cast<DaylightSaving>(s.daylight_saving), s.utc_offset_h, t);
 }
-
-static_assert(settings_valid(product_settings()) &&
-              (settings_valid(paper_settings()) || paper_settings().batch > max_batch));
 
 }  // namespace airside

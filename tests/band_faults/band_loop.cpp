@@ -9,6 +9,7 @@
 
 #include "airside/controller/cycle.hpp"
 #include "airside/network/kernels/kernels.hpp"
+#include "airside/presets.hpp"
 #include "hal/points/signal_limits.hpp"
 #include "sim/rc/modulating_room.hpp"
 #include "sim/weather/synthetic_weather.hpp"

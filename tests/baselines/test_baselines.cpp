@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "airside/presets.hpp"
 #include "airside/supervision/schedule.hpp"
 #include "baselines/first_order_plant.hpp"
 #include "hal/text/input_error.hpp"

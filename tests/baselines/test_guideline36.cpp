@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "airside/presets.hpp"
 #include "baselines/first_order_plant.hpp"
 #include "tools/baselines/guideline36.hpp"
 

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <limits>
 
+#include "airside/presets.hpp"
 #include "baselines/first_order_plant.hpp"
 #include "support/default_cycle.hpp"
 #include "tools/baselines/mpc.hpp"

@@ -11,6 +11,7 @@
 #include "airside/controller/controller.hpp"
 #include "airside/controller/cycle.hpp"
 #include "airside/network/kernels/kernels.hpp"
+#include "airside/presets.hpp"
 #include "sim/rc/modulating_plant.hpp"
 #include "sim/simulated_plant.hpp"
 #include "sim/weather/synthetic_weather.hpp"

@@ -7,6 +7,7 @@
 
 #include "airside/controller/footprint.hpp"
 #include "airside/controller/instances.hpp"
+#include "airside/presets.hpp"
 #include "hal/weights/blob_file.hpp"
 #include "support/default_cycle.hpp"
 #include "support/stack_probe.hpp"

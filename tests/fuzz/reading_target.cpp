@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "airside/presets.hpp"
 #include "airside/supervision/envelope.hpp"
 #include "airside/supervision/validation.hpp"
 #include "fuzz/target.hpp"

@@ -3,6 +3,7 @@
 #include "airside/forecast/scores.hpp"
 #include "airside/network/forward.hpp"
 #include "airside/network/scaler.hpp"
+#include "airside/presets.hpp"
 #include "airside/supervision/confidence.hpp"
 #include "golden/golden_files.hpp"
 

@@ -9,7 +9,7 @@ std::vector<Case> sites() {
       {"SiteMissing", "check no/site.toml", whole, {"no/site.toml", "no file", "site file in TOML", "check the path"}},
       {"SiteIsAFolder", "simulate --site . --days 1", whole, {".", "a directory", "site file", "the file in it"}},
       {"SiteEmpty", check, file("site.toml", ""), {"site.toml: site", "nothing", "[site]", "airside init"}},
-      {"SiteNoToml", check, site("min_degc = 20.0", "min_degc = = 2"), {"site.toml:16:", "not TOML", "key", "correct"}},
+      {"SiteNoToml", check, site("min_degc = 20.0", "min_degc = = 2"), {"site.toml:17:", "not TOML", "key", "correct"}},
       {"SiteBinary",
        check,
        [](const Desk& d) { d.write("site.toml", std::string("\x7f\0ELF", 5)); },

@@ -76,6 +76,24 @@ TEST(SiteFile, ReadsWhatDiffersFromTheDefaults) {
   EXPECT_EQ(site.clock, ClockSource::plant);
 }
 
+TEST(SiteFile, ReadsWhatIsHeld) {
+  const std::string text = example_site_text("3vav-0fcu-1power");
+  EXPECT_EQ(parse(text).held.rule, HoldRule::mean);
+  EXPECT_EQ(parse(replaced(text, "hold = \"mean\"", "hold = \"middle\"")).held.rule, HoldRule::middle);
+  const SiteFile site = parse(replaced(text, "hold = \"mean\"", "hold = \"weighted\"\nweights = [1, 0, 2.5]"));
+  EXPECT_EQ(site.held.rule, HoldRule::weighted);
+  EXPECT_EQ(site.held.weights[0], 1);
+  EXPECT_EQ(site.held.weights[1], 0);
+  EXPECT_EQ(site.held.weights[2], 2.5);
+}
+
+TEST(SiteFile, BandHoldsEveryZoneItself) {
+  const std::string text = example_site_text("3vav-0fcu-1power", Objective::band);
+  EXPECT_NO_THROW(parse(text));
+  expect_complaint({"controller.objective", "\"band\" beside hold = \"middle\"", "hold = \"mean\"", "out of [target]"},
+                   [&text] { parse(replaced(text, "hold = \"mean\"", "hold = \"middle\"")); });
+}
+
 TEST(SiteFile, MissingFileIsNamed) {
   expect_complaint({"no/such/site.toml", "no file", "site file", "check the path"},
                    [] { read_site_file("no/such/site.toml", rules()); });
@@ -94,8 +112,8 @@ const Case cases[] = {
     {"SyntaxError",
      "min_degc = 20.0",
      "min_degc = = 20",
-     {"room/site.toml:16:", "not TOML", "key = value", "correct the line"}},
-    {"SameKeyTwice", "step_k = 0.1", "min_degc = 21", {":18:", "not TOML", "key = value", "correct the line"}},
+     {"room/site.toml:17:", "not TOML", "key = value", "correct the line"}},
+    {"SameKeyTwice", "step_k = 0.1", "min_degc = 21", {":19:", "not TOML", "key = value", "correct the line"}},
     {"BytesThatAreNotUtf8", "Room 301", "Room \xFF\xFE", {":5:", "not TOML", "key = value", "correct"}},
     {"NoName", "name = \"Room 301\"", "", {":4:1: site.name", "nothing", "a text", "add name = \"Room 301\""}},
     {"NameWithMarkup", "Room 301", "<script>", {":5:1: site.name", "<script>", "without", "use letters"}},
@@ -134,29 +152,61 @@ const Case cases[] = {
     {"HourThatDoesNotExist",
      "\"07:00\"",
      "\"25:00\"",
-     {":11:1: target.work_start", "25:00", "00:00 to 24:00", "\"07:00\""}},
-    {"HourAsNumber", "\"07:00\"", "7", {":11:1: target.work_start", "7", "a time of day", "\"07:00\""}},
+     {":12:1: target.work_start", "25:00", "00:00 to 24:00", "\"07:00\""}},
+    {"HourAsNumber", "\"07:00\"", "7", {":12:1: target.work_start", "7", "a time of day", "\"07:00\""}},
     {"WorkEndsBeforeItStarts",
      "\"19:00\"",
      "\"06:00\"",
-     {":12:1: target.work_end", "06:00", "work_start before work_end", "night shift"}},
+     {":13:1: target.work_end", "06:00", "work_start before work_end", "night shift"}},
     {"FlagAsText",
      "weekday_only = false",
      "weekday_only = \"no\"",
-     {":13:1: target.weekday_only", "\"no\"", "true or false", "without quotes"}},
+     {":14:1: target.weekday_only", "\"no\"", "true or false", "without quotes"}},
+    {"HoldUnknown",
+     "hold = \"mean\"",
+     "hold = \"middel\"",
+     {":11:1: target.hold", "middel", "one of mean, weighted, middle", "did you mean \"middle\""}},
+    {"WeightsWithoutTheirRule",
+     "hold = \"mean\"",
+     "weights = [1, 1, 1, 1, 2]",
+     {":11:1: target.weights", "hold = \"mean\"", "only where hold", "set hold = \"weighted\""}},
+    {"WeightsMissing",
+     "hold = \"mean\"",
+     "hold = \"weighted\"",
+     {": target.weights", "nothing", "5 weights, one a VAV box", "weights = [1, 1, 2]"}},
+    {"WeightsOfAnotherCount",
+     "hold = \"mean\"",
+     "hold = \"weighted\"\nweights = [1, 2]",
+     {":12:1: target.weights", "2 of them", "5 weights, one a VAV box of 5vav-5fcu-2power", "order of the boxes"}},
+    {"WeightsAllZero",
+     "hold = \"mean\"",
+     "hold = \"weighted\"\nweights = [0, 0, 0, 0, 0]",
+     {":12:1: target.weights", "all 0", "one of them above 0", "hold = \"mean\""}},
+    {"WeightNegative",
+     "hold = \"mean\"",
+     "hold = \"weighted\"\nweights = [1, 1, -1, 1, 1]",
+     {":12:1: target.weights", "number 3 of the list: -1", "0 to 1000", "that range"}},
+    {"WeightAsText",
+     "hold = \"mean\"",
+     "hold = \"weighted\"\nweights = [1, \"2\", 1, 1, 1]",
+     {":12:1: target.weights", "number 2 of the list", "numbers", "without quotes"}},
+    {"WeightsNoList",
+     "hold = \"mean\"",
+     "hold = \"weighted\"\nweights = 2",
+     {":12:1: target.weights", "2", "a list of numbers", "[1, 1.5, 2]"}},
     {"LimitsExchanged",
      "max_degc = 26.0",
      "max_degc = 19",
-     {":17:1: setpoint.max_degc", "19", "min_degc below max_degc", "exchange"}},
-    {"StepZero", "step_k = 0.1", "step_k = 0", {":18:1: setpoint.step_k", "0", "0.05 to 2 K", "default is 0.1"}},
+     {":18:1: setpoint.max_degc", "19", "min_degc below max_degc", "exchange"}},
+    {"StepZero", "step_k = 0.1", "step_k = 0", {":19:1: setpoint.step_k", "0", "0.05 to 2 K", "default is 0.1"}},
     {"ExpertOutOfRange",
      "work_degc = 20.5",
      "work_degc = 205",
-     {":24:1: expert.work_degc", "205", "5 to 40 degC", "default is 20.5"}},
+     {":25:1: expert.work_degc", "205", "5 to 40 degC", "default is 20.5"}},
     {"PresetUnknown",
      "preset = \"product\"",
      "preset = \"papr\"",
-     {":28:1: controller.preset", "papr", "one of product, paper", "did you mean \"paper\""}},
+     {":29:1: controller.preset", "papr", "one of product, paper, paper-repaired", "did you mean \"paper\""}},
     {"SeedNegative", "seed = 1", "seed = -1", {":31:1: controller.seed", "-1", "whole number from 0", "range"}},
     {"SeedWithPoint", "seed = 1", "seed = 1.5", {":31:1: controller.seed", "1.5", "whole number", "decimal point"}},
     {"OverrideUnknown",

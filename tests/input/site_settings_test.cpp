@@ -78,6 +78,28 @@ TEST(SiteSettings, DaysOffHaveAProfileOfTheirOwnUnlessOverridden) {
   EXPECT_EQ(day_types_of(controller_settings(site_of("[controller.override]\nhead_day_types = 2\n"))), 2);
 }
 
+TEST(SiteSettings, BeginWithThePresetThatTheSiteNames) {
+  EXPECT_EQ(preset_names(), (std::vector<std::string>{"product", "paper", "paper-repaired"}));
+  for (const std::string& name : preset_names()) {
+    const SiteFile site = site_of("[controller]\npreset = \"" + name + "\"\n");
+    EXPECT_EQ(site.preset, preset_named(name));
+    EXPECT_EQ(name_of(site.preset), name);
+  }
+  const ControllerSettings printed = controller_settings(site_of("[controller]\npreset = \"paper\"\n"));
+  const ControllerSettings repaired = controller_settings(site_of("[controller]\npreset = \"paper-repaired\"\n"));
+  EXPECT_EQ(printed.confidence_full, 1.0);
+  EXPECT_EQ(repaired.confidence_full, 0.1);
+  EXPECT_EQ(printed.gamma, 0.5);
+  EXPECT_EQ(repaired.gamma, 0.0);
+  EXPECT_EQ(printed.label_vav, 1.0);
+  EXPECT_EQ(repaired.label_vav, -1.0);
+  EXPECT_EQ(repaired.refine_step_k, 0.01);
+  EXPECT_EQ(repaired.batch, 128);
+  EXPECT_EQ(repaired.recent_in_batch, 32);
+  EXPECT_EQ(repaired.head, 0) << "the published network alone";
+  EXPECT_EQ(controller_settings(site_of("")).head, 1) << "product";
+}
+
 TEST(SiteSettings, TheFanRunsAlwaysUnlessTheSiteSaysWhen) {
   constexpr CivilTime monday_8{1'627'862'400 + 8 * 3600};  // 2021-08-02
   const CivilTime night{monday_8.seconds + 14 * 3600}, saturday_8{monday_8.seconds + 5 * 86400};

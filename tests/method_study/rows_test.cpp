@@ -10,6 +10,7 @@
 
 #include "airside/forecast/candidate_search.hpp"
 #include "airside/network/forward.hpp"
+#include "airside/presets.hpp"
 #include "tools/study/method/run.hpp"
 
 namespace airside::tools {
@@ -95,7 +96,7 @@ TEST(MethodRows, WithoutTheLongTermBranchTheNearestShortForecastWins) {
   // A target within what this network foresees.
   CandidateSearch<FiveZone, float> search;
   search.configure(s);
-  s.target_degc = search.expected_mean_degc(model, drawn.now, 22.3);
+  s.target_degc = search.expected_degc(s, model, drawn.now, 22.3);
   EXPECT_NEAR(search.best_degc(s, model, drawn.now, 20.0), 22.3, 1e-9);
   s.long_term = 1;  // drawn weights foresee another temperature in the long term
   EXPECT_GT(std::abs(search.best_degc(s, model, drawn.now, 20.0) - 22.3), 0.1);

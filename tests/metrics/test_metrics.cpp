@@ -61,6 +61,19 @@ TEST(Metrics, AverageDaeIsTheMeanOverDaysAndMeTheWorstDay) {
   EXPECT_EQ(m.days[2].midnight.seconds, monday + 2 * 86400);
 }
 
+TEST(Metrics, WorstRoomIsThatOfEachDayAndNotOfTheRun) {
+  // Room 1 is 2 K off on the first day, room 2 is 1 K off on the second.
+  const auto samples = days_of(2, [](int d, int, CycleSample& s) {
+    s.room_temp_degc = {25.25 + (d == 0 ? 2.0 : 0.0), 25.25 - (d == 1 ? 1.0 : 0.0), 25.25};
+  });
+  const Metrics m = compute_metrics(samples, {});
+  EXPECT_NEAR(m.days[0].worst_room_dae_degc, 2, 1e-12);
+  EXPECT_NEAR(m.days[1].worst_room_dae_degc, 1, 1e-12);
+  EXPECT_NEAR(m.worst_room_dae_degc, 1.5, 1e-12);
+  EXPECT_NEAR(m.room_dae_degc[0], 1, 1e-12);
+  EXPECT_NEAR(m.rooms_dae_degc, (1 + 0.5 + 0) / 3, 1e-12);
+}
+
 TEST(Metrics, DarvOfAHandSeriesUsesThePrintedDivisor) {
   // Setpoint 20 but for cycle 30: second differences +1, -2, +1, so the sum is 4; n = 40, divisor 37.
   const auto samples = days_of(1, [](int, int k, CycleSample& s) { s.setpoint_degc = k == 30 ? 21 : 20; });

@@ -1,5 +1,6 @@
 // Each fault degrades the decision to the schedule, is named, and is left behind when it ends.
 
+#include "airside/presets.hpp"
 #include "support/controller_rig.hpp"
 #include "support/default_cycle.hpp"
 

@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <limits>
 
+#include "airside/presets.hpp"
+
 namespace airside {
 namespace {
 

@@ -1,5 +1,6 @@
 // New weights must pass the gate before they control: poisoned memories and broken steps leave the old ones standing.
 
+#include "airside/presets.hpp"
 #include "support/controller_rig.hpp"
 #include "support/default_cycle.hpp"
 

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "airside/presets.hpp"
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/write_budget.hpp"
 #include "support/default_cycle.hpp"

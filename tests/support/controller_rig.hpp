@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "airside/controller/instances.hpp"
+#include "airside/presets.hpp"
 #include "support/controller_access.hpp"
 #include "support/default_cycle.hpp"
 

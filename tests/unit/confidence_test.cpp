@@ -6,6 +6,8 @@
 
 #include <limits>
 
+#include "airside/presets.hpp"
+
 namespace airside {
 namespace {
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "airside/forecast/room_head.hpp"
+#include "airside/presets.hpp"
 #include "airside/splitmix64.hpp"
 #include "support/default_cycle.hpp"
 #include "unit/monday.hpp"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "airside/forecast/residual_forecaster.hpp"
+#include "airside/presets.hpp"
 #include "airside/settings.hpp"
 #include "airside/splitmix64.hpp"
 #include "airside/topology.hpp"
@@ -118,7 +119,7 @@ struct Instant {
     memory.end_cycle(-0.03);
   }
   F features(double head_degc = 21.0) const {
-    const HeadInstants<Room> at{before, recent, now, 20.5, 0.5};
+    const HeadInstants<Room> at{before, recent, now, 20.5, 0.5, settings.held};
     return residual_features<Room>(settings, CivilTime{15 * 3600}, at, memory, head_degc);
   }
 };

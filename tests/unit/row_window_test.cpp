@@ -6,6 +6,7 @@
 
 #include <functional>
 
+#include "airside/presets.hpp"
 #include "airside/supervision/schedule.hpp"
 #include "support/default_cycle.hpp"
 #include "unit/monday.hpp"

@@ -1,6 +1,7 @@
 // Scaling: floors against quiet signals, one scale for all rooms, status left alone (docs/method.md, open point 3).
 
 #include "airside/network/scaler.hpp"
+#include "airside/presets.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 // The law of the score (docs/method.md 6.1): what it prefers follows from its two weights alone; and the rule for ties.
 
 #include "airside/forecast/scores.hpp"
+#include "airside/presets.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,6 +7,7 @@
 
 #include "airside/controller/cycle.hpp"
 #include "airside/controller/decision.hpp"
+#include "airside/presets.hpp"
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/envelope.hpp"
 #include "airside/supervision/schedule.hpp"

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "airside/presets.hpp"
 #include "firmware/edge/daemon_state.hpp"
 #include "support/blob_maker.hpp"
 #include "support/controller_rig.hpp"

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "airside/controller/instances.hpp"
+#include "airside/presets.hpp"
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/limits.hpp"
 

@@ -19,8 +19,8 @@ CLI::Validator a_topology() {
 
 void add_site_options(CLI::App& command, SiteOptions& options) {
   command.add_option("--site", options.path, "site file (default: a built-in one)");
-  command.add_option("--preset", options.preset, "product or paper, instead of the site's")
-      ->check(CLI::IsMember({"product", "paper"}));
+  command.add_option("--preset", options.preset, "product, paper or paper-repaired, instead of the site's")
+      ->check(CLI::IsMember(hal::preset_names()));
   command.add_option("--topology", options.topology, "of the built-in site")
       ->check(a_topology())
       ->capture_default_str();
@@ -29,7 +29,7 @@ void add_site_options(CLI::App& command, SiteOptions& options) {
 Site make_site(const SiteOptions& options) {
   Site site = options.path.empty() ? built_in_site(options.topology) : load_site(options.path);
   if (!options.preset.empty()) {
-    site = with_preset(site, options.preset == "paper" ? hal::ControllerPreset::paper : hal::ControllerPreset::product);
+    site = with_preset(site, hal::preset_named(options.preset));
   }
   return site;
 }
@@ -50,8 +50,11 @@ OnProgress show_progress(Progress& bar) {
 nlohmann::json measured(double kwh) { return kwh > 0 ? nlohmann::json(kwh) : nlohmann::json(); }
 
 nlohmann::json json_of(const Metrics& m) {
-  nlohmann::json days = nlohmann::json::array();
-  for (const DayMetrics& d : m.days) days.push_back(d.dae_degc);
+  nlohmann::json days = nlohmann::json::array(), worst = nlohmann::json::array();
+  for (const DayMetrics& d : m.days) {
+    days.push_back(d.dae_degc);
+    worst.push_back(d.worst_room_dae_degc);
+  }
   return {{"dae_degc", m.dae_degc},
           {"me_degc", m.me_degc},
           {"day1_dae_degc", m.day1_dae_degc},
@@ -65,6 +68,9 @@ nlohmann::json json_of(const Metrics& m) {
           {"hvac_kwh_per_day", measured(m.hvac_kwh_per_day)},
           {"saved_area_per_day_degch", m.saved_area_degch},
           {"room_dae_degc", m.room_dae_degc},
+          {"rooms_dae_degc", m.rooms_dae_degc},
+          {"worst_room_dae_degc", m.worst_room_dae_degc},
+          {"daily_worst_room_dae_degc", worst},
           {"daily_dae_degc", days}};
 }
 

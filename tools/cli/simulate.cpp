@@ -159,6 +159,7 @@ struct SimulateCommand {
       j["plant"] = description;
       add_to(j, facts);
       j["method"] = method;
+      j["hold"] = text_of(trial.site.settings.held.rule);
       j["room"] = plant.room;
       j["seeds"] = {plant.seed};
       j["days"] = days;

@@ -208,15 +208,17 @@ std::string rooms_text(const Snapshot& s) {
   for (const auto& value : s.numbers("room_temp_degc")) {
     rooms += (rooms.empty() ? "" : ", ") + (value ? fmt::format("{:.2f}", *value) : std::string("no value"));
   }
-  const auto mean = s.number("room_mean_degc"), target = s.number("target_degc");
+  const auto held = s.number("held_degc"), target = s.number("target_degc");
+  const std::string rule = s.text("hold");
+  const char* of = rule == "weighted" ? "weighted mean" : rule == "middle" ? "middle of warmest and coldest" : "mean";
   if (serves_band(s)) return zones_text(s, rooms);
   if (rooms.empty()) return "No room temperature is known now.";
-  if (!mean || !target) return fmt::format("Rooms: {} degC; their mean is not known.", rooms);
-  const double off = *mean - *target;
+  if (!held || !target) return fmt::format("Rooms: {} degC; their {} is not known.", rooms, of);
+  const double off = *held - *target;
   const std::string side = std::abs(off) < 0.005
                                ? std::string("on the target")
                                : fmt::format("{:.2f} K {} the target", std::abs(off), off > 0 ? "above" : "below");
-  return fmt::format("The rooms' mean is {:.2f} degC, {} of {:.2f} degC (rooms: {}).", *mean, side, *target, rooms);
+  return fmt::format("The rooms' {} is {:.2f} degC, {} of {:.2f} degC (rooms: {}).", of, *held, side, *target, rooms);
 }
 
 std::string setpoint_text(const Snapshot& s) {
@@ -232,8 +234,8 @@ std::string setpoint_text(const Snapshot& s) {
   wish("schedule", expert);
   std::string text = fmt::format("The supply-air setpoint is {:.2f} degC", *applied);
   if (!wishes.empty()) text += " (proposed: " + wishes + ')';
-  if (const auto expected = s.number("expected_room_mean_degc")) {
-    text += fmt::format("; it expects the rooms at {:.2f} degC by the end of the cycle", *expected);
+  if (const auto expected = s.number("expected_held_degc")) {
+    text += fmt::format("; it expects them at {:.2f} degC by the end of the cycle", *expected);
   }
   return text + '.';
 }

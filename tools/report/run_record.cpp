@@ -74,6 +74,9 @@ RunRecord make_run_record(const Site& site, const ControlRun& run) {
   const Places at(site.counts);
   r.site = site.file.name;
   r.metrics = metrics_settings(site);
+  if (site.settings.objective == Objective::mean) {
+    r.more_facts.push_back({"held at the target", text_of(site.settings.held.rule)});
+  }
   r.room_names = room_names(site);
   const std::vector<std::string> meters = meter_names(site);
 

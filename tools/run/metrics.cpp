@@ -75,6 +75,7 @@ DayMetrics day_metrics(Samples all, Samples scored, const MetricsSettings& setti
       day.room_dae_degc[r] += std::abs(s.room_temp_degc[r] - settings.target_degc) / n;
     }
   }
+  for (const double room : day.room_dae_degc) day.worst_room_dae_degc = std::max(day.worst_room_dae_degc, room);
   for (const CycleSample& s : all) {
     const double area = (s.setpoint_degc - settings.reference_setpoint_degc) * hours;
     day.saved_area_degch += area;
@@ -129,8 +130,10 @@ Metrics compute_metrics(Samples samples, std::span<const EnergyRow> energy, cons
     m.degree_hours_below_degch += day.degree_hours_below_degch / days;
     m.saved_area_degch += day.saved_area_degch / days;
     m.saved_area_unsigned_degch += day.saved_area_unsigned_degch / days;
+    m.worst_room_dae_degc += day.worst_room_dae_degc / days;
     for (std::size_t r = 0; r < m.room_dae_degc.size(); ++r) m.room_dae_degc[r] += day.room_dae_degc[r] / days;
   }
+  for (const double room : m.room_dae_degc) m.rooms_dae_degc += room / static_cast<double>(m.room_dae_degc.size());
   m.degree_hours_degch = m.degree_hours_above_degch + m.degree_hours_below_degch;
 
   const double row_hours = settings.row_s / 3600.0;

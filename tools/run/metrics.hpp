@@ -47,6 +47,7 @@ struct DayMetrics {
   int samples = 0;                       ///< scored samples, 40 a full day
   double dae_degc = 0;                   ///< mean |Sbar - target|
   std::vector<double> room_dae_degc;     ///< mean |S_r - target|, one a room
+  double worst_room_dae_degc = 0;        ///< the largest of them
   double darv_degc = 0;                  ///< working hours
   double darv_full_day_degc = 0;         ///< all cycles of the day
   double cdh_degch = 0;                  ///< sum max(0, Sbar - A) h
@@ -75,6 +76,8 @@ struct Metrics {
   double saved_area_degch = 0;           ///< mean a day, signed: positive saves cooling
   double saved_area_unsigned_degch = 0;  ///< mean a day
   std::vector<double> room_dae_degc;     ///< mean over days, one a room
+  double rooms_dae_degc = 0;             ///< their mean over the rooms
+  double worst_room_dae_degc = 0;        ///< mean over days of the day's worst room
 };
 
 /// Computes every figure of a run.

@@ -9,6 +9,7 @@
 
 #include "airside/demand/band_objective.hpp"
 #include "airside/demand/zone_guideline36.hpp"
+#include "airside/presets.hpp"
 #include "airside/supervision/envelope.hpp"
 #include "sim/rc/modulating_plant.hpp"
 #include "sim/weather/synthetic_weather.hpp"

@@ -37,6 +37,7 @@ StatusSnapshot row_status(CivilTime t, const Expected<Reading<T>>& sensed, const
   s.setpoint_degc = controller.cycle().last_setpoint_degc;
   if (sensed) s.room_temp_degc = {sensed->value.data(), static_cast<std::size_t>(controller.settings().shape.vavs)};
   s.target_degc = controller.settings().target_degc;
+  s.hold = controller.settings().held.rule;
   s.cycles = controller.learning().cycles;
   s.rejected_updates = controller.learning().rejected;
   s.replay_transitions = static_cast<std::uint64_t>(controller.replay().size());

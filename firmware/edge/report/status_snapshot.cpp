@@ -92,6 +92,8 @@ std::size_t StatusFile::format(CivilTime now, const StatusSnapshot& s) {
   text.add(",\"has_weights\":{}", s.has_weights);
   text.number("target_degc", s.target_degc);
   text.number("room_mean_degc", s.decision.room_mean_degc);
+  text.string("hold", text_of(s.hold));
+  text.number("held_degc", s.decision.held_degc);
   text.add(",\"room_temp_degc\":[");
   for (std::size_t i = 0; i < s.room_temp_degc.size(); ++i) {
     if (std::isfinite(s.room_temp_degc[i])) {
@@ -116,7 +118,8 @@ std::size_t StatusFile::format(CivilTime now, const StatusSnapshot& s) {
     text.number("most_open_damper", s.most_open_damper);
   }
   text.number("confidence", s.decision.confidence);
-  text.number("expected_room_mean_degc", s.decision.expected_mean_degc);
+  text.number("expected_held_degc", s.decision.expected_degc);
+  text.number("expected_room_mean_degc", s.hold == HoldRule::mean ? s.decision.expected_degc : Decision::none);
   text.count("cycles", s.cycles);
   text.count("rejected_updates", s.rejected_updates);
   text.count("replay_transitions", s.replay_transitions);

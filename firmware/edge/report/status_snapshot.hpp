@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "airside/controller/decision.hpp"
+#include "airside/held_rooms.hpp"
 #include "airside/supervision/mode_arbiter.hpp"
 #include "hal/storage/store_error.hpp"
 
@@ -24,6 +25,7 @@ struct StatusSnapshot {
   double setpoint_degc = Decision::none;
   std::span<const double> room_temp_degc = {};
   double target_degc = Decision::none;
+  HoldRule hold = HoldRule::mean;
   std::string_view fault_signal = {};  ///< name of the signal at fault, or empty
   CivilTime stopped_at = {};           ///< by the site's clock, where the daemon has ended in order; 0: it runs
   CivilTime lost_until = {};           ///< as of DaemonState; 0: nothing was lost at this start

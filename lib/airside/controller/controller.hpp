@@ -17,6 +17,8 @@
 #include "airside/controller/supervisor.hpp"
 #include "airside/demand_settings.hpp"
 #include "airside/fault.hpp"
+#include "airside/held_rooms.hpp"
+#include "airside/presets.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/supervision/control_mode.hpp"
@@ -77,8 +79,7 @@ class Controller : public ControllerMemory<T, Scalar> {
     const CommandOutcome outcome = record.outcome_of(pending, applied);
     if (!applied && !outcome.is_released) note(applied.error());
     supervisor.account(pending, applied, pending.flows);
-    decision_.expected_mean_degc =
-        proposer_.expect(settings_, learning_, cycle_, scratch_, pending, outcome.applied_degc());
+    decision_.expected_degc = proposer_.expect(settings_, learning_, cycle_, scratch_, pending, outcome.applied_degc());
     if (pending.is_completed) {
       replay_.push_news(pending.completed_row);
       if (pending.mode == ControlMode::learn) learn(supervisor);
@@ -117,6 +118,7 @@ class Controller : public ControllerMemory<T, Scalar> {
     }
     pending.now = valid->value();
     pending.room_mean_degc = valid->room_mean_degc();
+    pending.held_degc = held_degc<T>(settings_.held, settings_.shape, pending.now);
     pending.is_usable = valid->learnable();
     if (!pending.is_usable) supervisor.name_held_signal(pending);
     const Proposal proposal =

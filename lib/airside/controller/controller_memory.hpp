@@ -24,6 +24,7 @@
 #include "airside/network/losses.hpp"
 #include "airside/network/network.hpp"
 #include "airside/network/scaler.hpp"
+#include "airside/presets.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/splitmix64.hpp"

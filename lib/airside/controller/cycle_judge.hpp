@@ -7,6 +7,7 @@
 #include "airside/controller/pending_cycle.hpp"
 #include "airside/controller/supervisor.hpp"
 #include "airside/forecast/head_features.hpp"
+#include "airside/held_rooms.hpp"
 #include "airside/learning/learning_state.hpp"
 #include "airside/learning/transition_row.hpp"
 #include "airside/network/learner.hpp"
@@ -45,12 +46,13 @@ class CycleJudge {
     const bool doubted = supervisor_.doubted(t, at.flows);
     if (settings_.head != 0 && cycle_.has_features != 0) teach_head(at, doubted);
     if (cycle_.has_weights == 0) return;
-    supervisor_.compare_with_schedule(t, at.room_mean_degc, learning_.head.gain(settings_));
+    supervisor_.compare_with_schedule(t, at.held_degc, learning_.head.gain(settings_));
     at.completed_row = to_row<T, Scalar>(learning_.scaler, cycle_.last_value, cycle_.last_setpoint_degc, at.now);
     at.is_completed = !doubted;
     at.loss = learning_.learner.loss_of(learning_.weights, at.completed_row, learner_settings_.loss, scratch_);
-    at.network_error_k = at.room_mean_degc - cycle_.network_expected_degc;
-    at.head_error_k = at.room_mean_degc - cycle_.head_expected_degc;
+    const double come_to_degc = held_after_degc<T>(settings_.held, settings_.shape, cycle_.last_value, at.now);
+    at.network_error_k = come_to_degc - cycle_.network_expected_degc;
+    at.head_error_k = come_to_degc - cycle_.head_expected_degc;
     track(cycle_.network_error_k2, at.network_error_k);
     track(cycle_.head_error_k2, at.head_error_k);
     cycle_.residual.end_cycle(at.head_error_k);
@@ -60,7 +62,8 @@ class CycleJudge {
 
  private:
   void teach_head(const PendingCycle<T, Scalar>& at, bool doubted) {
-    const double moved_k = at.room_mean_degc - cycle_.last_value.head(rooms_of<T>(settings_.shape)).mean();
+    const double begun_degc = held_degc<T>(settings_.held, settings_.shape, cycle_.last_value);
+    const double moved_k = held_after_degc<T>(settings_.held, settings_.shape, cycle_.last_value, at.now) - begun_degc;
     HeadFeatures f = cycle_.features;
     f.x(HeadFeatures::setpoint_change) = cycle_.last_setpoint_degc - cycle_.before_setpoint_degc;
     learning_.head.grow(settings_, 1.0 / control_cycle(settings_).per_day());

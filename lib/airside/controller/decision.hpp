@@ -23,15 +23,16 @@ struct Decision {
   Fault fault = Fault::none;
   int fault_signal = -1;  ///< index in Layout<T> of the signal that caused the fault, or -1
   double room_mean_degc = none;
-  double network_degc = none;        ///< the network's choice, A_highest
-  double head_degc = none;           ///< the room head's choice
-  double expert_degc = none;         ///< the schedule
-  double g36_degc = none;            ///< what Guideline 36 would command
-  double confidence = none;          ///< c_t before it is made effective
-  double head_share = none;          ///< weight of the head against the network
-  double network_error_k = none;     ///< by which the network's forecast of the cycle that ended was wrong
-  double head_error_k = none;        ///< the same of the room head's
-  double expected_mean_degc = none;  ///< room mean forecast for the end of the cycle, at the applied setpoint
+  double held_degc = none;     ///< the value of the rooms that is held at the target; their mean, or as the site has it
+  double network_degc = none;  ///< the network's choice, A_highest
+  double head_degc = none;     ///< the room head's choice
+  double expert_degc = none;   ///< the schedule
+  double g36_degc = none;      ///< what Guideline 36 would command
+  double confidence = none;    ///< c_t before it is made effective
+  double head_share = none;    ///< weight of the head against the network
+  double network_error_k = none;  ///< by which the network's forecast of the cycle that ended was wrong
+  double head_error_k = none;     ///< the same of the room head's
+  double expected_degc = none;    ///< held value forecast for the end of the cycle, at the applied setpoint
   LossTerms loss{none, none, none, none, none, none};  ///< of the transition that just ended
 };
 

@@ -11,6 +11,7 @@
 #include "airside/demand_settings.hpp"
 #include "airside/fault.hpp"
 #include "airside/forecast/head_features.hpp"
+#include "airside/held_rooms.hpp"
 #include "airside/learning/row_window.hpp"
 #include "airside/network/scaler.hpp"
 #include "airside/reading.hpp"
@@ -82,14 +83,17 @@ class HistoryReader {
     const auto& earlier = window_.at(2 * cycle.rows);
     const Scaler<T>& scaler = controller_.learning().scaler;
     const Shape site = controller_.settings().shape;
-    HeadFeatures f = head_features<T>({.before = earlier.value,
-                                       .recent = window_.at(cycle.rows + 1).value,
-                                       .now = before.value,
-                                       .setpoint_before_degc = earlier.setpoint_degc,
-                                       .last_move_k = earlier.setpoint_degc - window_.setpoint_degc(3 * cycle.rows)},
-                                      site, scaler.head_power_scale(site));
+    HeadFeatures f =
+        head_features<T>({.before = earlier.value,
+                          .recent = window_.at(cycle.rows + 1).value,
+                          .now = before.value,
+                          .setpoint_before_degc = earlier.setpoint_degc,
+                          .last_move_k = earlier.setpoint_degc - window_.setpoint_degc(3 * cycle.rows),
+                          .held = controller_.settings().held},
+                         site, scaler.head_power_scale(site));
     f.x(HeadFeatures::setpoint_change) = before.setpoint_degc - earlier.setpoint_degc;
-    const double moved = now.head(rooms_of<T>(site)).mean() - before.value.head(rooms_of<T>(site)).mean();
+    const HeldRooms& held = controller_.settings().held;
+    const double moved = held_after_degc<T>(held, site, before.value, now) - held_degc<T>(held, site, before.value);
     // Rows that share a cycle are worth one sample together.
     const double noise = starts_ == Starts::every_cycle ? 1.0 : std::sqrt(static_cast<double>(cycle.rows));
     const double error_k = controller_.remember_change(before.time, f, moved, noise);

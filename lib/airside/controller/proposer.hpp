@@ -11,6 +11,7 @@
 #include "airside/forecast/head_features.hpp"
 #include "airside/forecast/residual_features.hpp"
 #include "airside/forecast/room_head.hpp"
+#include "airside/held_rooms.hpp"
 #include "airside/learning/learning_state.hpp"
 #include "airside/network/scaler.hpp"
 #include "airside/network/scratch.hpp"
@@ -38,7 +39,7 @@ class Proposer {
   static void take_features(const ControllerSettings& s, const CycleState<T>& cycle, const Scaler<T>& scaler,
                             Pending& at) {
     const Vector recent = recent_of(s, cycle, at);
-    at.features = head_features<T>(instants(cycle, recent, at), s.shape, scaler.head_power_scale(s.shape));
+    at.features = head_features<T>(instants(s, cycle, recent, at), s.shape, scaler.head_power_scale(s.shape));
     at.has_features = true;
   }
 
@@ -70,9 +71,9 @@ class Proposer {
     cycle.network_expected_degc = cycle.head_expected_degc = unknown;
     if (cycle.has_weights == 0 || !at.is_usable || !std::isfinite(applied_degc)) return unknown;
     const ForecastModel<T, Scalar> model{learning.scaler, scratch.packed, scratch};
-    cycle.network_expected_degc = search_.expected_mean_degc(model, at.now, applied_degc);
+    cycle.network_expected_degc = search_.expected_degc(s, model, at.now, applied_degc);
     if (!at.has_features) return cycle.network_expected_degc;
-    cycle.head_expected_degc = room_mean(s, at.now) + learning.head.drift_k(s, at.time, at.features) +
+    cycle.head_expected_degc = held(s, at.now) + learning.head.drift_k(s, at.time, at.features) +
                                learning.head.gain(s) * (applied_degc - cycle.last_setpoint_degc);
     if (!std::isfinite(cycle.head_expected_degc)) return cycle.network_expected_degc;
     return cycle.head_expected_degc + used_residual_k(learning, at);
@@ -87,13 +88,15 @@ class Proposer {
     return at.now - (at.now - cycle.last_value) / control_cycle(s).rows;
   }
 
-  static HeadInstants<T> instants(const CycleState<T>& cycle, const Vector& recent, const Pending& at) {
+  static HeadInstants<T> instants(const ControllerSettings& s, const CycleState<T>& cycle, const Vector& recent,
+                                  const Pending& at) {
     const double move = cycle.last_setpoint_degc - cycle.before_setpoint_degc;
     return {.before = cycle.last_value,
             .recent = recent,
             .now = at.now,
             .setpoint_before_degc = cycle.last_setpoint_degc,
-            .last_move_k = std::isfinite(move) ? move : 0.0};
+            .last_move_k = std::isfinite(move) ? move : 0.0,
+            .held = s.held};
   }
 
   /// The head's choice with its own error foreseen, in working hours: nothing else was learned from.
@@ -101,7 +104,8 @@ class Proposer {
                       Pending& at) {
     if (!cycle.residual.is_complete() || !in_working_hours(s, at.time)) return;
     const Vector recent = recent_of(s, cycle, at);
-    at.residual_features = residual_features<T>(s, at.time, instants(cycle, recent, at), cycle.residual, at.head_degc);
+    at.residual_features =
+        residual_features<T>(s, at.time, instants(s, cycle, recent, at), cycle.residual, at.head_degc);
     at.has_residual_features = true;
     if (learning.residual.network.is_trained == 0) return;
     at.residual_k = learning.residual.network.forecast_k(at.residual_features);
@@ -115,12 +119,12 @@ class Proposer {
   static double head_choice(const ControllerSettings& s, const RoomHead<T>& head, double last_degc, double residual_k,
                             const Pending& at) {
     if (!at.has_features || head.updates() == 0) return unknown;
-    const double ideal = head.setpoint_degc(s, at.time, at.features, room_mean(s, at.now), last_degc, residual_k);
+    const double ideal = head.setpoint_degc(s, at.time, at.features, held(s, at.now), last_degc, residual_k);
     if (!std::isfinite(ideal)) return unknown;  // before the clamp, which would make a bound of an infinite one
     return std::clamp(ideal, s.action_min_degc, s.action_max_degc);
   }
 
-  static double room_mean(const ControllerSettings& s, const Vector& v) { return v.head(rooms_of<T>(s.shape)).mean(); }
+  static double held(const ControllerSettings& s, const Vector& v) { return held_degc<T>(s.held, s.shape, v); }
 
   CandidateSearch<T, Scalar> search_;
 };

@@ -14,6 +14,7 @@
 #include "airside/demand_settings.hpp"
 #include "airside/fault.hpp"
 #include "airside/forecast/room_head.hpp"
+#include "airside/held_rooms.hpp"
 #include "airside/learning/learning_state.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
@@ -143,9 +144,9 @@ class Supervisor {
   }
 
   /// Whether the schedule would do better, in working hours.
-  void compare_with_schedule(CivilTime t, double room_mean_degc, double gain) {
+  void compare_with_schedule(CivilTime t, double held_degc, double gain) {
     if (cycle_.ours == 0 || !in_working_hours(settings_, cycle_.last_time)) return;
-    cycle_.shadow.cycle(settings_, room_mean_degc, cycle_.last_setpoint_degc,
+    cycle_.shadow.cycle(settings_, held_degc, cycle_.last_setpoint_degc,
                         expert_setpoint_degc(settings_, cycle_.last_time), gain);
     const bool worse = cycle_.shadow.worse(settings_);
     cycle_.mode_arbiter.set(Reason::worse_than_schedule, worse, t);
@@ -229,8 +230,9 @@ class Supervisor {
     // Where boxes modulate, a setpoint at its limit is a choice, and the target is not what it serves.
     const bool serves_mean = settings_.objective == Objective::mean;
     const bool counts = serves_mean && flows && in_working_hours(settings_, t);
-    const bool lost = cycle_.authority.row(settings_, t, cycle_.last_setpoint_degc,
-                                           counts ? valid.room_mean_degc() : settings_.target_degc);
+    const bool lost = cycle_.authority.row(
+        settings_, t, cycle_.last_setpoint_degc,
+        counts ? held_degc<T>(settings_.held, settings_.shape, valid.value()) : settings_.target_degc);
     cycle_.mode_arbiter.set(Reason::authority_lost, lost, t);
   }
 

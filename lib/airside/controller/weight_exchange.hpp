@@ -8,6 +8,7 @@
 
 #include "airside/forecast/candidate_search.hpp"
 #include "airside/forecast/head_features.hpp"
+#include "airside/held_rooms.hpp"
 #include "airside/learning/canary.hpp"
 #include "airside/learning/learning_state.hpp"
 #include "airside/learning/replay_ring.hpp"
@@ -21,7 +22,7 @@
 
 namespace airside {
 
-/// On canary states (canary.hpp), and as the largest error of the one-cycle forecast of the room mean on the newest
+/// On canary states (canary.hpp), and as the largest error of the one-cycle forecast of the held value on the newest
 /// remembered transitions. Units: K, both; infinite for a forecast that is no number.
 struct ForecastDeviation {
   double canary_k, replay_k;
@@ -48,8 +49,8 @@ class WeightExchange {
     const int n = std::min(replay_.size(), 32);
     for (int age = 0; age < n; ++age) {
       const Transition<T> past = from_row<T, Scalar>(learning_.scaler, replay_.newest(age));
-      const double mean_degc = past.after.head(rooms_of<T>(settings.shape)).mean();
-      const double error = search.expected_mean_degc(other, past.before, past.setpoint_degc) - mean_degc;
+      const double after_degc = held_after_degc<T>(settings.held, settings.shape, past.before, past.after);
+      const double error = search.expected_degc(settings, other, past.before, past.setpoint_degc) - after_degc;
       found.replay_k = std::isfinite(error) ? std::max(found.replay_k, std::abs(error)) : HUGE_VAL;
     }
     return found;

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "airside/forecast/scores.hpp"
+#include "airside/held_rooms.hpp"
 #include "airside/network/forward.hpp"
 #include "airside/network/scaler.hpp"
 #include "airside/network/scratch.hpp"
@@ -47,7 +48,8 @@ class CandidateSearch {
   double best_degc(const ControllerSettings& s, const ForecastModel<T, Scalar>& model, const Vector& now,
                    double last_degc) {
     scaled_ = model.scaler.template signals<Scalar>(now);
-    const double room = now.head(rooms_of<T>(site_)).mean();
+    boxes_ = now.segment(L::vav_on, L::rooms);
+    const double room = held_degc<T>(s.held, site_, now);
     const int best = choose(s, model, {candidates_.data(), static_cast<std::size_t>(count_)}, room, last_degc);
     if (best < 0) return unknown;
     const double coarse = candidates_[static_cast<std::size_t>(best)];
@@ -64,11 +66,13 @@ class CandidateSearch {
     return finer < 0 ? unknown : fine_[static_cast<std::size_t>(finer)];
   }
 
-  /// Room mean that the network expects at the end of a cycle that begins in `now` at this setpoint, degC.
-  double expected_mean_degc(const ForecastModel<T, Scalar>& model, const Vector& now, double setpoint_degc) {
+  /// Held value that the network expects at the end of a cycle that begins in `now` at this setpoint, degC.
+  double expected_degc(const ControllerSettings& s, const ForecastModel<T, Scalar>& model, const Vector& now,
+                       double setpoint_degc) {
     scaled_ = model.scaler.template signals<Scalar>(now);
+    boxes_ = now.segment(L::vav_on, L::rooms);
     forecast(model, {&setpoint_degc, 1});
-    return short_mean(model.scaler, 0);
+    return predicted(s, model.scaler, 0, false);
   }
 
  private:
@@ -79,7 +83,7 @@ class CandidateSearch {
     forecast(model, candidates_degc);
     for (std::size_t i = 0; i < candidates_degc.size(); ++i) {
       const double move = std::isfinite(last_degc) ? candidates_degc[i] - last_degc : 0.0;
-      const double later_degc = s.long_term != 0 ? long_mean(model.scaler, i) : short_mean(model.scaler, i);
+      const double later_degc = predicted(s, model.scaler, i, s.long_term != 0);
       scores_[i] = setpoint_score(s, room_degc, later_degc, move);
     }
     return best_candidate(s, {scores_.data(), candidates_degc.size()}, candidates_degc, last_degc);
@@ -91,6 +95,19 @@ class CandidateSearch {
     }
     forecast_candidates<T, Scalar>(model.weights, std::span<const Scalar, L::signals>(scaled_.data(), L::signals),
                                    {scaled_setpoints_.data(), candidates_degc.size()}, model.scratch, forecasts_);
+  }
+
+  /// The held value of the predicted rooms, their boxes as they are now, degC.
+  double predicted(const ControllerSettings& s, const Scaler<T>& scaler, std::size_t i, bool in_the_long_run) const {
+    if (s.held.rule == HoldRule::mean) return in_the_long_run ? long_mean(scaler, i) : short_mean(scaler, i);
+    const auto n = rooms_of<T>(site_);
+    Eigen::Matrix<double, L::rooms, 1> rooms = Eigen::Matrix<double, L::rooms, 1>::Zero();
+    for (Eigen::Index r = 0; r < n; ++r) {
+      const auto k = static_cast<std::size_t>(r);
+      const double later = in_the_long_run ? static_cast<double>(forecasts_[i].deviation[k]) : 0.0;
+      rooms(r) = scaler.room_mean() + scaler.room_scale() * (static_cast<double>(forecasts_[i].short_term[k]) + later);
+    }
+    return held_of(s.held, rooms.head(n), boxes_.head(n));
   }
 
   double short_mean(const Scaler<T>& scaler, std::size_t i) const {
@@ -107,6 +124,7 @@ class CandidateSearch {
   Shape site_ = capacity_of<T>();
   int count_ = 0;
   Eigen::Matrix<Scalar, L::signals, 1> scaled_;
+  Eigen::Matrix<double, L::rooms, 1> boxes_;  ///< open or closed, of the state that is searched in
   std::array<double, max_candidates> candidates_{}, fine_{}, scores_{};
   std::array<Scalar, max_candidates> scaled_setpoints_{};
   std::array<RoomForecast<T, Scalar>, max_candidates> forecasts_{};

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "airside/held_rooms.hpp"
 #include "airside/memory_size.hpp"
 #include "airside/reading.hpp"
 #include "airside/topology.hpp"
@@ -12,7 +13,7 @@ namespace airside {
 /// The regressors x of one instant. Units: K, counts; power in units of the scaler. Numbers frozen: blobs and saved
 /// state hold one coefficient each.
 struct HeadFeatures {
-  static constexpr int room_change = 0;          ///< of the mean room temperature in the last cycle
+  static constexpr int room_change = 0;          ///< of the held value of the rooms in the last cycle
   static constexpr int setpoint_change = 1;      ///< filled in when the next setpoint is known
   static constexpr int fcu_change = 2;           ///< of the mean FCU temperature
   static constexpr int power_change = 3;         ///< of the last power meter
@@ -39,6 +40,7 @@ struct HeadInstants {
   const Vector& now;
   double setpoint_before_degc;  ///< applied from `before` until `now`
   double last_move_k;           ///< how much that setpoint differed from the one before it
+  const HeldRooms& held;        ///< the rule of what is held at the target
 };
 
 /// The regressors of an instant on a site of this shape; the setpoint's coming change is left 0, and so is what the
@@ -54,13 +56,13 @@ HeadFeatures head_features(const HeadInstants<T>& at, const Shape& site, double 
   const auto on_change = on - at.before.segment(L::vav_on, n);
   const auto on_change_recent = on - at.recent.segment(L::vav_on, n);
   const auto to_supply = rooms.array() - at.setpoint_before_degc;
-  f.x(HeadFeatures::room_change) = moved.mean();
+  f.x(HeadFeatures::room_change) = held_change_k<T>(at.held, site, at.before, at.now);
   f.x(HeadFeatures::mau_change) = at.now(L::mau_temp) - at.before(L::mau_temp);
   f.x(HeadFeatures::vavs_on_change) = on_change.sum();
   f.x(HeadFeatures::closed_room_change) = 2.0 * ((1.0 - on.array()) * moved.array()).mean();
   f.x(HeadFeatures::supply_mixing) = 0.5 * (on_change.array() * to_supply).mean();
   f.x(HeadFeatures::last_move) = at.last_move_k;
-  f.x(HeadFeatures::room_change_recent) = (rooms - at.recent.head(n)).mean();
+  f.x(HeadFeatures::room_change_recent) = held_change_k<T>(at.held, site, at.recent, at.now);
   f.x(HeadFeatures::supply_mixing_recent) = 0.5 * (on_change_recent.array() * to_supply).mean();
   const int last_power = last_power_of<T>(site);
   if (last_power >= 0) f.x(HeadFeatures::power_change) = (at.now(last_power) - at.before(last_power)) / power_scale_kw;

@@ -11,6 +11,7 @@
 
 #include "airside/civil_time.hpp"
 #include "airside/forecast/head_features.hpp"
+#include "airside/held_rooms.hpp"
 #include "airside/settings.hpp"
 #include "airside/topology.hpp"
 
@@ -83,7 +84,7 @@ ResidualFeatures residual_features(const ControllerSettings& s, CivilTime t, con
   const auto on = at.now.segment(L::vav_on, n);
   const auto off = 1.0 - on.array();
   const auto on_change = on - at.recent.segment(L::vav_on, n);
-  const double mean = rooms.mean();
+  const double mean = held_degc<T>(s.held, s.shape, at.now);
   const double hour = local_time(s, t).second_of_day() / 43200.0 - 1.0;
   Eigen::Matrix<double, F::count, 1> x;
   x(F::error) = memory.error_k;
@@ -91,8 +92,8 @@ ResidualFeatures residual_features(const ControllerSettings& s, CivilTime t, con
   x(F::hour) = hour;
   x(F::hour_squared) = hour * hour;
   x(F::deviation) = mean - s.target_degc;
-  x(F::change_recent) = (rooms - at.recent.head(n)).mean();
-  x(F::change) = (rooms - at.before.head(n)).mean();
+  x(F::change_recent) = held_change_k<T>(s.held, s.shape, at.recent, at.now);
+  x(F::change) = held_change_k<T>(s.held, s.shape, at.before, at.now);
   x(F::move) = head_degc - at.setpoint_before_degc;
   x(F::move_before) = at.last_move_k;
   x(F::to_supply) = head_degc - mean;

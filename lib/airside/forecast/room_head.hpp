@@ -1,5 +1,5 @@
 #pragma once
-// The room head: a recursive linear forecast of how far the mean room temperature will move in the next cycle,
+// The room head: a recursive linear forecast of how far the held value of the rooms moves in the next cycle,
 // with a profile of the day's disturbances. It corrects the network where a room is nearly linear and learns within
 // days; the network gives it the gain it starts from.
 
@@ -54,7 +54,7 @@ class RoomHead {
     updates_ = 0;
   }
 
-  /// Expected change of the room mean over the next cycle if the setpoint stays, K.
+  /// Expected change of the held value over the next cycle if the setpoint stays, K.
   double drift_k(const ControllerSettings& s, CivilTime t, const HeadFeatures& f) const {
     return row(s, t, f).dot(theta_) + s.head_moving_average * last_innovation_k_;
   }
@@ -76,13 +76,13 @@ class RoomHead {
 
   /// The setpoint that removes `head_correction` of the present error by the end of the cycle, degC. `residual_k`: by
   /// which the room will move besides, as another forecast has it.
-  double setpoint_degc(const ControllerSettings& s, CivilTime t, const HeadFeatures& f, double room_mean_degc,
+  double setpoint_degc(const ControllerSettings& s, CivilTime t, const HeadFeatures& f, double held_degc,
                        double setpoint_before_degc, double residual_k = 0) const {
-    const double wanted_k = s.head_correction * (s.target_degc - room_mean_degc);
+    const double wanted_k = s.head_correction * (s.target_degc - held_degc);
     return setpoint_before_degc + (wanted_k - drift_k(s, t, f) - residual_k) / gain(s);
   }
 
-  /// Learns from one completed cycle: features f at t, then the room mean moved by `moved_k`.
+  /// Learns from one completed cycle: features f at t, then the held value moved by `moved_k`.
   /// `noise_factor` > 1 weakens the update (overlapping samples of a history). Returns the innovation, K.
   /// Errors: an input that is not finite changes nothing and returns NaN.
   double update(const ControllerSettings& s, CivilTime t, const HeadFeatures& f, double moved_k,

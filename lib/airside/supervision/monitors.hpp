@@ -58,8 +58,8 @@ class OverrideMonitor {
 class AuthorityMonitor {
  public:
   /// Takes one row. Returns whether it has been so for `authority_s`.
-  bool row(const ControllerSettings& s, CivilTime t, double setpoint_degc, double room_mean_degc) {
-    const double error_k = room_mean_degc - s.target_degc, off_k = std::abs(error_k);
+  bool row(const ControllerSettings& s, CivilTime t, double setpoint_degc, double held_degc) {
+    const double error_k = held_degc - s.target_degc, off_k = std::abs(error_k);
     const double slack_k = 0.5 * s.action_step_k;
     const bool coldest = setpoint_degc <= s.action_min_degc + slack_k && error_k > s.authority_k;
     const bool warmest = setpoint_degc >= s.action_max_degc - slack_k && error_k < -s.authority_k;
@@ -124,18 +124,18 @@ class ExcitationMonitor {
   std::int64_t cycles_ = 0;
 };
 
-/// Our error against that of the schedule's shadow, in working hours: the room mean as it would be had the schedule's
+/// Our error against that of the schedule's shadow, in working hours: the held value as it would be had the schedule's
 /// setpoint been applied, by the room head's gain.
 ///   shadow = s + gain (a_expert - a_applied),  errors |s - target|, |shadow - target|, means over a working day
 class ScheduleShadowMonitor {
  public:
-  void cycle(const ControllerSettings& settings, double room_mean_degc, double applied_degc, double expert_degc,
+  void cycle(const ControllerSettings& settings, double held_degc, double applied_degc, double expert_degc,
              double gain) {
-    if (!std::isfinite(applied_degc) || !std::isfinite(room_mean_degc)) return;
-    const double shadow = room_mean_degc + gain * (expert_degc - applied_degc);
+    if (!std::isfinite(applied_degc) || !std::isfinite(held_degc)) return;
+    const double shadow = held_degc + gain * (expert_degc - applied_degc);
     if (cycles_ < control_cycle(settings).per_day() / 2) ++cycles_;  // a working day
     const double share = 1.0 / static_cast<double>(cycles_);
-    ours_k_ += share * (std::abs(room_mean_degc - settings.target_degc) - ours_k_);
+    ours_k_ += share * (std::abs(held_degc - settings.target_degc) - ours_k_);
     schedule_k_ += share * (std::abs(shadow - settings.target_degc) - schedule_k_);
   }
   bool worse(const ControllerSettings& settings) const {

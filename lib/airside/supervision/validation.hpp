@@ -12,6 +12,7 @@
 
 #include "airside/civil_time.hpp"
 #include "airside/fault.hpp"
+#include "airside/presets.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/signals.hpp"

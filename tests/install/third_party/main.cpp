@@ -8,6 +8,7 @@
 
 #include "airside/controller/instances.hpp"
 #include "airside/controller/weight_payload.hpp"
+#include "airside/presets.hpp"
 
 using namespace airside;
 

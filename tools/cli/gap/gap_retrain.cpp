@@ -37,7 +37,7 @@ struct RetrainCommand : GapOptions {
     p.measured = gap::parse_retrain_room(measured);
     p.site = site_path.empty() ? built_in_site() : load_site(site_path);
     if (!preset.empty()) {
-      p.site = with_preset(p.site, preset == "paper" ? hal::ControllerPreset::paper : hal::ControllerPreset::product);
+      p.site = with_preset(p.site, hal::preset_named(preset));
     }
     if (patched.empty() == changes.empty()) {
       throw hal::InputError("--patched", changes.empty() ? "no patched twin" : "--effect beside it",
@@ -74,8 +74,8 @@ void add_gap_retrain(CLI::App& gap) {
   c->add_option("--measured", self->measured, "the room in which the effect is real")->required();
   c->add_option("--weather", plan.weather, "EPW of a year (default: made up for rc, Tampa for EnergyPlus)");
   c->add_option("--site", self->site_path, "site file: topology, target, hours, settings");
-  c->add_option("--preset", self->preset, "product or paper (default: the site's, else product)")
-      ->check(CLI::IsMember({"product", "paper"}));
+  c->add_option("--preset", self->preset, "product, paper or paper-repaired (default: the site's, else product)")
+      ->check(CLI::IsMember(hal::preset_names()));
   c->add_option("--seeds", plan.seeds, "how many")->check(CLI::Range(1, 100))->capture_default_str();
   c->add_option("--first-seed", plan.first_seed, "the others follow it")->capture_default_str();
   c->add_option("--pretrain-days", plan.pretrain_days, "on each twin")

@@ -61,12 +61,11 @@ struct StudyCommand : StudyOptions {
   };
 
   std::vector<std::string> presets() const {
-    return no_paper ? std::vector<std::string>{"product"} : std::vector<std::string>{"product", "paper"};
+    return no_paper ? std::vector<std::string>{"product"} : hal::preset_names();
   }
 
   static Site site_of(const std::string& preset) {
-    return built_in_site("5vav-5fcu-2power",
-                         preset == "paper" ? hal::ControllerPreset::paper : hal::ControllerPreset::product);
+    return built_in_site("5vav-5fcu-2power", hal::preset_named(preset));
   }
 
   std::string pretrain_source(const Source& source) const {
@@ -203,7 +202,7 @@ struct StudyCommand : StudyOptions {
     j["pretrain_days"] = pretrain_days;
     j["days"] = days;
     std::vector<std::string> order{"ours-product", head_alone, "ours-scratch"};
-    if (!no_paper) order.insert(order.begin() + 1, "ours-paper");
+    if (!no_paper) order.insert(order.begin() + 2, {"ours-paper", "ours-paper-repaired"});
     order.insert(order.end(), methods.begin(), methods.end());
     for (const std::string& name : order) j["methods"][name] = study_figures(outcomes, name, floor);
     std::string text;
@@ -307,7 +306,7 @@ void add_study(CLI::App& app) {
   c->add_option("--methods", self->methods, "peers and floors, comma-separated (default: all of docs/results.md)")
       ->delimiter(',');
   c->add_option("-o,--out", self->out, "JSON file with every run");
-  c->add_flag("--no-paper", self->no_paper, "leave the preset `paper` out; it takes most of the time");
+  c->add_flag("--no-paper", self->no_paper, "leave the presets `paper` and `paper-repaired` out; they take most of the time");
   c->callback([self] { self->run(); });
 }
 

@@ -219,7 +219,7 @@ json json_of(const Retraining& retraining) {
             {"patched", room_json(plan.patched)},
             {"measured", room_json(plan.measured)},
             {"patched_twin_stands_for_measured", retraining.stand_in},
-            {"preset", plan.site.file.preset == hal::ControllerPreset::paper ? "paper" : "product"},
+            {"preset", hal::name_of(plan.site.file.preset)},
             {"weather", plan.weather},
             {"pretrain_days", plan.pretrain_days},
             {"expert_days", plan.expert_days},
