@@ -78,7 +78,8 @@ Pretraining pretrain_as(const Site& site, sim::PlantModel& model, CivilTime unti
     out.run.optimiser_steps = controller->learning().learner.steps();
   }
   out.transitions = controller->replay().total_pushed();
-  if (options.with_residual && settings.head != 0) controller->take_residual(built_in_residual());
+  const bool has_residual = settings.head != 0 && settings.cycle_min == ControllerSettings().cycle_min;
+  if (options.with_residual && has_residual) controller->take_residual(built_in_residual());
   out.blob = blob_of<T>(*controller, options.provenance, until);
   return out;
 }

@@ -19,7 +19,7 @@ struct PretrainOptions {
   std::uint64_t seed = 1;
   int updates_per_cycle = 0;  ///< 0: the preset's; pretraining can afford more than the box
   Pretrainer pretrainer = Pretrainer::agent;
-  bool with_residual = true;  ///< where a room head controls: the blob carries built_in_residual()
+  bool with_residual = true;  ///< the blob carries built_in_residual(), where a room head controls in cycles of 18 min
   std::string provenance;     ///< twin, patches, weather, dates; stored in the blob
 };
 
