@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "airside/civil_time.hpp"
 #include "airside/controller/blob.hpp"
 #include "airside/network/kernels/kernels.hpp"
 

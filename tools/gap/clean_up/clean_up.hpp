@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "airside/civil_time.hpp"
 #include "hal/log/log_csv.hpp"
 #include "sim/weather/weather.hpp"
 
