@@ -15,7 +15,6 @@
 namespace airside::fault_matrix {
 
 namespace {
-
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 tools::Trial trial_of(const std::string& room, std::uint64_t seed) {

@@ -26,7 +26,6 @@
 
 namespace airside::sim {
 namespace {
-
 namespace fs = std::filesystem;
 
 EnergyPlusOptions quiet_twin(int days) {

@@ -1,8 +1,6 @@
 // Each control mode is taken for its reason, and left when that ends; without the reason nothing changes.
 
-#include "airside/presets.hpp"
 #include "support/controller_rig.hpp"
-#include "support/default_cycle.hpp"
 
 namespace airside {
 namespace {
