@@ -45,8 +45,8 @@ std::string site_facts(const hal::SiteFile& f) {
       "{} candidate setpoints "
       "from {} to {} degC, {}",
       f.name, f.scope, f.topology, objective_facts(f, s), clock_text(f.work_start_s), clock_text(f.work_end_s),
-      f.weekday_only ? " on weekdays" : "", hal::name_of(f.preset),
-      f.overrides.size(), candidates, s.action_min_degc, s.action_max_degc,
+      f.weekday_only ? " on weekdays" : "", hal::name_of(f.preset), f.overrides.size(), candidates, s.action_min_degc,
+      s.action_max_degc,
       f.modbus ? "Modbus " + (f.modbus->transport == hal::ModbusTransport::tcp
                                   ? fmt::format("TCP {}:{}", f.modbus->host, f.modbus->port)
                                   : fmt::format("RTU {}", f.modbus->device))
