@@ -30,7 +30,11 @@ std::string clock_text(int second) { return fmt::format("{:02}:{:02}", second / 
 
 /// What is wanted, and what it needs beyond room temperatures and the setpoint.
 std::string objective_facts(const hal::SiteFile& f, const ControllerSettings& s) {
-  if (f.objective == Objective::mean) return fmt::format("objective mean: holds {} degC", f.room_temp_degc);
+  if (f.objective == Objective::mean) {
+    const std::string held =
+        f.held.rule == HoldRule::mean ? "" : fmt::format(" (hold {} of the rooms)", text_of(f.held.rule));
+    return fmt::format("objective mean: holds {} degC{}", f.room_temp_degc, held);
+  }
   return fmt::format(
       "objective band: least energy with each zone within {} K of its setpoints, from damper_n, zone_setpoint_n, "
       "supply_temp, outdoor_temp and power_1; learned on the box, without weights",
