@@ -31,7 +31,10 @@ std::string clock_text(int second) { return fmt::format("{:02}:{:02}", second / 
 /// What is wanted, and what it needs beyond room temperatures and the setpoint.
 std::string objective_facts(const hal::SiteFile& f, const ControllerSettings& s) {
   if (f.objective == Objective::mean) {
-    return fmt::format("objective mean: holds {} degC by a decision every {} min", f.room_temp_degc, f.cycle_min);
+    const std::string held =
+        f.held.rule == HoldRule::mean ? "" : fmt::format(" (hold {} of the rooms)", text_of(f.held.rule));
+    return fmt::format("objective mean: holds {} degC{} by a decision every {} min", f.room_temp_degc, held,
+                       f.cycle_min);
   }
   return fmt::format(
       "objective band: least energy with each zone within {} K of its setpoints, from damper_n, zone_setpoint_n, "
@@ -47,8 +50,8 @@ std::string site_facts(const hal::SiteFile& f) {
       "{} candidate setpoints "
       "from {} to {} degC, {}",
       f.name, f.scope, f.topology, objective_facts(f, s), clock_text(f.work_start_s), clock_text(f.work_end_s),
-      f.weekday_only ? " on weekdays" : "", hal::name_of(f.preset),
-      f.overrides.size(), candidates, s.action_min_degc, s.action_max_degc,
+      f.weekday_only ? " on weekdays" : "", hal::name_of(f.preset), f.overrides.size(), candidates, s.action_min_degc,
+      s.action_max_degc,
       f.modbus ? "Modbus " + (f.modbus->transport == hal::ModbusTransport::tcp
                                   ? fmt::format("TCP {}:{}", f.modbus->host, f.modbus->port)
                                   : fmt::format("RTU {}", f.modbus->device))

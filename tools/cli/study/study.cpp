@@ -306,7 +306,8 @@ void add_study(CLI::App& app) {
   c->add_option("--methods", self->methods, "peers and floors, comma-separated (default: all of docs/results.md)")
       ->delimiter(',');
   c->add_option("-o,--out", self->out, "JSON file with every run");
-  c->add_flag("--no-paper", self->no_paper, "leave the presets `paper` and `paper-repaired` out; they take most of the time");
+  c->add_flag("--no-paper", self->no_paper,
+              "leave the presets `paper` and `paper-repaired` out; they take most of the time");
   c->callback([self] { self->run(); });
 }
 
