@@ -36,7 +36,7 @@ std::vector<Case> sites() {
       {"SiteOfDaemon",
        "airsided --site site.toml --check",
        site("port = 502", "port = 70000"),
-       {"site.toml:39:1: modbus.port", "70000", "1 to 65535", "default is 502"}},
+       {"site.toml:40:1: modbus.port", "70000", "1 to 65535", "default is 502"}},
       {"SiteWithoutModbusOfDaemon",
        "airsided --site site.toml --check",
        file("site.toml", "[site]\nname = \"a\"\ntopology = \"5vav-5fcu-2power\"\n"),
