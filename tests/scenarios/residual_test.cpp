@@ -163,13 +163,14 @@ TEST_F(ResidualCommand, RefusesAFileThatHoldsNoCycles) {
     EXPECT_FALSE(fs::exists(folder.path() / "none.blob"));
     return o.err;
   };
-  const auto header = [](std::uint32_t regressors, std::uint32_t learned) {
-    const std::array<std::uint32_t, 4> numbers{regressors, 0, learned, 0};
+  const auto header = [](std::uint32_t regressors, std::uint32_t learned, std::uint32_t cycle_min = 18) {
+    const std::array<std::uint32_t, 4> numbers{regressors, cycle_min, learned, 0};
     return "airside cycles 1" + std::string(reinterpret_cast<const char*>(numbers.data()), sizeof numbers);
   };
   EXPECT_NE(complaint("few").find("3 bytes"), std::string::npos);
   EXPECT_NE(complaint(std::string(80, 'x')).find("another kind of file"), std::string::npos);
   EXPECT_NE(complaint(header(17, 0)).find("17 regressors"), std::string::npos);
+  EXPECT_NE(complaint(header(18, 0, 12)).find("cycles of 12 min"), std::string::npos);
   EXPECT_NE(complaint(header(18, 1)).find("of 1 cycles"), std::string::npos);
   EXPECT_NE(complaint(header(18, 1) + std::string(76, '\xFF')).find("not finite"), std::string::npos);
   EXPECT_NE(run({"residual", "plain.blob", "--cycles", "absent.cycles"}).err.find("absent.cycles"), std::string::npos);

@@ -109,7 +109,8 @@ struct ResidualCommand {
     ResidualCycles all;
     for (std::size_t i = 0; i < list.size(); ++i) {
       std::vector<ResidualSample> more = samples_from(texts[i]);
-      all.add(list[i].is_tried ? ResidualCycles{{}, std::move(more)} : ResidualCycles{std::move(more), {}});
+      all.add(list[i].is_tried ? ResidualCycles{{}, std::move(more), s.settings.cycle_min}
+                               : ResidualCycles{std::move(more), {}, s.settings.cycle_min});
     }
     return all;
   }
@@ -126,6 +127,14 @@ struct ResidualCommand {
     return simulate(s, source, list);
   }
 
+  static ResidualCycles cycles_of(const Site& s, const std::string& path) {
+    ResidualCycles found = read_cycles(path);
+    if (found.cycle_min == s.settings.cycle_min) return found;
+    throw hal::InputError(path, fmt::format("cycles of {} min", found.cycle_min),
+                          fmt::format("those of the site, {} min", s.settings.cycle_min),
+                          "give the --site that they were made with, or make them anew");
+  }
+
   /// A file of kept cycles, or what was simulated, and how well its tried cycles are predicted.
   struct Tried {
     std::string what;
@@ -137,7 +146,7 @@ struct ResidualCommand {
     const BlobBytes source = read_blob(blob, s);
     if (out.empty()) out = blob;
     std::vector<ResidualCycles> parts;
-    for (const std::string& path : kept) parts.push_back(read_cycles(path));
+    for (const std::string& path : kept) parts.push_back(cycles_of(s, path));
     BlobPlace place(out, most_blob_bytes(s));
     RunFacts facts;
     if (parts.empty()) parts.push_back(simulated(s, source, facts));

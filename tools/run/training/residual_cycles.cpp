@@ -23,7 +23,7 @@ namespace {
 
 struct CyclesHeader {
   std::array<char, 16> magic{'a', 'i', 'r', 's', 'i', 'd', 'e', ' ', 'c', 'y', 'c', 'l', 'e', 's', ' ', '1'};
-  std::uint32_t regressors = ResidualFeatures::count, reserved = 0;
+  std::uint32_t regressors = ResidualFeatures::count, cycle_min = 0;
   std::uint32_t learned = 0, tried = 0;
 };
 static_assert(sizeof(CyclesHeader) == 32);
@@ -54,6 +54,7 @@ bool is_finite(const ResidualSample& s) {
 void ResidualCycles::add(const ResidualCycles& more) {
   learned.insert(learned.end(), more.learned.begin(), more.learned.end());
   tried.insert(tried.end(), more.tried.begin(), more.tried.end());
+  cycle_min = more.cycle_min;
 }
 
 void write_residual_text(const std::string& path, const ResidualNetwork& network) {
@@ -68,6 +69,7 @@ void write_residual_text(const std::string& path, const ResidualNetwork& network
 
 void write_cycles(const std::string& path, const ResidualCycles& cycles) {
   CyclesHeader header;
+  header.cycle_min = static_cast<std::uint32_t>(cycles.cycle_min);
   header.learned = static_cast<std::uint32_t>(cycles.learned.size());
   header.tried = static_cast<std::uint32_t>(cycles.tried.size());
   std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
@@ -102,7 +104,7 @@ ResidualCycles read_cycles(const std::string& path) {
     throw hal::InputError(path, "a value that is not finite", "numbers", remedy);
   }
   const auto middle = all.begin() + header.learned;
-  return {{all.begin(), middle}, {middle, all.end()}};
+  return {{all.begin(), middle}, {middle, all.end()}, static_cast<int>(header.cycle_min)};
 }
 
 }  // namespace airside::tools
