@@ -15,26 +15,26 @@ namespace airside {
 namespace {
 
 using Room = ThreeVav;
-using L = Layout<Room>;
-using Vector = Reading<Room>::Vector;
+using RoomLayout = Layout<Room>;
+using RoomVector = Reading<Room>::Vector;
 
 constexpr Shape site = capacity_of<Room>();
 
-Vector rooms_at(double a, double b, double c) {
-  Vector v = Vector::Zero();
+RoomVector rooms_at(double a, double b, double c) {
+  RoomVector v = RoomVector::Zero();
   v.head(3) << a, b, c;
-  v.segment(L::vav_on, 3).setOnes();
+  v.segment(RoomLayout::vav_on, 3).setOnes();
   return v;
 }
 HeldRooms by_weights(double a, double b, double c) { return {HoldRule::weighted, {a, b, c}}; }
 
 TEST(HeldRooms, MeanIsThePlainMeanToTheBit) {
-  const Vector v = rooms_at(24.1, 25.3, 27.7);
+  const RoomVector v = rooms_at(24.1, 25.3, 27.7);
   EXPECT_EQ(held_degc<Room>({}, site, v), v.head(3).mean());
 }
 
 TEST(HeldRooms, WeightsOfOneAreTheMeanAndOneWeightAloneIsThatRoom) {
-  const Vector v = rooms_at(24, 25, 28);
+  const RoomVector v = rooms_at(24, 25, 28);
   EXPECT_NEAR(held_degc<Room>(by_weights(1, 1, 1), site, v), v.head(3).mean(), 1e-12);
   EXPECT_NEAR(held_degc<Room>(by_weights(0, 3, 0), site, v), 25, 1e-12);
   EXPECT_NEAR(held_degc<Room>(by_weights(1, 1, 2), site, v), (24 + 25 + 2 * 28) / 4.0, 1e-12);
@@ -45,19 +45,19 @@ TEST(HeldRooms, MiddleIsAsFarFromTheWarmestAsFromTheColdest) {
 }
 
 TEST(HeldRooms, MiddleLeavesOutRoomsWhoseBoxIsClosedUnlessAllAre) {
-  Vector v = rooms_at(24, 25, 28);
-  v(L::vav_on + 2) = 0;
+  RoomVector v = rooms_at(24, 25, 28);
+  v(RoomLayout::vav_on + 2) = 0;
   EXPECT_NEAR(held_degc<Room>({HoldRule::middle}, site, v), 24.5, 1e-12);
   EXPECT_NEAR(held_degc<Room>(by_weights(0, 0, 1), site, v), 28, 1e-12) << "weights are the site's own wish";
-  v.segment(L::vav_on, 3).setZero();
+  v.segment(RoomLayout::vav_on, 3).setZero();
   EXPECT_NEAR(held_degc<Room>({HoldRule::middle}, site, v), 26, 1e-12);
 }
 
 TEST(HeldRooms, ABoxThatClosesOrOpensIsNoChangeOfTemperature) {
   const HeldRooms middle{HoldRule::middle};
-  const Vector open = rooms_at(24, 25, 28);
-  Vector closed = open;
-  closed(L::vav_on + 2) = 0;
+  const RoomVector open = rooms_at(24, 25, 28);
+  RoomVector closed = open;
+  closed(RoomLayout::vav_on + 2) = 0;
   EXPECT_EQ(held_change_k<Room>(middle, site, open, closed), 0);
   EXPECT_EQ(held_change_k<Room>(middle, site, closed, open), 0);
   EXPECT_EQ(held_after_degc<Room>(middle, site, open, closed), 26) << "what a forecast made with three rooms meant";
@@ -67,7 +67,7 @@ TEST(HeldRooms, ABoxThatClosesOrOpensIsNoChangeOfTemperature) {
 }
 
 TEST(HeldRooms, RegressorsOfTheHeadAreChangesOfTheHeldValue) {
-  const Vector before = rooms_at(24, 25, 26), recent = rooms_at(24, 25, 27), now = rooms_at(24, 25, 27.5);
+  const RoomVector before = rooms_at(24, 25, 26), recent = rooms_at(24, 25, 27), now = rooms_at(24, 25, 27.5);
   const HeldRooms mean, last = by_weights(0, 0, 1), middle{HoldRule::middle};
   const auto of = [&](const HeldRooms& held) {
     return head_features<Room>({before, recent, now, 21.0, 0.0, held}, site, 1.0);
@@ -88,7 +88,7 @@ struct Drawn {
     scaler.scale.setConstant(2);
     settings.shape = site;
   }
-  double expected(const HeldRooms& held, const Vector& now) {
+  double expected(const HeldRooms& held, const RoomVector& now) {
     settings.held = held;
     search.configure(settings);
     return search.expected_degc(settings, {scaler, scratch->packed, *scratch}, now, 22.0);
@@ -102,7 +102,7 @@ struct Drawn {
 
 TEST(HeldRooms, NetworkJudgesItsPredictedRoomsByTheSameRule) {
   Drawn drawn;
-  Vector now = rooms_at(24, 25, 26);
+  RoomVector now = rooms_at(24, 25, 26);
   const double a = drawn.expected(by_weights(1, 0, 0), now), b = drawn.expected(by_weights(0, 1, 0), now),
                c = drawn.expected(by_weights(0, 0, 1), now);
   EXPECT_NEAR(drawn.expected({}, now), (a + b + c) / 3, 1e-9);
