@@ -265,7 +265,7 @@ const Case cases[] = {
     {"SectionMistyped",
      "[weights]",
      "[weigths]",
-     {":64:", "unknown key `weigths`", "weights", "did you mean `weights`"}},
+     {":65:", "unknown key `weigths`", "weights", "did you mean `weights`"}},
     {"PatchesNotTexts",
      "# [twin]\n# model",
      "[twin]\nmodel = \"rc\"\npatches = [1]\n#",

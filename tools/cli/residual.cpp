@@ -10,7 +10,6 @@
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "sim/scenarios/scenario.hpp"
-#include "tools/cli/blob/blob_facts.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/run/child_jobs.hpp"
 #include "tools/run/plant_choice.hpp"
@@ -100,7 +99,7 @@ struct ResidualCommand {
 
   /// Runs all jobs. Weights that have a network already control with it: what it leads to is learned from, too.
   ResidualCycles simulate(const Site& s, const BlobBytes& source, const std::vector<Job>& list) const {
-    const BlobBytes under = facts_of_blob(source, blob).header.residual_parameters != 0 ? source : BlobBytes();
+    const BlobBytes under = has_residual(source) ? source : BlobBytes();
     Progress bar(fmt::format("simulating {} runs of {} days", list.size(), days), list.size());
     const auto texts = run_children(
         list.size(), jobs, [&](std::size_t i) { return run_job(s, under, list[i]); },

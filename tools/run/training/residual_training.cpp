@@ -193,6 +193,12 @@ ResidualNetwork train_residual(std::span<const ResidualSample> samples, const Re
   return network;
 }
 
+bool has_residual(const BlobBytes& blob) {
+  BlobHeader header;
+  std::memcpy(&header, blob.data(), sizeof header);
+  return header.residual_parameters != 0;
+}
+
 BlobBytes with_residual(const Site& site, const BlobBytes& blob, const ResidualNetwork& network,
                         const std::string& provenance) {
   BlobBytes out;

@@ -48,6 +48,9 @@ struct ResidualTraining {
 ResidualNetwork train_residual(std::span<const ResidualSample> samples, const ResidualTraining& training,
                                const OnProgress& progress = {});
 
+/// Whether a blob that was read carries a residual network.
+bool has_residual(const BlobBytes& blob);
+
 /// The blob with another residual network, all else as it was.
 BlobBytes with_residual(const Site& site, const BlobBytes& blob, const ResidualNetwork& network,
                         const std::string& provenance);
