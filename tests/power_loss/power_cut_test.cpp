@@ -177,7 +177,7 @@ CutCounts without_sync_of(const Trace& life, const std::string& prefix) {
     careless.ops.push_back(op);
   }
   CutOptions few = options();
-  few.states = few.most_states = 4000;
+  few.states = few.most_states = 8000;  // fewer end before the first push
   few.stride = 7;
   return cut_power(careless, few);
 }
