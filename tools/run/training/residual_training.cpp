@@ -133,7 +133,7 @@ std::string bytes_of(std::span<const ResidualSample> samples) {
 
 std::vector<ResidualSample> samples_from(std::string_view bytes) {
   std::vector<ResidualSample> out(bytes.size() / sizeof(ResidualSample));
-  std::memcpy(out.data(), bytes.data(), out.size() * sizeof(ResidualSample));
+  if (!out.empty()) std::memcpy(out.data(), bytes.data(), out.size() * sizeof(ResidualSample));
   return out;
 }
 
