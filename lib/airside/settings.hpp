@@ -217,8 +217,8 @@ constexpr bool settings_valid(const ControllerSettings& s) {
   }
   const double candidates = (s.action_max_degc - s.action_min_degc) / s.action_step_k;
   return fits_objective(s.objective, s.cycle_min) && demand_settings_valid(s.demand) &&
-         held_rooms_valid(s.held, s.shape.vavs) && s.work_start_h < s.work_end_h &&
-         s.fan_start_h < s.fan_end_h && s.action_min_degc < s.action_max_degc && candidates < max_candidates - 1 &&
+         held_rooms_valid(s.held, s.shape.vavs) && s.work_start_h < s.work_end_h && s.fan_start_h < s.fan_end_h &&
+         s.action_min_degc < s.action_max_degc && candidates < max_candidates - 1 &&
          s.limit_min_degc < s.limit_max_degc && s.head_gain_min < s.head_gain_max;
 }
 

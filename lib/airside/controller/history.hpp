@@ -83,14 +83,13 @@ class HistoryReader {
     const auto& earlier = window_.at(2 * cycle.rows);
     const Scaler<T>& scaler = controller_.learning().scaler;
     const Shape site = controller_.settings().shape;
-    HeadFeatures f =
-        head_features<T>({.before = earlier.value,
-                          .recent = window_.at(cycle.rows + 1).value,
-                          .now = before.value,
-                          .setpoint_before_degc = earlier.setpoint_degc,
-                          .last_move_k = earlier.setpoint_degc - window_.setpoint_degc(3 * cycle.rows),
-                          .held = controller_.settings().held},
-                         site, scaler.head_power_scale(site));
+    HeadFeatures f = head_features<T>({.before = earlier.value,
+                                       .recent = window_.at(cycle.rows + 1).value,
+                                       .now = before.value,
+                                       .setpoint_before_degc = earlier.setpoint_degc,
+                                       .last_move_k = earlier.setpoint_degc - window_.setpoint_degc(3 * cycle.rows),
+                                       .held = controller_.settings().held},
+                                      site, scaler.head_power_scale(site));
     f.x(HeadFeatures::setpoint_change) = before.setpoint_degc - earlier.setpoint_degc;
     const HeldRooms& held = controller_.settings().held;
     const double moved = held_after_degc<T>(held, site, before.value, now) - held_degc<T>(held, site, before.value);
