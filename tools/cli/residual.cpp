@@ -106,10 +106,11 @@ struct ResidualCommand {
         [&](std::size_t i) { return list[i].name(); }, [&bar] { bar.advance(); });
     bar.finish();
     ResidualCycles all;
+    all.cycle_min = s.settings.cycle_min;
     for (std::size_t i = 0; i < list.size(); ++i) {
-      std::vector<ResidualSample> more = samples_from(texts[i]);
-      all.add(list[i].is_tried ? ResidualCycles{{}, std::move(more), s.settings.cycle_min}
-                               : ResidualCycles{std::move(more), {}, s.settings.cycle_min});
+      const std::vector<ResidualSample> more = samples_from(texts[i]);
+      std::vector<ResidualSample>& part = list[i].is_tried ? all.tried : all.learned;
+      part.insert(part.end(), more.begin(), more.end());
     }
     return all;
   }

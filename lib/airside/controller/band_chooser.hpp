@@ -8,6 +8,7 @@
 #include "airside/controller/pending_cycle.hpp"
 #include "airside/demand/band_objective.hpp"
 #include "airside/demand/demand_reading.hpp"
+#include "airside/demand_settings.hpp"
 #include "airside/learning/learning_state.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"

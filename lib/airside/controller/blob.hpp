@@ -8,6 +8,7 @@
 #include <span>
 #include <tl/expected.hpp>
 
+#include "airside/civil_time.hpp"
 #include "airside/controller/blob_layout.hpp"  // IWYU pragma: export
 #include "airside/fault.hpp"
 #include "airside/forecast/residual_forecaster.hpp"

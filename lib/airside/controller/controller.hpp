@@ -20,7 +20,6 @@
 #include "airside/held_rooms.hpp"
 #include "airside/presets.hpp"
 #include "airside/reading.hpp"
-#include "airside/settings.hpp"
 #include "airside/supervision/control_mode.hpp"
 #include "airside/supervision/envelope.hpp"
 #include "airside/supervision/mode_table.hpp"

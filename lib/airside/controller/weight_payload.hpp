@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "airside/civil_time.hpp"
 #include "airside/controller/blob.hpp"
 #include "airside/controller/controller.hpp"
 #include "airside/forecast/room_head.hpp"
 #include "airside/network/network.hpp"
+#include "airside/settings.hpp"
 #include "airside/topology.hpp"
 
 namespace airside {

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "airside/civil_time.hpp"
-
 namespace airside {
 
 /// Tokens that are earned by the cycle and spent by the write.
