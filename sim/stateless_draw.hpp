@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <string_view>
 
 #include "airside/splitmix64.hpp"
 
@@ -15,6 +16,13 @@ inline std::uint64_t draw_bits(std::uint64_t seed, std::uint64_t stream, std::ui
   SplitMix64 middle(outer.next() ^ (place * 0x8CB92BA72F3D8DD7u));
   SplitMix64 inner(middle.next() ^ (static_cast<std::uint64_t>(slot) * 0xABC98388FB8FAC03u));
   return inner.next();
+}
+
+/// A number of a name, by which things that have names are drawn: FNV-1a, the same on every machine.
+constexpr std::uint64_t seed_of_name(std::string_view name) {
+  std::uint64_t hash = 0xCBF29CE484222325u;
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+  return hash;
 }
 
 /// Uniform in [0, 1).

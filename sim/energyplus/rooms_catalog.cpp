@@ -10,6 +10,7 @@
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/options.hpp"
 #include "sim/json/json_file.hpp"
+#include "sim/stateless_draw.hpp"
 
 namespace airside::sim {
 namespace {
@@ -73,11 +74,9 @@ std::optional<int> tuning_number(const std::string& name) {
   return is_known ? std::optional(number) : std::nullopt;
 }
 
-/// exp(uniform in +-ln most), the same for the same room and text.
-double drawn_factor(std::uint64_t seed, std::string_view text, double most) {
-  std::uint64_t hash = 0xCBF29CE484222325u;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
-  return std::exp(std::log(most) * SplitMix64(seed ^ hash).symmetric());
+/// exp(uniform in +-ln most), the same for the same room and name.
+double drawn_factor(std::uint64_t seed, std::string_view name, double most) {
+  return std::exp(std::log(most) * SplitMix64(seed ^ seed_of_name(name)).symmetric());
 }
 
 /// "Mixing A From B" and "Mixing B From A" name one opening, whose flows are equal.

@@ -18,6 +18,7 @@
 #include "support/program.hpp"
 #include "tools/run/plant_choice.hpp"
 #include "tools/run/training/built_in_residual.hpp"
+#include "tools/run/training/residual_cycles.hpp"
 #include "tools/run/training/residual_training.hpp"
 #include "tools/run/training/transfer.hpp"
 #include "tools/study/control_methods.hpp"
@@ -148,10 +149,23 @@ TEST_F(ResidualCommand, LearnsFromCyclesThatWereKept) {
   ASSERT_EQ(found["tried"].size(), 3u) << "each file, and all";
   EXPECT_EQ(found["tried"][0]["what"], "a.cycles");
   EXPECT_EQ(found["tried"][2]["error_ratio"], found["error_ratio"]);
-  if (found["written"]) {
-    const std::string numbers = text_of_file(folder.path() / "numbers.inc");
-    EXPECT_EQ(std::ranges::count(numbers, ','), ResidualNetwork::parameters);
-  }
+  EXPECT_EQ(found["written"], found["error_ratio"] <= 0.99);
+  EXPECT_EQ(fs::exists(folder.path() / "numbers.inc"), found["written"]);
+  EXPECT_EQ(fs::exists(folder.path() / "both.blob"), found["written"]);
+}
+
+TEST_F(ResidualCommand, TextHoldsAllBitsOfTheBuiltInNetwork) {
+  const fs::path text = folder.path() / "numbers.inc";
+  write_residual_text(text.string(), built_in_residual());
+  EXPECT_EQ(text_of_file(text),
+            text_of_file(fs::path(AIRSIDE_SOURCE_DIR) / "tools/run/training/built_in_residual.inc"));
+  std::ifstream in(text);
+  std::string number;
+  std::size_t i = 0;
+  for (; in >> number; ++i) EXPECT_EQ(std::stof(number), built_in_residual().values.at(i)) << i;
+  EXPECT_EQ(i, std::size_t{ResidualNetwork::parameters});
+  EXPECT_THROW(write_residual_text((folder.path() / "none" / "numbers.inc").string(), built_in_residual()),
+               hal::InputError);
 }
 
 TEST_F(ResidualCommand, RefusesAFileThatHoldsNoCycles) {
@@ -181,14 +195,15 @@ TEST_F(ResidualCommand, PretrainedWeightsCarryTheBuiltInNetwork) {
   ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "3", "-o", "with.blob"}).code, 0);
   ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "3", "--no-residual", "-o", "without.blob"}).code, 0);
   ASSERT_EQ(run({"pretrain", "--plant", "rc", "--days", "3", "--preset", "paper", "-o", "paper.blob"}).code, 0);
-  const auto parameters = [&](const std::string& blob) {
+  const auto header = [&](const std::string& blob, const char* field) {
     const Outcome o = run({"blob", "inspect", blob, "--json"});
     EXPECT_EQ(o.code, 0) << o.err;
-    return json::parse(o.out)["header"]["residual_parameters"].get<std::string>();
+    return json::parse(o.out)["header"][field].get<std::string>();
   };
-  EXPECT_EQ(parameters("with.blob"), "1189");
-  EXPECT_EQ(parameters("without.blob"), "0");
-  EXPECT_EQ(parameters("paper.blob"), "0") << "there is no head whose error it could predict";
+  EXPECT_EQ(header("with.blob", "residual_parameters"), "1189");
+  EXPECT_EQ(header("without.blob", "residual_parameters"), "0");
+  EXPECT_EQ(header("paper.blob", "residual_parameters"), "0") << "there is no head whose error it could predict";
+  EXPECT_EQ(header("with.blob", "head_states"), "94") << "days off do not travel unless somebody asks for them";
   EXPECT_TRUE(built_in_residual().is_sound());
   const auto dae = [&](const std::string& blob) {
     const Outcome o = run({"simulate", "--plant", "rc", "--room", "tuning-11", "--scenario", "outages", "--weights",

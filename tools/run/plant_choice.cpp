@@ -22,6 +22,7 @@
 #include "sim/rc/rc_plant.hpp"
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/scenarios/scenario.hpp"
+#include "sim/stateless_draw.hpp"
 #include "sim/weather/epw.hpp"
 #include "sim/weather/synthetic_weather.hpp"
 #include "tools/baselines/baseline.hpp"
@@ -33,9 +34,7 @@ namespace {
 
 /// The room's own weather where no file is given: the same name always has the same year.
 std::uint64_t weather_seed(const std::string& room, std::uint64_t seed) {
-  std::uint64_t hash = 0xCBF29CE484222325u;
-  for (const char c : room) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
-  return hash % 100000 + seed * 100000;
+  return sim::seed_of_name(room) % 100000 + seed * 100000;
 }
 
 /// "study-7" or "tuning-3": a member of one of the two generated sets.

@@ -26,8 +26,6 @@ namespace {
 constexpr double worse_margin_degc = 0.02;
 /// What `product` is compared with day by day.
 constexpr const char* rival = "integral-tuned";
-/// `product` from the same weights without their residual network.
-constexpr const char* head_alone = "ours-head-alone";
 
 struct StudyCommand : StudyOptions {
   std::string out, twin_room;

@@ -10,6 +10,9 @@
 
 namespace airside::tools {
 
+/// A method of studies: `product` from the same weights without their residual network.
+constexpr const char* head_alone = "ours-head-alone";
+
 /// Many runs on several rooms and seeds.
 struct StudyOptions {
   std::string kind = "auto";

@@ -23,7 +23,6 @@ namespace {
 
 struct ScenariosCommand : StudyOptions {
   static constexpr const char* ours = "ours-product";
-  static constexpr const char* head_alone = "ours-head-alone";  ///< without the residual network
   /// A day on which DAE is higher than the rival's by more than this counts as worse. degC.
   static constexpr double worse_margin_degc = 0.02;
 

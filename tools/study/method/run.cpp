@@ -169,6 +169,7 @@ nlohmann::json run_pretraining(const MethodStudy& study, const MethodJob& job) {
   PretrainOptions options;
   options.seed = job.seed;
   options.pretrainer = job.row->start == MethodStart::static_twin ? Pretrainer::drawn_schedules : Pretrainer::agent;
+  options.with_residual = false;  // it is of cycles of 18 min: rows of other lengths would have none
   options.provenance = fmt::format("airside study method: {}", job.name());
   const Pretraining made = pretrain(site, *plant, {plant->time().seconds + days * seconds_per_day}, options);
   hal::StagedFile blob((fs::path(study.folder) / (job.name() + ".blob")).string());
