@@ -15,7 +15,7 @@ namespace airside::edge {
 
 // Every build must read what every other has saved: strict or not, 32 or 64 bits. Where one of these changes on
 // purpose, state_version does too.
-static_assert(sizeof(LearningState<FiveZone, float>) == 710848 && sizeof(RowRecord<FiveZone>) == 13024);
+static_assert(sizeof(LearningState<FiveZone, float>) == 710848 && sizeof(RowRecord<FiveZone>) == 13056);
 
 template <Topology T>
 Daemon<T>::Daemon(const hal::SiteFile& site, const hal::PointMap& points, const DaemonOptions& options,

@@ -28,6 +28,10 @@ constexpr auto controller_columns = std::to_array<ControllerColumn>({
     {"loss_rc", &ControllerColumns::loss_rc, nullptr},
     {"loss_rec", &ControllerColumns::loss_rec, nullptr},
     {"fault", nullptr, &ControllerColumns::fault},
+    {"expected_held_degc", &ControllerColumns::expected_held_degc, nullptr},
+    {"expected_error_k", &ControllerColumns::expected_error_k, nullptr},
+    {"residual_forecast_k", &ControllerColumns::residual_forecast_k, nullptr},
+    {"residual_share", &ControllerColumns::residual_share, nullptr},
 });
 
 }  // namespace airside::hal

@@ -72,7 +72,11 @@ struct ControllerColumns {
   double a_g36_degc = none;      ///< what Guideline 36 would command
   double confidence = none;      ///< 0..1
   double loss_strb = none, loss_tdb = none, loss_gc = none, loss_rc = none, loss_rec = none;
-  std::string fault;  ///< text of the gravest active fault, "none" where there is none
+  std::string fault;                  ///< text of the gravest active fault, "none" where there is none
+  double expected_held_degc = none;   ///< held value forecast for the end of the cycle
+  double expected_error_k = none;     ///< root mean square of what such forecasts were wrong by lately
+  double residual_forecast_k = none;  ///< what the residual network adds to the head's forecast, where all of it counts
+  double residual_share = none;       ///< how much of it counts: 0, 0.5 or 1
 };
 
 /// One row. Shape: value: signals() of the topology. Units: as in the column names.

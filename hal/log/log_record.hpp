@@ -73,6 +73,10 @@ void fill_log_row(LogRow& row, const Shape& site, CivilTime t, const Expected<Re
   c.loss_gc = decided ? decision.loss.gc : none;
   c.loss_rc = decided ? decision.loss.rc : none;
   c.loss_rec = decided ? decision.loss.rec : none;
+  c.expected_held_degc = decided ? decision.expected_degc : none;
+  c.expected_error_k = decided ? decision.expected_error_k : none;
+  c.residual_forecast_k = decided ? decision.residual_k : none;
+  c.residual_share = decided ? decision.residual_share : none;
 }
 
 /// Fills what the site shows beside the network's inputs, in the order of `sides`. Cost: no heap.

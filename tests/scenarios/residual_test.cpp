@@ -81,17 +81,58 @@ Metrics controlled(const Trial& trial, const BlobBytes& blob) {
   return metrics_of(trial.site, run_ours(trial, prepared, {blob, false, 0}));
 }
 
-TEST(ResidualForecast, ANetworkThatIsWrongIsNotAskedForLong) {
-  const Trial trial = trial_in("301-real", 10);
-  Prepared prepared = prepare(trial);
-  FineTuneOptions options;
-  options.steps = 300;
-  const BlobBytes plain = transfer(trial.site, {}, prepared.history, options).blob;
+/// A network that always says 0.3 K.
+ResidualNetwork wrong_network() {
   ResidualNetwork wrong;
   std::vector<float> values(ResidualNetwork::parameters, 0.0f);
   for (int i = 0; i < ResidualNetwork::inputs; ++i) values[static_cast<std::size_t>(ResidualNetwork::inputs + i)] = 1;
-  values.back() = 0.3f;  // K, whatever is seen
+  values.back() = 0.3f;
   wrong.take(values);
+  return wrong;
+}
+
+BlobBytes plain_blob(const Trial& trial) {
+  Prepared prepared = prepare(trial);
+  FineTuneOptions options;
+  options.steps = 300;
+  return transfer(trial.site, {}, prepared.history, options).blob;
+}
+
+TEST(ResidualForecast, TheLogSaysWhatWasExpectedAndHowMuchOfTheNetworkCounts) {
+  const Trial trial = trial_in("301-real", 4);
+  Prepared prepared = prepare(trial);
+  const ControlRun run =
+      run_ours(trial, prepared, {with_residual(trial.site, plain_blob(trial), wrong_network(), ""), false, 0});
+  const auto mean = [](const hal::LogRow& row) {
+    return (row.value[0] + row.value[1] + row.value[2] + row.value[3] + row.value[4]) / 5;
+  };
+  double wrong_k2 = 0, said_k2 = 0;
+  int counted = 0;
+  std::vector<double> shares;
+  for (std::size_t i = 3; i + 3 < run.rows.size(); ++i) {
+    const hal::ControllerColumns& c = run.rows[i].controller;
+    if (!std::isfinite(c.expected_held_degc)) continue;
+    if (std::isfinite(c.residual_share)) {
+      EXPECT_EQ(c.residual_forecast_k, static_cast<double>(0.3f));
+      shares.push_back(c.residual_share);
+      if (c.residual_share > 0) continue;  // what is wrong on purpose is no measure of the error
+    }
+    wrong_k2 += std::pow(mean(run.rows[i + 3]) - c.expected_held_degc, 2);
+    said_k2 += c.expected_error_k * c.expected_error_k;
+    ++counted;
+  }
+  ASSERT_GT(shares.size(), 80u);
+  EXPECT_EQ(shares.front(), 1);
+  EXPECT_EQ(shares.back(), 0);
+  ASSERT_GT(counted, 200);
+  EXPECT_GT(said_k2 / wrong_k2, 0.7);
+  EXPECT_LT(said_k2 / wrong_k2, 1.5);
+}
+
+TEST(ResidualForecast, ANetworkThatIsWrongIsNotAskedForLong) {
+  const Trial trial = trial_in("301-real", 10);
+  const BlobBytes plain = plain_blob(trial);
+  const ResidualNetwork wrong = wrong_network();
   const Metrics alone = controlled(trial, plain),
                 misled = controlled(trial, with_residual(trial.site, plain, wrong, ""));
   EXPECT_GT(misled.days.front().dae_degc, alone.days.front().dae_degc + 0.005) << "it is asked at first";

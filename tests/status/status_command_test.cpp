@@ -73,6 +73,26 @@ TEST_F(StatusCommand, SaysThatADaemonRunsAndThatItHasStoppedInOrder) {
   EXPECT_EQ(look().code, 3) << "and that stays so";
 }
 
+TEST_F(StatusCommand, SaysWhatItExpectsAndWhatTheResidualNetworkAdds) {
+  run_and_stop();
+  change("expected_held_degc", 25.5);
+  change("expected_error_k", 0.0441);
+  change("residual_forecast_k", -0.03);
+  change("residual_share", 0.5);
+  const std::string text = look().out;
+  EXPECT_NE(text.find("it expects them at 25.50 degC by the end of the cycle (lately wrong by 0.04 K). The residual "
+                      "network expects 0.03 K less than the room head does; half of it counts."),
+            std::string::npos)
+      << text;
+  json older = snapshot();
+  for (const char* name : {"expected_error_k", "residual_forecast_k", "residual_share"}) older.erase(name);
+  std::ofstream(status, std::ios::trunc) << older;
+  const Outcome of_older = look();
+  EXPECT_EQ(of_older.code, 3) << of_older.err;
+  EXPECT_NE(of_older.out.find("by the end of the cycle."), std::string::npos) << of_older.out;
+  EXPECT_EQ(of_older.out.find("residual"), std::string::npos) << of_older.out;
+}
+
 TEST_F(StatusCommand, TellsAnOldStatusAndAnAlarmFromOneThatRuns) {
   run_and_stop();
   change("stopped", false);

@@ -62,6 +62,10 @@ class Snapshot {
   }
   /// Nothing for null.
   std::optional<double> number(const char* name) const { return number(name, member(name)); }
+  /// Nothing for null, and where an older daemon has no such member.
+  std::optional<double> optional_number(const char* name) const {
+    return object_.contains(name) ? number(name) : std::nullopt;
+  }
   std::uint64_t count(const char* name) const {
     const json& v = member(name);
     if (!v.is_number_unsigned()) refuse(name, v.dump(), "a count");
@@ -221,6 +225,17 @@ std::string rooms_text(const Snapshot& s) {
   return fmt::format("The rooms' {} is {:.2f} degC, {} of {:.2f} degC (rooms: {}).", of, *held, side, *target, rooms);
 }
 
+/// What the residual network adds, where it has something to say.
+std::string residual_text(const Snapshot& s) {
+  const auto forecast = s.optional_number("residual_forecast_k"), share = s.optional_number("residual_share");
+  if (!forecast || !share) return "";
+  return fmt::format(" The residual network expects {:.2f} K {} than the room head does; {} of it counts.",
+                     std::abs(*forecast), *forecast < 0 ? "less" : "more",
+                     *share <= 0  ? "none"
+                     : *share < 1 ? "half"
+                                  : "all");
+}
+
 std::string setpoint_text(const Snapshot& s) {
   const auto applied = s.number("setpoint_degc"), network = s.number("network_setpoint_degc");
   const auto head = s.number("head_setpoint_degc"), expert = s.number("expert_setpoint_degc");
@@ -236,8 +251,11 @@ std::string setpoint_text(const Snapshot& s) {
   if (!wishes.empty()) text += " (proposed: " + wishes + ')';
   if (const auto expected = s.number("expected_held_degc")) {
     text += fmt::format("; it expects them at {:.2f} degC by the end of the cycle", *expected);
+    if (const auto error = s.optional_number("expected_error_k")) {
+      text += fmt::format(" (lately wrong by {:.2f} K)", *error);
+    }
   }
-  return text + '.';
+  return text + '.' + residual_text(s);
 }
 
 std::string learning_text(const Snapshot& s) {

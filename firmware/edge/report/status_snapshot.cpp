@@ -120,6 +120,9 @@ std::size_t StatusFile::format(CivilTime now, const StatusSnapshot& s) {
   text.number("confidence", s.decision.confidence);
   text.number("expected_held_degc", s.decision.expected_degc);
   text.number("expected_room_mean_degc", s.hold == HoldRule::mean ? s.decision.expected_degc : Decision::none);
+  text.number("expected_error_k", s.decision.expected_error_k);
+  text.number("residual_forecast_k", s.decision.residual_k);
+  text.number("residual_share", s.decision.residual_share);
   text.count("cycles", s.cycles);
   text.count("rejected_updates", s.rejected_updates);
   text.count("replay_transitions", s.replay_transitions);

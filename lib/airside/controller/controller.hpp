@@ -79,6 +79,7 @@ class Controller : public ControllerMemory<T, Scalar> {
     if (!applied && !outcome.is_released) note(applied.error());
     supervisor.account(pending, applied, pending.flows);
     decision_.expected_degc = proposer_.expect(settings_, learning_, cycle_, scratch_, pending, outcome.applied_degc());
+    decision_.expected_error_k = Proposer<T, Scalar>::expected_error_k(cycle_);
     if (pending.is_completed) {
       replay_.push_news(pending.completed_row);
       if (pending.mode == ControlMode::learn) learn(supervisor);

@@ -30,9 +30,12 @@ struct Decision {
   double g36_degc = none;      ///< what Guideline 36 would command
   double confidence = none;    ///< c_t before it is made effective
   double head_share = none;    ///< weight of the head against the network
-  double network_error_k = none;  ///< by which the network's forecast of the cycle that ended was wrong
-  double head_error_k = none;     ///< the same of the room head's
-  double expected_degc = none;    ///< held value forecast for the end of the cycle, at the applied setpoint
+  double network_error_k = none;   ///< by which the network's forecast of the cycle that ended was wrong
+  double head_error_k = none;      ///< the same of the room head's
+  double residual_k = none;        ///< by which the residual network expects the head's forecast to be wrong, K
+  double residual_share = none;    ///< of that which the choice takes into account: 0, 0.5 or 1
+  double expected_degc = none;     ///< held value forecast for the end of the cycle, at the applied setpoint
+  double expected_error_k = none;  ///< root mean square of what such forecasts were wrong by lately, about a day
   LossTerms loss{none, none, none, none, none, none};  ///< of the transition that just ended
 };
 

@@ -27,7 +27,6 @@ struct PendingCycle : Decision {
   HeadFeatures features;                                ///< of this decision, where has_features
   ResidualFeatures residual_features;                   ///< of this decision, where has_residual_features
   typename ReplayRing<T, Scalar>::Row completed_row{};  ///< the transition that just ended, where is_completed
-  double residual_k = none;                             ///< the forecast of the head's error, whatever share is used
   bool has_features = false;
   bool has_residual_features = false;
   bool is_completed = false;

@@ -76,7 +76,14 @@ class Proposer {
     cycle.head_expected_degc = held(s, at.now) + learning.head.drift_k(s, at.time, at.features) +
                                learning.head.gain(s) * (applied_degc - cycle.last_setpoint_degc);
     if (!std::isfinite(cycle.head_expected_degc)) return cycle.network_expected_degc;
-    return cycle.head_expected_degc + used_residual_k(learning, at);
+    return cycle.head_expected_degc + used_residual_k(at);
+  }
+
+  /// Root mean square of the errors of the forecasts that count, over about the last day, K; NaN: there is no forecast.
+  /// Equation: q <- q + 0.05 (e^2 - q) each cycle, e the error of the head's forecast, else of the network's.
+  static double expected_error_k(const CycleState<T>& cycle) {
+    if (std::isfinite(cycle.head_expected_degc)) return std::sqrt(cycle.head_error_k2);
+    return std::isfinite(cycle.network_expected_degc) ? std::sqrt(cycle.network_error_k2) : unknown;
   }
 
  private:
@@ -109,11 +116,12 @@ class Proposer {
     at.has_residual_features = true;
     if (learning.residual.network.is_trained == 0) return;
     at.residual_k = learning.residual.network.forecast_k(at.residual_features);
-    at.head_degc = head_choice(s, learning.head, cycle.last_setpoint_degc, used_residual_k(learning, at), at);
+    at.residual_share = learning.residual.gate.share();
+    at.head_degc = head_choice(s, learning.head, cycle.last_setpoint_degc, used_residual_k(at), at);
   }
 
-  static double used_residual_k(const LearningState<T, Scalar>& learning, const Pending& at) {
-    return std::isfinite(at.residual_k) ? learning.residual.gate.share() * at.residual_k : 0.0;
+  static double used_residual_k(const Pending& at) {
+    return std::isfinite(at.residual_k) ? at.residual_share * at.residual_k : 0.0;
   }
 
   static double head_choice(const ControllerSettings& s, const RoomHead<T>& head, double last_degc, double residual_k,

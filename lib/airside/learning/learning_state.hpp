@@ -29,7 +29,7 @@ namespace airside {
 
 /// Counts up whenever the meaning of a byte of LearningState or CycleState changes, sizes apart: saved state of another
 /// number is not read.
-constexpr std::uint32_t state_version = 14;
+constexpr std::uint32_t state_version = 15;
 
 /// What learning has produced: saved as one generation. Plain bytes, no pointers.
 template <Topology T, class Scalar>
