@@ -277,6 +277,7 @@ void add_study(CLI::App& app) {
   add_study_nights(*study);
   add_study_residuals(*study);
   add_study_method(*study);
+  add_study_all(*study);
   add_study_scenarios(*study);
   auto self = std::make_shared<StudyCommand>();
   CLI::App* c = study->add_subcommand(

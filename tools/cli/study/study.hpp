@@ -35,6 +35,7 @@ void add_study_nights(CLI::App& study);
 void add_study_tune(CLI::App& study);
 void add_study_residuals(CLI::App& study);
 void add_study_method(CLI::App& study);
+void add_study_all(CLI::App& study);
 void add_study_scenarios(CLI::App& study);
 
 }  // namespace airside::tools

@@ -33,6 +33,9 @@ def _row(study, room, method, several):
             continue
         row[name] = statistics.fmean(values)
         row[name + "_sd"] = statistics.stdev(values) if len(values) > 1 else None
+    days = [figures["daily_dae_degc"] for figures in several if figures.get("daily_dae_degc")]
+    if len(days) == len(several):
+        row["daily_dae_degc"] = [statistics.fmean(day) for day in zip(*days)]
     if study == "transfer":
         row["mae_average_degc"] = (row["mae_summer_degc"] + row["mae_winter_degc"]) / 2
     return row

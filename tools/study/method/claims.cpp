@@ -217,7 +217,7 @@ struct Claim {
   const char* where = "";     ///< it is measured; beside a rule: what the runs lack of the claim
 };
 
-constexpr auto claims = std::to_array<Claim>({
+constexpr auto all_claims = std::to_array<Claim>({
     {1, "a learned environment errs little, its slopes have the right sign", "0.0347 °C", nullptr,
      "tools/learn_environment prints it"},
     {2, "D' converges to the long-term deviation", "", nullptr, "tests/gradient/closed_form_test.cpp"},
@@ -251,6 +251,34 @@ constexpr auto claims = std::to_array<Claim>({
     {24, "transfer needs less data: better at 1, 3 and 5 days", "", needs_less_data},
 });
 
+/// What the peers' own conditions say of a claim. Returns whether each of them could be judged.
+bool add_conditions(Judgement& j, const PeerRows& peers, int claim) {
+  bool any = false, all = true;
+  for (const PeerCondition& c : peers.conditions) {
+    if (c.claim != claim) continue;
+    any = true;
+    all = all && c.holds.has_value();
+    if (c.holds) j.part(*c.holds, fmt::format("{}: {}", c.condition, *c.holds ? "yes" : "no"));
+  }
+  return any && all;
+}
+
+/// Verdict on one claim from runs and peers.
+ClaimVerdict verdict_on(const Claim& claim, const MethodResults& results, const PeerRows& peers) {
+  ClaimVerdict v{claim.number, claim.claim, claim.published, ClaimState::elsewhere, claim.where};
+  Judgement judgement(results);
+  if (claim.judge != nullptr) claim.judge(judgement);
+  const bool is_whole = add_conditions(judgement, peers, claim.number);
+  if (claim.judge == nullptr && judgement.text().empty()) return v;
+  v.state = judgement.state();
+  const bool lacks_some = !v.ours.empty() && !is_whole;
+  if (lacks_some && v.state == ClaimState::reproduced) v.state = ClaimState::partly;
+  if (is_whole) v.ours.clear();
+  const bool both = !judgement.text().empty() && !v.ours.empty();
+  v.ours = judgement.text() + (both ? "; " : "") + v.ours;
+  return v;
+}
+
 }  // namespace
 
 const char* text_of(ClaimState state) {
@@ -264,21 +292,9 @@ const char* text_of(ClaimState state) {
   return "not by these runs";
 }
 
-std::vector<ClaimVerdict> judge_claims(const MethodResults& results) {
+std::vector<ClaimVerdict> judge_claims(const MethodResults& results, const PeerRows& peers) {
   std::vector<ClaimVerdict> list;
-  for (const Claim& claim : claims) {
-    ClaimVerdict v{claim.number, claim.claim, claim.published, ClaimState::elsewhere, claim.where};
-    if (claim.judge != nullptr) {
-      Judgement judgement(results);
-      claim.judge(judgement);
-      v.state = judgement.state();
-      const bool lacks_some = !v.ours.empty();
-      if (lacks_some && v.state == ClaimState::reproduced) v.state = ClaimState::partly;
-      const bool both = !judgement.text().empty() && !v.ours.empty();
-      v.ours = judgement.text() + (both ? "; " : "") + v.ours;
-    }
-    list.push_back(std::move(v));
-  }
+  for (const Claim& claim : all_claims) list.push_back(verdict_on(claim, results, peers));
   return list;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/study/method/peer_rows.hpp"
 #include "tools/study/method/results.hpp"
 
 namespace airside::tools {
@@ -20,8 +21,8 @@ struct ClaimVerdict {
 };
 
 /// All claims in order. A claim whose runs are missing says so; one of several parts is partly reproduced where some of
-/// them hold, and at most so where the claim is also about methods that these runs do not have.
-std::vector<ClaimVerdict> judge_claims(const MethodResults& results);
+/// them hold, and at most so where the claim is also about methods that neither these runs nor `peers` have.
+std::vector<ClaimVerdict> judge_claims(const MethodResults& results, const PeerRows& peers = {});
 
 nlohmann::json json_of(const std::vector<ClaimVerdict>& claims);
 std::string claims_markdown(const std::vector<ClaimVerdict>& claims);

@@ -1,6 +1,7 @@
 #include "tools/study/method/results.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <set>
 
@@ -34,6 +35,10 @@ void check(const fs::path& file, const nlohmann::json& j, const MethodStudy& stu
   for (const auto& [name, value] : j["figures"].items()) {
     if (!value.is_number()) refuse(file, "figures." + name, value.dump(), "a number");
   }
+  const nlohmann::json daily = j.value("daily_dae_degc", nlohmann::json::array());
+  if (!daily.is_array() || !std::ranges::all_of(daily, [](const nlohmann::json& v) { return v.is_number(); })) {
+    refuse(file, "daily_dae_degc", daily.dump().substr(0, 40), "a list of numbers");
+  }
 }
 
 bool is_run(const fs::path& file) {
@@ -45,17 +50,22 @@ bool is_run(const fs::path& file) {
 
 }  // namespace
 
-MethodResults MethodResults::read(const MethodStudy& study) {
+std::vector<fs::path> run_files(const MethodStudy& study) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(study.folder)) {
     if (is_run(entry.path())) files.push_back(entry.path());
   }
   std::ranges::sort(files);
+  return files;
+}
+
+MethodResults MethodResults::read(const MethodStudy& study) {
   MethodResults out;
-  for (const fs::path& file : files) {
+  for (const fs::path& file : run_files(study)) {
     const nlohmann::json j = sim::read_json(file);
     check(file, j, study);
-    out.runs_.push_back({j["row"], j["room"], j["seed"], j["figures"]});
+    out.runs_.push_back(
+        {j["row"], j["room"], j["seed"], j["figures"], j.value("daily_dae_degc", std::vector<double>())});
   }
   return out;
 }
@@ -67,6 +77,23 @@ Spread MethodResults::spread(const std::string& row, const std::string& key, con
       values.push_back(run.figures[key]);
   }
   return spread_of(values);
+}
+
+std::vector<Spread> MethodResults::daily_dae(const std::string& row, const std::string& room) const {
+  std::vector<const std::vector<double>*> runs;
+  std::size_t days = SIZE_MAX;
+  for (const Run& run : runs_) {
+    if (run.row != row || (!room.empty() && run.room != room) || run.daily_dae_degc.empty()) continue;
+    runs.push_back(&run.daily_dae_degc);
+    days = std::min(days, run.daily_dae_degc.size());
+  }
+  std::vector<Spread> out;
+  for (std::size_t day = 0; !runs.empty() && day < days; ++day) {
+    std::vector<double> values;
+    for (const auto* run : runs) values.push_back((*run)[day]);
+    out.push_back(spread_of(values));
+  }
+  return out;
 }
 
 bool MethodResults::has(const std::string& row) const {

@@ -1,6 +1,8 @@
 #pragma once
 // The runs that a folder holds, asked by row, room and figure.
 
+#include <cstdint>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -9,6 +11,9 @@
 #include "tools/study/method/run.hpp"
 
 namespace airside::tools {
+
+/// The files of runs that the study's folder has, in order of name.
+std::vector<std::filesystem::path> run_files(const MethodStudy& study);
 
 class MethodResults {
  public:
@@ -22,6 +27,8 @@ class MethodResults {
     return spread(row, key, room).mean;
   }
   bool has(const std::string& row) const;
+  /// DAE of each controlled day over the runs of a row; days that not every run has are left out.
+  std::vector<Spread> daily_dae(const std::string& row, const std::string& room = "") const;
   /// How many seeds the folder has of any row, and how many runs.
   int seeds() const;
   std::size_t runs() const { return runs_.size(); }
@@ -34,6 +41,7 @@ class MethodResults {
     std::string row, room;
     std::uint64_t seed = 0;
     nlohmann::json figures;
+    std::vector<double> daily_dae_degc;
   };
   std::vector<Run> runs_;
 };

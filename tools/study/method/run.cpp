@@ -279,6 +279,17 @@ std::string MethodJob::source_name() const {
   return fmt::format("{}_{}_{}", source_row(row->start), source_room(row->start, room), seed);
 }
 
+std::vector<std::string> MethodJob::sources() const {
+  if (row->work != MethodWork::offline) {
+    const std::string one = source_name();
+    return one.empty() ? std::vector<std::string>{} : std::vector<std::string>{one};
+  }
+  std::vector<std::string> list;
+  for (const MethodStart start : {MethodStart::dynamic_twin, MethodStart::static_twin})
+    list.push_back(fmt::format("{}_{}_{}", source_row(start), source_room(start, room), seed));
+  return list;
+}
+
 bool runs_in_environment(MethodTable table) {
   return table == MethodTable::control || table == MethodTable::score || table == MethodTable::ablation;
 }

@@ -35,6 +35,8 @@ struct MethodJob {
   std::string name() const;
   /// The file with the weights that it starts from, without the ending; "" for scratch.
   std::string source_name() const;
+  /// All jobs whose weights it starts from, by name.
+  std::vector<std::string> sources() const;
 };
 
 /// Every job of these tables and seeds, seed by seed, in the order of method_rows(); those that others start from are
