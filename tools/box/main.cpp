@@ -16,8 +16,10 @@ int main(int argc, char** argv) {
       "airside"};
   app.set_version_flag("--version", hal::version_line("airside") + " (box)");
   app.require_subcommand(1);
+  tools::add_doctor(app);
   tools::add_probe(app);
   tools::add_status(app);
+  tools::add_watch(app);
   tools::add_weights(app);
   try {
     app.parse(argc, argv);

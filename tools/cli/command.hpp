@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "tools/cli/site/doctor.hpp"
 #include "tools/run/control_run.hpp"
 #include "tools/run/metrics.hpp"
 #include "tools/run/progress/progress.hpp"
@@ -17,6 +18,11 @@ void add_chaos(CLI::App& app);
 void add_adopt(CLI::App& app);
 void add_check(CLI::App& app);
 void add_init(CLI::App& app);
+/// Adds what it finds on this machine beyond what a box needs.
+using LookAtHost = void (*)(std::vector<DoctorFinding>& out);
+void look_at_host(std::vector<DoctorFinding>& out);
+/// `look_at_host`: none on the box.
+void add_doctor(CLI::App& app, LookAtHost look_at_host = nullptr);
 void add_pretrain(CLI::App& app);
 void add_residual(CLI::App& app);
 void add_transfer(CLI::App& app);
@@ -27,6 +33,10 @@ void add_blob(CLI::App& app);
 void add_report(CLI::App& app);
 void add_footprint(CLI::App& app);
 void add_status(CLI::App& app);
+/// What `airside status` prints of a status.json, a state folder or a site file.
+/// Errors: hal::InputError for a status that cannot be read.
+std::string status_sentences(const std::string& path);
+void add_watch(CLI::App& app);
 void add_probe(CLI::App& app);
 void add_gap(CLI::App& app);
 void add_pull(CLI::App& app);

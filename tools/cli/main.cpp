@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   tools::add_check(app);
   tools::add_init(app);
+  tools::add_doctor(app, tools::look_at_host);
   tools::add_adopt(app);
   tools::add_pretrain(app);
   tools::add_residual(app);
@@ -36,6 +37,7 @@ int main(int argc, char** argv) {
   tools::add_footprint(app);
   tools::add_probe(app);
   tools::add_status(app);
+  tools::add_watch(app);
   tools::add_weights(app, tools::send_over_http);
   tools::add_pull(app);
   tools::add_gap(app);

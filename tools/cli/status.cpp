@@ -324,6 +324,13 @@ struct StatusCommand {
 
 }  // namespace
 
+std::string status_sentences(const std::string& path) {
+  const fs::path file = snapshot_of(path);
+  const Snapshot snapshot(file);
+  const double age = age_s(file);
+  return sentences(snapshot, age, condition_of(snapshot, age));
+}
+
 void add_status(CLI::App& app) {
   auto self = std::make_shared<StatusCommand>();
   CLI::App* c = app.add_subcommand("status", "what the box is doing, in plain sentences");

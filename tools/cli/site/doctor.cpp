@@ -1,0 +1,325 @@
+// airside doctor: what is missing on this machine, or for a site, with the line that mends it.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <netdb.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <sys/timex.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include "hal/points/point_map.hpp"
+#include "hal/site/site_file.hpp"
+#include "hal/site/site_settings.hpp"
+#include "hal/system/version.hpp"
+#include "hal/text/input_error.hpp"
+#include "hal/weights/key_ring.hpp"
+#include "sim/json/json_file.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/cli/site/doctor.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double old_status_s = 900;  ///< the box writes every 6 min
+constexpr int connect_ms = 3000;
+
+/// The daemon's own files beside the logs: state, its two copies, status, inbox.
+constexpr double state_mb = 32;
+
+std::string quoted(const std::string& path) { return path.find(' ') == std::string::npos ? path : "'" + path + "'"; }
+
+bool is_in_path(const char* program) {
+  const char* path = std::getenv("PATH");
+  std::string_view left = path != nullptr ? path : "";
+  while (!left.empty()) {
+    const std::size_t end = left.find(':');
+    const fs::path file = fs::path(left.substr(0, end)) / program;
+    if (::access(file.c_str(), X_OK) == 0) return true;
+    left.remove_prefix(end == std::string_view::npos ? left.size() : end + 1);
+  }
+  return false;
+}
+
+/// The folder itself, or the one in which it would be made.
+fs::path nearest_folder(const fs::path& folder) {
+  std::error_code ignored;
+  fs::path at = fs::absolute(folder, ignored);
+  while (!at.empty() && !fs::exists(at, ignored) && at != at.parent_path()) at = at.parent_path();
+  return at;
+}
+
+class Doctor {
+ public:
+  explicit Doctor(std::vector<DoctorFinding>& out) : out_(out) {}
+
+  void look_at_machine() {
+    ok("program", hal::version_line("airside"));
+    timex clock{};
+    if (::adjtimex(&clock) < 0) {
+      advise("clock", "cannot be asked", "timedatectl");
+    } else if ((clock.status & STA_UNSYNC) != 0) {
+      advise("clock", "not kept in step with a time server; the schedule follows it", "sudo timedatectl set-ntp true");
+    } else {
+      ok("clock", "kept in step with a time server");
+    }
+    if (is_in_path("airsided")) {
+      ok("daemon", "airsided is installed");
+    } else {
+      advise("daemon", "no airsided in the PATH: this is no box, or it is not installed",
+             "sudo apt install ./airsided_*.deb");
+    }
+  }
+
+  void look_at_site(const std::string& path) {
+    site_ = quoted(path);
+    std::optional<hal::SiteFile> site;
+    if (!tries("site", [&] {
+          site = hal::read_site_file(path, hal::site_rules());
+          return fmt::format("\"{}\", {}", site->name, site->topology);
+        })) {
+      return;
+    }
+    folder("state", site->state_dir, state_mb);
+    folder("log", site->log_dir, site->log_max_files * site->log_max_file_mb);
+    folder("inbox", site->inbox_dir, 1);
+    weights(*site);
+    if (!site->modbus) {
+      advise("bus", "no [modbus]: the site is only simulated", "airside init --help");
+      return;
+    }
+    points(*site);
+    bus(*site->modbus);
+    daemon(*site);
+  }
+
+ private:
+  void ok(const char* what, std::string found) { out_.push_back({what, DoctorState::ok, std::move(found), ""}); }
+  void advise(const char* what, std::string found, std::string remedy) {
+    out_.push_back({what, DoctorState::advice, std::move(found), std::move(remedy)});
+  }
+  void miss(const char* what, std::string found, std::string remedy) {
+    out_.push_back({what, DoctorState::missing, std::move(found), std::move(remedy)});
+  }
+
+  /// Runs `look`, which returns what it found; a complaint of a reader is a finding too.
+  template <class Look>
+  bool tries(const char* what, Look&& look) {
+    try {
+      ok(what, look());
+      return true;
+    } catch (const hal::InputError& e) {
+      miss(what, fmt::format("{}: found {}; expected {}", e.place(), e.found(), e.expected()), e.remedy());
+    }
+    return false;
+  }
+
+  void folder(const char* what, const std::string& dir, double needs_mb) {
+    const fs::path at = nearest_folder(dir);
+    std::error_code ignored;
+    if (fs::exists(dir, ignored) && !fs::is_directory(dir, ignored)) {
+      miss(what, dir + " is no folder", fmt::format("mv {} {}.old", quoted(dir), quoted(dir)));
+      return;
+    }
+    if (::access(at.c_str(), W_OK | X_OK) != 0) {
+      miss(what, fmt::format("{} cannot be written by this user", at.string()),
+           fmt::format("sudo chown airside: {}, or run this as airside: sudo -u airside airside doctor {}",
+                       quoted(at.string()), site_));
+      return;
+    }
+    struct statvfs room {};
+    struct statfs kind {};
+    constexpr long tmpfs = 0x01021994;
+    if (::statfs(at.c_str(), &kind) == 0 && kind.f_type == tmpfs && std::string_view(what) == "state") {
+      advise(what, dir + " is in memory: what is learned is lost with the power", "name a folder on a disk in [state]");
+      return;
+    }
+    if (::statvfs(at.c_str(), &room) == 0) {
+      const double free_mb = static_cast<double>(room.f_bavail) * static_cast<double>(room.f_frsize) / 1e6;
+      if (free_mb < needs_mb) {
+        advise(what, fmt::format("{} has {:.0f} MB free, {:.0f} MB may be needed", dir, free_mb, needs_mb),
+               "free some, or set max_files and max_file_mb in [log]");
+        return;
+      }
+      ok(what, fmt::format("{}, {:.0f} MB free", dir, free_mb));
+      return;
+    }
+    ok(what, dir);
+  }
+
+  void weights(const hal::SiteFile& site) {
+    std::error_code ignored;
+    if (!site.weights_blob.empty() && !fs::exists(site.weights_blob, ignored)) {
+      miss("weights", "no file at " + site.weights_blob,
+           fmt::format("airside pretrain --site {} -o {}", site_, quoted(site.weights_blob)));
+    } else if (!site.weights_blob.empty()) {
+      ok("weights", site.weights_blob);
+    } else if (site.objective == Objective::mean) {
+      advise("weights", "none named in [weights]: the schedule runs until some are pushed",
+             fmt::format("airside pretrain --site {} -o room.blob, then blob = \"room.blob\" in [weights]", site_));
+    }
+    tries("keys", [&] {
+      const hal::KeyRing keys = hal::KeyRing::load(site.keys_dir);
+      return keys.size() > 0 ? hal::describe(keys)
+                             : "none in " + site.keys_dir + ": no pushed weights are taken (airside keygen makes one)";
+    });
+  }
+
+  void points(const hal::SiteFile& site) {
+    tries("points", [&] {
+      const hal::PointMap map = hal::PointMap::load(site.modbus->points);
+      const Shape shape = parse_shape(site.topology.c_str());
+      map.check_topology(shape.vavs, shape.fcus, shape.powers, site.stand_ins);
+      hal::refuse_contradiction(site, map);
+      if (map.find("heartbeat") == nullptr) {
+        advise("heartbeat", "no point of that name: an AHU does not notice when the box is gone",
+               "give it a register in " + quoted(site.modbus->points) + ", which the AHU watches");
+      }
+      return fmt::format("{} points in {}", map.points().size(), site.modbus->points);
+    });
+  }
+
+  void bus(const hal::ModbusSection& modbus) {
+    if (modbus.transport == hal::ModbusTransport::rtu) {
+      serial(modbus.device);
+      return;
+    }
+    const std::string failure = connects(modbus.host, modbus.port);
+    const std::string address = fmt::format("{}:{}", modbus.host, modbus.port);
+    if (failure.empty()) {
+      ok("bus", address + " takes a connection");
+    } else {
+      miss("bus", address + ": " + failure,
+           fmt::format("ping {}; see cable, address and firewall, then airside probe {}", modbus.host, site_));
+    }
+  }
+
+  void serial(const std::string& device) {
+    struct stat status {};
+    if (::stat(device.c_str(), &status) != 0) {
+      miss("bus", fmt::format("{}: {}", device, std::strerror(errno)),
+           "ls /dev/serial/by-id; name one in [modbus] device");
+    } else if (!S_ISCHR(status.st_mode)) {
+      miss("bus", device + " is no serial line", "ls /dev/serial/by-id; name one in [modbus] device");
+    } else if (::access(device.c_str(), R_OK | W_OK) != 0) {
+      miss("bus", device + " may not be used by this user", "sudo usermod -aG dialout $USER, then log in again");
+    } else {
+      ok("bus", device);
+    }
+  }
+
+  /// Why nothing answers there; "" where something takes a connection.
+  static std::string connects(const std::string& host, int port) {
+    addrinfo wanted{}, *found = nullptr;
+    wanted.ai_socktype = SOCK_STREAM;
+    if (const int error = ::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &wanted, &found); error != 0) {
+      return ::gai_strerror(error);
+    }
+    const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> addresses(found, &::freeaddrinfo);
+    const int socket = ::socket(found->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (socket < 0) return std::strerror(errno);
+    int failed = ::connect(socket, found->ai_addr, found->ai_addrlen) == 0 ? 0 : errno;
+    if (failed == EINPROGRESS) {
+      pollfd ready{socket, POLLOUT, 0};
+      socklen_t size = sizeof failed;
+      if (::poll(&ready, 1, connect_ms) != 1) {
+        failed = ETIMEDOUT;
+      } else if (::getsockopt(socket, SOL_SOCKET, SO_ERROR, &failed, &size) != 0) {
+        failed = errno;
+      }
+    }
+    ::close(socket);
+    return failed == 0 ? "" : std::strerror(failed);
+  }
+
+  void daemon(const hal::SiteFile& site) {
+    const fs::path status = fs::path(site.state_dir) / "status.json";
+    std::error_code ignored;
+    if (!fs::exists(status, ignored)) {
+      advise("status", "airsided has not run with this site yet",
+             fmt::format("airsided --check --site {}; then sudo systemctl enable --now airsided", site_));
+      return;
+    }
+    const double age_s =
+        std::chrono::duration<double>(fs::file_time_type::clock::now() - fs::last_write_time(status, ignored)).count();
+    if (age_s > old_status_s) {
+      advise("status", fmt::format("{} is {:.0f} min old: airsided does not run", status.string(), age_s / 60),
+             "systemctl status airsided");
+    } else if (sim::read_json(status).value("stopped", false)) {
+      advise("status", "airsided has stopped in order", "sudo systemctl start airsided");
+    } else {
+      ok("status", fmt::format("written {:.0f} s ago", age_s));
+    }
+  }
+
+  std::vector<DoctorFinding>& out_;
+  std::string site_;  ///< as it is typed in a shell
+};
+
+const char* word_of(DoctorState state) {
+  switch (state) {
+    case DoctorState::ok: return "ok";
+    case DoctorState::advice: return "advice";
+    case DoctorState::missing: break;
+  }
+  return "MISSING";
+}
+
+struct DoctorCommand {
+  std::string site;
+  bool json = false;
+  LookAtHost look_at_host = nullptr;
+
+  void run() const {
+    std::vector<DoctorFinding> found;
+    Doctor doctor(found);
+    doctor.look_at_machine();
+    if (look_at_host != nullptr) look_at_host(found);
+    if (!site.empty()) doctor.look_at_site(site);
+    const auto missing = std::ranges::count(found, DoctorState::missing, &DoctorFinding::state);
+    if (json) {
+      nlohmann::json list = nlohmann::json::array();
+      for (const DoctorFinding& f : found)
+        list.push_back({{"what", f.what}, {"state", word_of(f.state)}, {"found", f.found}, {"remedy", f.remedy}});
+      const nlohmann::json all{{"ok", missing == 0}, {"findings", list}};
+      fmt::print("{}\n", all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    } else {
+      for (const DoctorFinding& f : found) {
+        fmt::print("{:<8} {:<10} {}\n", word_of(f.state), f.what, f.found);
+        if (!f.remedy.empty()) fmt::print("{:>19} {}\n", "do:", f.remedy);
+      }
+    }
+    std::fflush(stdout);
+    if (missing != 0) throw std::runtime_error(fmt::format("{} of {} things are missing", missing, found.size()));
+  }
+};
+
+}  // namespace
+
+void add_doctor(CLI::App& app, LookAtHost look_at_host) {
+  auto self = std::make_shared<DoctorCommand>();
+  self->look_at_host = look_at_host;
+  CLI::App* c = app.add_subcommand(
+      "doctor",
+      "look at this machine, and at all that a site needs of it, and say what is missing, with the line that mends "
+      "it.\n"
+      "It changes nothing, and does not speak Modbus: airside probe does. Exit code 1 where something is missing; an\n"
+      "advice is none.");
+  c->add_option("site", self->site, "site file, such as /etc/airside/site.toml (default: the machine alone)");
+  c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
+  c->callback([self] { self->run(); });
+}
+
+}  // namespace airside::tools
