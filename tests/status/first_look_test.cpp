@@ -1,4 +1,4 @@
-// `airside doctor` says what is missing, with the line that mends it; `airside watch` shows what the log has.
+// `airside doctor` says what is missing, with the line that fixes it; `airside watch` shows what the log has.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// airside doctor: what is missing on this machine, or for a site, with the line that mends it.
+// airside doctor: what is missing on this machine, or for a site, with the line that fixes it.
 
 #include <fcntl.h>
 #include <fmt/format.h>

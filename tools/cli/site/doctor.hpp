@@ -16,7 +16,7 @@ struct DoctorFinding {
   std::string what;
   DoctorState state = DoctorState::ok;
   std::string found;   ///< one line
-  std::string remedy;  ///< the line that mends it; "" where nothing is to be done
+  std::string remedy;  ///< the line that fixes it; "" where nothing is to be done
 };
 
 }  // namespace airside::tools
