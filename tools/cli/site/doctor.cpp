@@ -313,7 +313,7 @@ void add_doctor(CLI::App& app, LookAtHost look_at_host) {
   self->look_at_host = look_at_host;
   CLI::App* c = app.add_subcommand(
       "doctor",
-      "look at this machine, and at all that a site needs of it, and say what is missing, with the line that mends "
+      "look at this machine, and at all that a site needs of it, and say what is missing, with the line that fixes "
       "it.\n"
       "It changes nothing, and does not speak Modbus: airside probe does. Exit code 1 where something is missing; an\n"
       "advice is none.");
