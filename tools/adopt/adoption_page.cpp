@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "hal/text/shell_word.hpp"
 #include "tools/adopt/advice.hpp"
 #include "tools/adopt/site_text.hpp"
 
@@ -170,14 +171,15 @@ std::string missing_text(const Adoption& a) {
 }  // namespace
 
 std::string next_steps(const Adoption& a, const std::string& folder) {
+  const auto file = [&folder](const char* name) { return hal::shell_word(folder + name); };
   std::string text;
-  if (!a.serves_band()) text += fmt::format("airside pretrain --site {0}site.toml -o {0}site.blob\n", folder);
+  if (!a.serves_band()) text += fmt::format("airside pretrain --site {} -o {}\n", file("site.toml"), file("site.blob"));
   return text + fmt::format(
-                    "airside check {0}site.toml\n"
-                    "airside serve --site {0}site.toml --twin --start 2021-07-05 --days 7 &\n"
-                    "airsided --site {0}site.toml --until 2021-07-12T00:00:00 --no-sync\n"
-                    "airside report {0}log --site {0}site.toml -o {0}report\n",
-                    folder);
+                    "airside check {0}\n"
+                    "airside serve --site {0} --twin --start 2021-07-05 --days 7 &\n"
+                    "airsided --site {0} --until 2021-07-12T00:00:00 --no-sync\n"
+                    "airside report {1} --site {0} -o {2}\n",
+                    file("site.toml"), file("log"), file("report"));
 }
 
 std::string adoption_page(const Adoption& a) {

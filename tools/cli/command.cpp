@@ -1,4 +1,5 @@
 #include "tools/cli/command.hpp"
+#include "hal/text/shell_word.hpp"
 
 #include <fmt/format.h>
 
@@ -36,7 +37,7 @@ Site make_site(const SiteOptions& options) {
 
 std::string command_text(const SiteOptions& options) {
   std::string text;
-  if (!options.path.empty()) text += " --site " + options.path;
+  if (!options.path.empty()) text += " --site " + hal::shell_word(options.path);
   if (!options.preset.empty()) text += " --preset " + options.preset;
   if (options.path.empty() && options.topology != SiteOptions{}.topology) text += " --topology " + options.topology;
   return text;

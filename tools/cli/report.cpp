@@ -12,6 +12,7 @@
 
 #include "airside/supervision/schedule.hpp"
 #include "hal/text/civil_text.hpp"
+#include "hal/text/shell_word.hpp"
 #include "hal/text/unfinished.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/report/logged_method.hpp"
@@ -89,9 +90,11 @@ struct ReportCommand {
   bool png = false, json = false;
 
   std::string again() const {
-    std::string text = fmt::format("airside report {} -o {}", fmt::join(logs, " "), out);
-    for (const std::string& name : names) text += fmt::format(" --name \"{}\"", name);
-    if (!site.path.empty()) text += " --site " + site.path;
+    std::string text = "airside report";
+    for (const std::string& log : logs) text += " " + hal::shell_word(log);
+    text += " -o " + hal::shell_word(out);
+    for (const std::string& name : names) text += " --name " + hal::shell_word(name);
+    if (!site.path.empty()) text += " --site " + hal::shell_word(site.path);
     if (!site.preset.empty()) text += " --preset " + site.preset;
     if (site.path.empty()) text += " --topology " + site.topology;
     return text;

@@ -7,6 +7,7 @@
 #include "hal/log/log_csv.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
+#include "hal/text/shell_word.hpp"
 #include "sim/rc/modulating_room.hpp"
 #include "sim/weather/epw.hpp"
 #include "tools/cli/command.hpp"
@@ -50,10 +51,10 @@ struct SimulateCommand {
   std::string again(const Site& s) const {
     std::string text = fmt::format("airside simulate {} --expert-days {} --days {} --method {}{}",
                                    command_text(plant, s), expert_days, days, method, command_text(site));
-    if (!history.empty()) text += " --history " + history;
-    if (!weights.empty()) text += " --weights " + weights;
+    if (!history.empty()) text += " --history " + hal::shell_word(history);
+    if (!weights.empty()) text += " --weights " + hal::shell_word(weights);
     if (transfer) text += fmt::format(" --transfer --steps {}", steps);
-    if (!faults.empty()) text += " --faults " + faults;
+    if (!faults.empty()) text += " --faults " + hal::shell_word(faults);
     if (!compare.empty()) text += fmt::format(" --compare {}", fmt::join(compare, ","));
     return text;
   }

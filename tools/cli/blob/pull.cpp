@@ -6,6 +6,7 @@
 
 #include "hal/site/site_settings.hpp"
 #include "hal/text/input_error.hpp"
+#include "hal/text/shell_word.hpp"
 #include "hal/weights/blob_file.hpp"
 #include "tools/cli/blob/blob_facts.hpp"
 #include "tools/cli/blob/http_box.hpp"
@@ -55,7 +56,7 @@ struct PullCommand {
     }
     fmt::print("wrote {} ({} bytes): {}\n", out, bytes.size(),
                facts.provenance.empty() ? "it says nothing of where it was learned" : facts.provenance);
-    fmt::print("For another room: airside sign {} --key YOUR.key, then airside push.\n", out);
+    fmt::print("For another room: airside sign {} --key YOUR.key, then airside push.\n", hal::shell_word(out));
   }
 };
 

@@ -22,6 +22,7 @@
 #include "hal/site/site_settings.hpp"
 #include "hal/system/version.hpp"
 #include "hal/text/input_error.hpp"
+#include "hal/text/shell_word.hpp"
 #include "hal/weights/key_ring.hpp"
 #include "sim/json/json_file.hpp"
 #include "tools/cli/command.hpp"
@@ -38,8 +39,6 @@ constexpr int connect_ms = 3000;
 
 /// The daemon's own files beside the logs: state, its two copies, status, inbox.
 constexpr double state_mb = 32;
-
-std::string quoted(const std::string& path) { return path.find(' ') == std::string::npos ? path : "'" + path + "'"; }
 
 bool is_in_path(const char* program) {
   const char* path = std::getenv("PATH");
@@ -84,7 +83,7 @@ class Doctor {
   }
 
   void look_at_site(const std::string& path) {
-    site_ = quoted(path);
+    site_ = hal::shell_word(path);
     std::optional<hal::SiteFile> site;
     if (!tries("site", [&] {
           site = hal::read_site_file(path, hal::site_rules());
@@ -130,13 +129,13 @@ class Doctor {
     const fs::path at = nearest_folder(dir);
     std::error_code ignored;
     if (fs::exists(dir, ignored) && !fs::is_directory(dir, ignored)) {
-      miss(what, dir + " is no folder", fmt::format("mv {} {}.old", quoted(dir), quoted(dir)));
+      miss(what, dir + " is no folder", fmt::format("mv {} {}.old", hal::shell_word(dir), hal::shell_word(dir)));
       return;
     }
     if (::access(at.c_str(), W_OK | X_OK) != 0) {
       miss(what, fmt::format("{} cannot be written by this user", at.string()),
            fmt::format("sudo chown airside: {}, or run this as airside: sudo -u airside airside doctor {}",
-                       quoted(at.string()), site_));
+                       hal::shell_word(at.string()), site_));
       return;
     }
     struct statvfs room {};
@@ -163,7 +162,7 @@ class Doctor {
     std::error_code ignored;
     if (!site.weights_blob.empty() && !fs::exists(site.weights_blob, ignored)) {
       miss("weights", "no file at " + site.weights_blob,
-           fmt::format("airside pretrain --site {} -o {}", site_, quoted(site.weights_blob)));
+           fmt::format("airside pretrain --site {} -o {}", site_, hal::shell_word(site.weights_blob)));
     } else if (!site.weights_blob.empty()) {
       ok("weights", site.weights_blob);
     } else if (site.objective == Objective::mean) {
@@ -185,7 +184,7 @@ class Doctor {
       hal::refuse_contradiction(site, map);
       if (map.find("heartbeat") == nullptr) {
         advise("heartbeat", "no point of that name: an AHU does not notice when the box is gone",
-               "give it a register in " + quoted(site.modbus->points) + ", which the AHU watches");
+               "give it a register in " + hal::shell_word(site.modbus->points) + ", which the AHU watches");
       }
       return fmt::format("{} points in {}", map.points().size(), site.modbus->points);
     });

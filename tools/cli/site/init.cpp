@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <iostream>
+#include <vector>
 
 #include "airside/topology.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/storage/atomic_file.hpp"
 #include "hal/text/input_error.hpp"
+#include "hal/text/shell_word.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/cli/site/init_answers.hpp"
 
 namespace airside::tools {
 
@@ -26,7 +30,8 @@ void write(const fs::path& path, const std::string& text) {
 
 struct InitCommand {
   std::string folder, topology, name = "Room 301", objective = "mean";
-  bool force = false, json = false;
+  std::string answers;
+  bool force = false, json = false, ask = false;
 
   bool band() const { return objective == "band"; }
 
@@ -39,7 +44,49 @@ struct InitCommand {
     return text;
   }
 
+  /// Site file and point map from a person's answers; checked whole before a byte is written.
+  void write_answered() {
+    const InitAnswers a = ask ? ask_answers(std::cin, std::cerr) : read_answers(answers);
+    const fs::path dir = folder, site = dir / "site.toml", points = dir / "points.csv", kept = dir / "answers.toml";
+    const std::string site_text = site_text_of(a), points_text = points_text_of(a);
+    const hal::SiteFile parsed = hal::parse_site_text(site_text, site.string(), hal::site_rules());
+    const hal::PointMap map = hal::PointMap::parse(points_text, points.string());
+    hal::refuse_contradiction(parsed, map);
+    map.check_topology(a.vavs, a.fcus, a.powers, parsed.stand_ins);
+    make_folder({site, points});
+    write(site, site_text);
+    write(points, points_text);
+    write(kept, text_of(a));
+    if (json) {
+      fmt::print(
+          "{}\n",
+          nlohmann::json{{"site", site.string()}, {"points", points.string()}, {"answers", kept.string()}}.dump());
+      return;
+    }
+    fmt::print("wrote {}, {} and {}\nNext, none of them writes to the AHU:\n", site.string(), points.string(),
+               kept.string());
+    for (const char* command : {"check", "doctor", "probe"})
+      fmt::print("  airside {} {}\n", command, hal::shell_word(site.string()));
+  }
+
+  /// Refuses to overwrite, and makes the folder.
+  void make_folder(const std::vector<fs::path>& files) const {
+    for (const fs::path& path : files) {
+      if (fs::exists(path) && !force) {
+        throw hal::InputError(path.string(), "a file that is already there",
+                              "a folder without site.toml and points.csv",
+                              "choose another folder, or give --force to overwrite both");
+      }
+    }
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) {
+      throw hal::InputError(folder, error.message(), "a folder that can be made", "choose another folder");
+    }
+  }
+
   void run() {
+    if (ask || !answers.empty()) return write_answered();
     if (topology.empty()) topology = band() ? "5vav-0fcu-2power" : "5vav-5fcu-2power";
     if (name.empty() || name.find_first_of("\"\\\n\r") != std::string::npos) {
       throw hal::InputError("--name", "'" + name + "'", "a name without quotes, backslashes and line ends",
@@ -52,18 +99,7 @@ struct InitCommand {
     const fs::path site = fs::path(folder) / "site.toml", points = fs::path(folder) / "points.csv";
     const std::string text = site_text();
     static_cast<void>(hal::parse_site_text(text, site.string(), hal::site_rules()));
-    for (const fs::path& path : {site, points}) {
-      if (fs::exists(path) && !force) {
-        throw hal::InputError(path.string(), "a file that is already there",
-                              "a folder without site.toml and points.csv",
-                              "choose another folder, or give --force to overwrite both");
-      }
-    }
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) {
-      throw hal::InputError(folder, error.message(), "a folder that can be made", "choose another folder");
-    }
+    make_folder({site, points});
     write(site, text);
     const hal::TopologyCounts counts = built_in_site(topology).counts;
     write(points, hal::default_point_map(counts.vavs, counts.fcus, counts.powers, {}, band()));
@@ -73,7 +109,7 @@ struct InitCommand {
     }
     fmt::print("wrote {} and {}\n", site.string(), points.string());
     fmt::print("Edit both to match the room: targets and schedule in the first, registers in the second. Then:\n");
-    fmt::print("  airside check {}\n", site.string());
+    fmt::print("  airside check {}\n", hal::shell_word(site.string()));
   }
 };
 
@@ -92,6 +128,10 @@ void add_init(CLI::App& app) {
       ->check(CLI::IsMember({"mean", "band"}))
       ->capture_default_str();
   c->add_option("--name", self->name, "of the room")->capture_default_str();
+  c->add_option("--answers", self->answers,
+                "TOML file of answers: counts, bus, limits, and where the signals are (docs/formats.md)")
+      ->check(CLI::ExistingFile);
+  c->add_flag("--ask", self->ask, "ask for them instead; answers.toml in the folder repeats it")->excludes("--answers");
   c->add_flag("--force", self->force, "overwrite what is there");
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
   c->callback([self] { self->run(); });
