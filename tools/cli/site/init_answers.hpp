@@ -45,7 +45,7 @@ const std::vector<std::string>& signal_names();
 /// Errors: hal::InputError with file, line and key; unknown keys are errors too.
 InitAnswers read_answers(const std::string& path);
 
-/// Asks on a terminal, an empty line taking what stands in brackets; a wrong answer is asked again.
+/// Asks on a terminal, an empty line taking what is in brackets; a wrong answer is asked again.
 /// Errors: hal::InputError where the input ends before the last answer.
 InitAnswers ask_answers(std::istream& in, std::ostream& out);
 

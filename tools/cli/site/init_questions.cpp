@@ -168,7 +168,7 @@ std::string take_place(const std::string& answer, bool is_needed, SignalAnswer& 
 InitAnswers ask_answers(std::istream& in, std::ostream& out) {
   InitAnswers a;
   Questions q(in, out);
-  q.say("Enter takes what stands in brackets. Nothing is written before the last answer.");
+  q.say("Enter takes what is in brackets. Nothing is written before the last answer.");
   q.text("Name of the room or AHU", a.name, "AHU 1");
   q.whole("How many VAV boxes (zones with a temperature)", a.vavs, 1, 32);
   q.whole("How many fan coil units", a.fcus, 0, 32);
