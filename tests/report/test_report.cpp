@@ -95,6 +95,65 @@ TEST(Report, MarksTheBestOfEachColumnAmongThoseThatCompete) {
   EXPECT_EQ(page.find("<b>0.010</b>"), std::string::npos);  // the floor is no competitor
 }
 
+TEST(Report, TheScheduleMayHaveTheBestOfAColumn) {
+  const std::vector<MethodResult> methods = {
+      {"ours", MethodResult::Kind::ours, {synthetic_metrics(2, 0.05, 0.2, 28)}},
+      {"expert", MethodResult::Kind::schedule, {synthetic_metrics(2, 1.7, 0.0, 28)}}};
+  ReportInput input;
+  input.blocks = {methods_table(methods)};
+  const std::string page = report_html(input);
+  EXPECT_NE(page.find("<b>0.000</b>"), std::string::npos) << "its setpoint never moves";
+  EXPECT_EQ(page.find("standard deviation"), std::string::npos) << "of one run there is none";
+  input.blocks = {methods_table(synthetic_run(2).methods)};
+  EXPECT_NE(report_html(input).find("standard deviation"), std::string::npos);
+}
+
+TEST(Report, AnHourOfReleaseAndABoxThatClosesAreSeen) {
+  RunRecord r = synthetic_run(2);
+  const std::size_t rows = r.row_time.size();
+  r.mode.assign(rows, "learn");
+  r.reason.assign(rows, "none");
+  for (std::size_t i = 100; i < 110; ++i) {
+    r.mode[i] = "release";
+    r.reason[i] = "released by hand";
+  }
+  r.boxes_on = {{"west 1", std::vector<double>(rows, 1)}, {"core", std::vector<double>(rows, 1)}};
+  for (std::size_t i = 50; i < 60; ++i) r.boxes_on[1].values[i] = 0;
+  const ReportInput page = make_run_report(r);
+  const LineChart* boxes = nullptr;
+  const LineChart* modes = nullptr;
+  const ReportTable* events = nullptr;
+  for (const ReportBlock& block : page.blocks) {
+    if (const auto* chart = std::get_if<LineChart>(&block)) {
+      if (chart->title == "Closed boxes") boxes = chart;
+      if (chart->title == "Control mode") modes = chart;
+    }
+    const auto* table = std::get_if<ReportTable>(&block);
+    if (table != nullptr && table->row_header == "from") events = table;
+  }
+  ASSERT_TRUE(boxes != nullptr && modes != nullptr && events != nullptr);
+  EXPECT_EQ(boxes->y_names, (std::vector<std::string>{"west 1", "core"}));
+  EXPECT_EQ(boxes->series[0].y[55], 0);
+  EXPECT_EQ(boxes->series[1].y[49], 1);
+  EXPECT_EQ(boxes->series[1].y[55], 1.7);
+  EXPECT_EQ(modes->series[0].y[99], 3);
+  EXPECT_EQ(modes->series[0].y[105], 0);
+  ASSERT_EQ(events->rows.size(), 1U);
+  EXPECT_EQ(events->rows[0].name, "1 Jul 10:00");
+  EXPECT_EQ(events->rows[0].cells[0].text, "1 Jul 11:00");
+  EXPECT_EQ(events->rows[0].cells[1].text, "1.0 h");
+  EXPECT_EQ(events->rows[0].cells[3].text, "released by hand");
+  const std::string svg = line_chart_svg(*boxes);
+  EXPECT_NE(svg.find(">west 1</text>"), std::string::npos);
+  EXPECT_NE(svg.find(">2 Jul</text>"), std::string::npos) << "days as in the page";
+
+  const ReportInput quiet = make_run_report(synthetic_run(2));
+  for (const ReportBlock& block : quiet.blocks) {
+    const auto* table = std::get_if<ReportTable>(&block);
+    EXPECT_FALSE(table != nullptr && table->row_header == "from") << "nothing happened";
+  }
+}
+
 TEST(Report, ShadesWorkingHoursOfWorkingDaysOnly) {
   MetricsSettings settings;
   const CivilTime monday{4 * 86400};

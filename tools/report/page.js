@@ -81,11 +81,14 @@
       stroke: ink, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif",
       grid: { stroke: () => colour("grid"), width: 1 }, ticks: { stroke: () => colour("grid"), width: 1, size: 4 },
     };
+    const named = c.yNames.length > 0;
+    if (named) place.style.minHeight = "0";
     const value = (u, v) => v == null ? "\u2013"
+      : named ? (v - Math.floor(v + 0.01) >= 0.5 ? c.raised : c.raised ? "" : c.yNames[Math.round(v)])
       : c.log ? Number(v.toPrecision(3)).toString() : v.toFixed(c.decimals).replace("-", "\u2212");
     const stepped = uPlot.paths.stepped({ align: 1 });
     const opts = {
-      width: place.clientWidth, height: narrow ? 260 : 300, tzDate: utc,
+      width: place.clientWidth, height: named ? 80 + 26 * c.yNames.length : narrow ? 260 : 300, tzDate: utc,
       cursor: {
         focus: { prox: 14 }, points: { size: 6 },
         ...(c.time ? { sync: { key: "time", setSeries: false } } : {}),
@@ -94,7 +97,7 @@
       legend: { live: true },
       scales: {
         x: { time: c.time },
-        y: c.log ? { distr: 3 } : {
+        y: c.log ? { distr: 3 } : named ? { range: () => [-0.3, c.yNames.length - (c.raised ? 0.1 : 0.7)] } : {
           range: (u, low, high) => {
             if (low == null) return [0, 1];
             if (c.yMin != null) low = Math.min(low, c.yMin);
@@ -107,7 +110,8 @@
       axes: [
         { ...axis, size: 40, ...(c.time ? { values: clock } : { label: c.xLabel, labelSize: 22 }), space: narrow ? 56 : 64 },
         {
-          ...axis, label: c.unit, labelSize: 20, size: c.log ? 58 : 46,
+          ...axis, label: c.unit, labelSize: 20, size: 66,
+          ...(named ? { splits: () => c.yNames.map((_, i) => i), values: () => c.yNames } : {}),
           ...(c.log ? { values: (u, all) => all.map((v) => v == null ? "" : Number.isInteger(Math.round(Math.log10(v) * 1e6) / 1e6) ? String(Number(v.toPrecision(1))) : "") } : {}),
         },
       ],

@@ -89,6 +89,9 @@ json chart_json(const LineChart& full, std::size_t points) {
   }
   j["yMin"] = chart.y_min ? json(*chart.y_min) : json();
   j["yMax"] = chart.y_max ? json(*chart.y_max) : json();
+  j["yNames"] = json::array();
+  for (const std::string& name : chart.y_names) j["yNames"].push_back(valid_utf8(name));
+  j["raised"] = valid_utf8(chart.raised);
   j["bands"] = json::array();
   for (const ChartBand& b : chart.bands) j["bands"].push_back({b.from, b.to});
   j["series"] = json::array();

@@ -20,8 +20,9 @@ struct Places {
       : rooms(static_cast<std::size_t>(c.vavs)),
         power(static_cast<std::size_t>(2 * c.vavs + 2 * c.fcus)),
         powers(static_cast<std::size_t>(c.powers)),
-        outdoor(power + powers + 1) {}
-  std::size_t rooms, power, powers, outdoor;
+        outdoor(power + powers + 1),
+        boxes(static_cast<std::size_t>(c.vavs + c.fcus)) {}
+  std::size_t rooms, power, powers, outdoor, boxes;
 };
 
 double room_mean(const hal::LogRow& row, std::size_t rooms) {
@@ -94,6 +95,18 @@ RunRecord make_run_record(const Site& site, const ControlRun& run) {
     r.power_kw.push_back({meters[i], column(run.rows, at.power + i)});
     r.all_electric = r.all_electric && is_electric(meters[i]);
   }
+  bool any_closed = false;
+  for (std::size_t i = 0; i < at.rooms; ++i) {
+    if (site.counts.stand_in(static_cast<int>(at.boxes + i))) continue;
+    r.boxes_on.push_back({r.room_names[i], column(run.rows, at.boxes + i)});
+    any_closed = any_closed || std::ranges::any_of(r.boxes_on.back().values, [](double on) { return on < 0.5; });
+  }
+  if (!any_closed) r.boxes_on.clear();
+  for (const hal::LogRow& row : run.rows) {
+    r.mode.push_back(row.controller.mode);
+    r.reason.push_back(row.controller.reason);
+  }
+  if (std::ranges::all_of(r.mode, [](const std::string& m) { return m.empty(); })) r.mode.clear();
   if (site.settings.objective == Objective::band) {
     ZoneBand band = zone_band(site, run.rows);
     if (!band.zones.empty()) r.band = std::move(band);

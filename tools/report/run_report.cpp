@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "tools/report/charts/report_text.hpp"
+#include "tools/report/run_charts.hpp"
 
 namespace airside::tools {
 namespace {
@@ -39,13 +41,6 @@ SeriesRole role_of(ResultKind kind) {
   return kind == ResultKind::ours       ? SeriesRole::main
          : kind == ResultKind::schedule ? SeriesRole::reference
                                         : SeriesRole::plain;
-}
-
-std::vector<double> seconds_of(const std::vector<CivilTime>& times) {
-  std::vector<double> x;
-  x.reserve(times.size());
-  for (const CivilTime t : times) x.push_back(static_cast<double>(t.seconds));
-  return x;
 }
 
 double mean_of(const MethodResult& method, double Metrics::*figure) { return spread_of(method.runs, figure).mean; }
@@ -120,103 +115,12 @@ std::vector<KeyFigure> key_figures(const RunRecord& r, const MethodResult& ours,
   return figures;
 }
 
-void add_dampers(const RunRecord& r, LineChart chart, ReportInput& out) {
-  for (std::size_t i = 0; i < r.band->dampers.size(); ++i) {
-    chart.series.push_back({r.band->zones[i].name, r.band->dampers[i], SeriesRole::muted, false});
-  }
-  chart.series.push_back({"most open", r.band->most_open, SeriesRole::main, false});
-  chart.y_min = 0;
-  chart.y_max = 1;
-  if (!r.band->dampers.empty()) out.blocks.emplace_back(std::move(chart));
-}
-
-void add_line_charts(const RunRecord& r, ReportInput& out) {
-  LineChart base;
-  if (!r.row_time.empty()) {
-    base.bands = working_hours(r.row_time.front(), r.row_time.back(), r.metrics);
-  } else if (!r.cycle_time.empty()) {
-    base.bands = working_hours(r.cycle_time.front(), r.cycle_time.back(), r.metrics);
-  }
-  base.band_name = "working hours";
-  const auto chart = [&](const char* title, const char* note, const char* unit, const std::vector<CivilTime>& time) {
-    LineChart c = base;
-    c.title = title;
-    c.note = note;
-    c.unit = unit;
-    c.x = seconds_of(time);
-    return c;
-  };
-  const auto add = [&](LineChart& c) {
-    if (!c.series.empty() && !c.x.empty()) out.blocks.emplace_back(std::move(c));
-  };
-  const auto line = [](LineChart& c, std::string name, const std::vector<double>& y, SeriesRole role, bool stepped) {
-    if (!y.empty()) c.series.push_back({std::move(name), y, role, stepped});
-  };
-
-  LineChart rooms = chart("Room temperature",
-                          r.band ? "Zone setpoint: mean of the zones' own thermostats. Working hours are shaded."
-                                 : "Working hours are shaded; only they are scored.",
-                          "°C", r.row_time);
-  for (const NamedValues& room : r.room_temp_degc) line(rooms, room.name, room.values, SeriesRole::muted, false);
-  line(rooms, "mean", r.room_mean_degc, SeriesRole::main, false);
-  if (r.band) {
-    line(rooms, "zone setpoint", r.band->setpoint_degc, SeriesRole::reference, true);
-  } else {
-    line(rooms, "target", {r.metrics.target_degc}, SeriesRole::reference, false);
-  }
-  add(rooms);
-
-  LineChart setpoint =
-      chart("Supply-air setpoint",
-            r.band ? "The setpoint that the AHU took, beside that of the schedule."
-                   : "The setpoint that the AHU took, beside what the schedule, the network and the room head would "
-                     "each have chosen.",
-            "°C", r.cycle_time);
-  line(setpoint, "expert schedule", r.expert_setpoint_degc, SeriesRole::reference, true);
-  line(setpoint, "network", r.network_setpoint_degc, SeriesRole::muted, true);
-  line(setpoint, "room head", r.head_setpoint_degc, SeriesRole::muted, true);
-  line(setpoint, "applied", r.setpoint_degc, SeriesRole::main, true);
-  add(setpoint);
-
-  if (r.band) add_dampers(r, chart("Dampers", "At 1 a box has no more to give.", "0 to 1", r.row_time), out);
-
-  LineChart confidence = chart("Confidence",
-                               "How far the controller trusts its own forecast: at 1 the schedule has no say, at 0 the "
-                               "schedule decides.",
-                               "0 to 1", r.cycle_time);
-  line(confidence, "confidence", r.confidence, SeriesRole::main, true);
-  confidence.y_min = 0;
-  confidence.y_max = 1;
-  add(confidence);
-
-  LineChart losses = chart("Forecast losses",
-                           "Errors of the network in its own units, each measured before it learnt "
-                           "from the cycle. Lower is better.",
-                           "loss, log scale", r.cycle_time);
-  for (const NamedValues& loss : r.losses) {
-    line(losses, loss.name, loss.values, loss.name == "total" ? SeriesRole::main : SeriesRole::plain, false);
-  }
-  losses.log_axis = true;
-  add(losses);
-
-  LineChart power = chart(r.all_electric ? "Electric power" : "Power", "", "kW", r.row_time);
-  for (const NamedValues& p : r.power_kw) line(power, p.name, p.values, SeriesRole::plain, false);
-  power.y_min = 0;
-  add(power);
-
-  LineChart outdoor = chart("Outdoor temperature", "", "°C", r.row_time);
-  line(outdoor, "outdoor air", r.outdoor_degc, SeriesRole::plain, false);
-  outdoor.decimals = 1;
-  add(outdoor);
-}
-
 TableRow empty_row(const MethodResult& m) {
   TableRow row;
   row.name = m.name;
   if (m.kind == ResultKind::ours) row.role = SeriesRole::main;
   if (m.kind == ResultKind::floor) row.role = SeriesRole::reference;
-  // The schedule never moves within the day and floors know the future: neither wins a column by merit.
-  row.competes = m.kind == ResultKind::ours || m.kind == ResultKind::peer;
+  row.competes = m.kind != ResultKind::floor;  // floors know the future
   return row;
 }
 
@@ -245,13 +149,11 @@ std::vector<const MethodResult*> table_order(const std::vector<MethodResult>& me
 BarChart daily_bars(const RunRecord& r, const MethodResult& ours) {
   BarChart chart;
   chart.title = "Error of each day";
-  chart.note =
-      "Daily average error (DAE) of the mean room temperature in working hours, mean over the runs. Choose a "
-      "method to see it alone.";
+  chart.note = std::string("Daily average error (DAE) of the mean room temperature in working hours") +
+               (ours.runs.size() > 1 ? ", mean over the runs" : "") + ". Choose a method to see it alone.";
   chart.unit = "DAE, °C";
   chart.decimals = 3;
-  for (const DayMetrics& day : ours.runs[0].days)
-    chart.categories.push_back(hal::civil_text(day.midnight).substr(5, 5));
+  for (const DayMetrics& day : ours.runs[0].days) chart.categories.push_back(day_text(day.midnight));
   for (const MethodResult* m : ranked(r.methods)) {
     BarGroup group{m->name, {}, {}, role_of(m->kind)};
     for (std::size_t d = 0; d < chart.categories.size(); ++d) {
@@ -336,8 +238,10 @@ ReportTable methods_table(const std::vector<MethodResult>& methods, const char* 
   };
   ReportTable table;
   table.title = "All methods";
+  const bool several = std::ranges::any_of(methods, [](const MethodResult& m) { return m.runs.size() > 1; });
   table.note =
-      "Mean ± spread over the runs; the same plant, weather, days and seeds for all. DAE is the daily average "
+      std::string(several ? "Mean ± standard deviation over the runs; the" : "The") +
+      " same plant, weather, days and seeds for all; the best of each column is bold. DAE is the daily average "
       "error of the rooms' mean, ME that of the worst day, worst room that of the day's worst room, DARV the mean "
       "change of the setpoint's step from cycle to cycle; CDH "
       "and HDH are gaps between setpoint and room, not energy.";

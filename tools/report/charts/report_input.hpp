@@ -46,6 +46,10 @@ struct LineChart {
   int decimals = 2;             ///< of the values beside the cursor
   std::optional<double> y_min;  ///< the axis reaches at least down to here
   std::optional<double> y_max;  ///< the axis reaches at least up to here
+  /// Instead of numbers on the axis: the name of y = 0, 1, .. A series that is half a place above it or more is
+  /// `raised` there, such as a box that is closed.
+  std::vector<std::string> y_names;
+  std::string raised;
 };
 
 /// One method's bars over the categories.

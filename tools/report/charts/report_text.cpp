@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/text/civil_text.hpp"
+
 namespace airside::tools {
 namespace {
 
@@ -113,6 +115,12 @@ std::vector<double> round_ticks(double low, double high, int count) {
   const int steps = static_cast<int>(std::floor(high / step + 1e-9) - first);
   for (int i = 0; i <= steps; ++i) ticks.push_back((first + i) * step);
   return ticks;
+}
+
+std::string day_text(CivilTime time) {
+  constexpr const char* months[] = {"Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
+  const std::string text = hal::civil_text(time);
+  return fmt::format("{} {}", std::stoi(text.substr(8, 2)), months[std::stoi(text.substr(5, 2)) - 1]);
 }
 
 std::string tick_text(double value, double step) {

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "airside/civil_time.hpp"
+
 namespace airside::tools {
 
 /// For element content and quoted attributes of HTML and SVG. Control characters are dropped, invalid UTF-8 becomes
@@ -25,6 +27,9 @@ std::string number_text(double value, int decimals);
 
 /// Round numbers that cover [low, high], about `count` of them, in steps of 1, 2 or 5 times a power of ten.
 std::vector<double> round_ticks(double low, double high, int count);
+
+/// `6 Aug`, as everywhere in a page.
+std::string day_text(CivilTime time);
 
 /// A tick with no more decimals than its step needs.
 std::string tick_text(double value, double step);

@@ -95,6 +95,9 @@ Axis y_axis_of(const LineChart& chart) {
       high = std::max(high, v);
     }
   }
+  if (!chart.y_names.empty()) {
+    return {-0.3, static_cast<double>(chart.y_names.size()) - (chart.raised.empty() ? 0.7 : 0.1), false};
+  }
   if (chart.y_min) low = std::min(low, *chart.y_min);
   if (chart.y_max) high = std::max(high, *chart.y_max);
   if (!(low <= high)) return Axis{chart.log_axis ? 0.1 : 0.0, 1, chart.log_axis};
@@ -109,9 +112,13 @@ Axis y_axis_of(const LineChart& chart) {
   return axis;
 }
 
-void y_grid(std::string& svg, const Axis& axis, const std::string& unit, double top, double bottom) {
+/// `names`: of y = 0, 1, ..; none: numbers.
+void y_grid(std::string& svg, const Axis& axis, const std::string& unit, double top, double bottom,
+            const std::vector<std::string>& names = {}) {
   std::vector<double> ticks;
-  if (axis.log) {
+  if (!names.empty()) {
+    for (std::size_t i = 0; i < names.size(); ++i) ticks.push_back(static_cast<double>(i));
+  } else if (axis.log) {
     double v = axis.low;
     while (v <= axis.high * 1.0001) {
       ticks.push_back(v);
@@ -126,7 +133,9 @@ void y_grid(std::string& svg, const Axis& axis, const std::string& unit, double 
     svg += fmt::format("<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>", left_px,
                        width - right_px, y, y);
     svg += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", left_px - 7, y + 4,
-                       axis.log ? fmt::format("{:g}", v) : tick_text(v, step));
+                       !names.empty() ? escape_markup(names[static_cast<std::size_t>(v)])
+                       : axis.log     ? fmt::format("{:g}", v)
+                                      : tick_text(v, step));
   }
   svg += fmt::format("<text transform=\"translate(15 {:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
                      (top + bottom) / 2, escape_markup(unit));
@@ -148,7 +157,7 @@ void time_ticks(std::string& svg, const Axis& x_axis, double top, double bottom)
     const bool midnight = CivilTime{t}.second_of_day() == 0;
     svg += fmt::format("<line class=\"grid\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\"/>", x, top, bottom);
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", x, bottom + 17,
-                       midnight ? text.substr(5, 5) : text.substr(11, 5));
+                       midnight ? day_text(CivilTime{t}) : text.substr(11, 5));
   }
 }
 
@@ -219,7 +228,7 @@ std::string line_chart_svg(const LineChart& chart, SvgUse use) {
                        left_px + x0 * plot_width, top, std::max(0.0, x1 - x0) * plot_width, bottom - top);
   }
   svg += "</g>\n";
-  y_grid(svg, y_axis, chart.unit, top, bottom);
+  y_grid(svg, y_axis, chart.unit, top, bottom, chart.y_names);
   if (chart.x_is_time) {
     time_ticks(svg, x_axis, top, bottom);
   } else {
