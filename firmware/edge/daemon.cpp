@@ -185,6 +185,7 @@ void Daemon<T>::write_status(CivilTime stopped_at) {
   if (s.decision.fault_signal >= 0) s.fault_signal = names_[static_cast<std::size_t>(s.decision.fault_signal)];
   s.generation = state_.generation();
   s.lost_until = state_.lost_until();
+  s.release_ends = state_.release_ends();
   s.storage = state_.storage();
   if (state_.is_well() && !crash_loop_.is_kept()) s.storage = "starts cannot be written";
   if (state_.is_well() && !status_.is_well()) s.storage = "status cannot be written";

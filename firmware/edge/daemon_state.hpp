@@ -70,6 +70,7 @@ class DaemonState {
   /// Another daemon uses the state folder, so the AHU is its.
   bool taken_over() const { return taken_over_; }
   bool release_waits() const { return trial_.release_waits(); }
+  CivilTime release_ends() const { return trial_.release_ends(); }
   const TrialRecord& trial() const { return record_.trial; }
   std::uint64_t generation() const { return folders_.store() ? folders_.store()->generation() : 0; }
 

@@ -8,15 +8,18 @@
 #include <csignal>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 
-#include "firmware/page/audit_log.hpp"
-#include "firmware/page/connection_table.hpp"
-#include "firmware/page/listener.hpp"
-#include "firmware/page/request_check.hpp"
-#include "firmware/page/upload_door.hpp"
+#include "firmware/page/answers.hpp"
+#include "firmware/page/http/audit_log.hpp"
+#include "firmware/page/http/connection_table.hpp"
+#include "firmware/page/http/listener.hpp"
+#include "firmware/page/http/request_check.hpp"
+#include "firmware/page/inbox/upload_door.hpp"
+#include "firmware/page/sign_in.hpp"
 #include "hal/site/site_file.hpp"
-#include "hal/storage/storage_file.hpp"
 
 namespace airside::page {
 
@@ -53,26 +56,39 @@ class PageServer {
   static void on_message(void* self, const char* format, va_list arguments);
 
   MHD_Result begin(MHD_Connection* c, Connection& connection, const char* url, const char* method);
-  MHD_Result begin_upload(MHD_Connection* c, Connection& connection, std::size_t bytes);
-  MHD_Result end_upload(MHD_Connection* c, Connection& connection);
+  MHD_Result begin_body(MHD_Connection* c, Connection& connection, std::size_t bytes);
+  MHD_Result end_body(MHD_Connection* c, Connection& connection);
+  MHD_Result end_upload(MHD_Connection* c, Connection& connection, std::span<const std::byte> blob);
+  MHD_Result do_order(MHD_Connection* c, Connection& connection, std::string_view body);
+  MHD_Result begin_login(MHD_Connection* c, Connection& connection, std::span<std::byte> body);
+  MHD_Result end_login(MHD_Connection* c, Connection& connection);
+  MHD_Result send_asset(MHD_Connection* c, Connection& connection, const StaticFile& file);
+  MHD_Result send_text(MHD_Connection* c, Connection& connection, const std::string& text, const char* type);
+  MHD_Result put_off(MHD_Connection* c, Connection& connection, int status, const char* reason, int after_s);
   MHD_Result answer(MHD_Connection* c, Connection& connection, int status, Response* response);
   MHD_Result refuse(MHD_Connection* c, Connection& connection, const Verdict& verdict);
-  MHD_Result send_status(MHD_Connection* c, Connection& connection);
-  MHD_Result send_weights(MHD_Connection* c, Connection& connection);
 
-  hal::StorageFile open_in_state(const char* name, std::uint64_t max_bytes, std::uint64_t& bytes) const;
+  /// On the monotonic clock, ns.
+  static std::int64_t after(double seconds);
   int wait_ms() const;
+  /// A verification that has come to its end lets its connection go on.
+  void resume_login();
   /// Accepts whoever gets a place; the first who must wait for one is kept.
   void take_newcomers();
   void add(const Newcomer& newcomer);
   Refusal* refusal_of(const PeerAddress& peer);
 
-  std::string state_dir_;
+  std::string inbox_dir_;
   UploadDoor door_;
   RequestRules rules_;
   AuditLog log_;
+  Answers answers_;
   ConnectionTable table_;
   Listener listener_;
+  SignIn sign_in_;
+  MHD_Connection* login_ = nullptr;  ///< whose password is being verified
+  std::optional<SignIn::Outcome> login_outcome_;
+  bool reads_log_ = true;                ///< there is more of it to read
   std::optional<Newcomer> newcomer_;     ///< who waits for a place
   const PeerAddress* adding_ = nullptr;  ///< while libmicrohttpd takes a socket over
   MHD_Daemon* daemon_ = nullptr;

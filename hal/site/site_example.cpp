@@ -71,12 +71,13 @@ keys = "keys"            # folder of public keys (*.pub) whose pushed weights ar
 [inbox]
 dir = "inbox"            # where `airside push`, a copied file or a stick's content arrive
 
-[page]                   # airside-page, a program of its own: status and weights over HTTP
+[page]                   # airside-page, a program of its own: the page for people at the AHU, status and weights over HTTP
 listen = "127.0.0.1"     # the address of a network card opens it to that network; then TLS is needed
 port = 8350
 names = []               # host names that people may call it by, such as ["ahu-3.example.org"]
 tls_cert = ""            # PEM files
 tls_key = ""
+dir = "page"             # its own folder: passwords (airside-page --set-password), alarms that somebody has seen
 
 [ahu]                    # when its fan runs: at other times supply air cannot follow its setpoint, which is no alarm
 fan_start = "00:00"      # local time; a point ahu_on (1 runs, 0 rests) in the point map goes before

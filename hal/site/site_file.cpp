@@ -318,6 +318,11 @@ void read_page(TomlSection root, SiteFile& out) {
                      "a loopback address, since without tls_cert and tls_key everybody on the way reads along",
                      "name both PEM files, or listen on 127.0.0.1 and come by ssh -L");
   }
+  page.dir = resolved(root.text("dir", "page"), out.path);
+  if (page.dir.empty() || page.dir == out.state_dir || page.dir == out.inbox_dir) {
+    throw InputError(root.place("dir"), root.found("dir"), "a folder of the page's own, beside [state] and [inbox] dir",
+                     "name another");
+  }
   root.refuse_unknown_keys();
 }
 

@@ -54,6 +54,7 @@ struct PageSection {
   int port = 8350;
   std::vector<std::string> names;  ///< host names that browsers and `airside push` may call it by, in small letters
   std::string tls_cert, tls_key;   ///< PEM files; both or none
+  std::string dir;                 ///< of the page's own: passwords, alarms that somebody has seen
 };
 
 /// A checked site file. Paths are resolved against the folder of the file; "" where none is given.

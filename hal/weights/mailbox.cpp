@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <span>
 #include <string_view>
 
 #include "hal/storage/folder_names.hpp"
@@ -137,10 +138,39 @@ Mail Mailbox::collect(std::span<std::byte> blob) {
     mail.hand_back = told_[wish_hand_back].is_after(told_[wish_release]);
     mail.release = !mail.hand_back;
   }
+  if (mail.release) mail.release_s = release_left_s();
+  if (mail.release || mail.hand_back) release_over_ = false;
   handed_back_ = mail.hand_back || (handed_back_ && !mail.release);
   if (blob_[0] == '\0' && find_blob()) read_blob(blob, mail);
   mail.blob_is_older = mail.has_blob && mail.rollback && !blob_seen_.is_after(told_[wish_rollback]);
   return mail;
+}
+
+std::optional<int> Mailbox::hours_of(std::string_view text) {
+  while (text.ends_with('\n') || text.ends_with('\r')) text.remove_suffix(1);
+  if (text.size() > 3) return {};
+  int hours = 0;
+  for (const char c : text) {
+    if (c < '0' || c > '9') return {};
+    hours = 10 * hours + (c - '0');
+  }
+  const bool good = text.empty() || (hours >= 1 && hours <= longest_release_h);
+  return good ? std::optional(hours) : std::nullopt;
+}
+
+/// What is left of its time: it counts from the file's last change, so that a restart does not begin it anew, and never
+/// more than was asked for, whatever the clock says. What cannot be read has no end but a hand-back.
+std::int64_t Mailbox::release_left_s() const {
+  const StorageFile file(::openat(dir_.descriptor(), release_name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  struct stat status {};
+  if (!file.is_open() || ::fstat(file.descriptor(), &status) != 0 || !S_ISREG(status.st_mode)) return 0;
+  std::array<char, 8> text{};
+  const auto got = file.read_at(std::as_writable_bytes(std::span(text)), 0, "read release");
+  const int hours = got ? hours_of({text.data(), *got}).value_or(0) : 0;
+  if (hours == 0) return 0;
+  const std::int64_t asked_s = std::int64_t{hours} * 3600;
+  const std::int64_t left_s = asked_s - (std::int64_t{::time(nullptr)} - status.st_mtim.tv_sec);
+  return left_s <= 0 ? -1 : std::min(left_s, asked_s);
 }
 
 bool Mailbox::waits(const std::string& path, const BlobHeader& header) {
@@ -163,6 +193,8 @@ bool Mailbox::finish(bool accepted) {
     if (is_as_seen(wish_names[wish], told_[wish]) && take(wish_names[wish])) changed = true;
   }
   handed_back_ = handed_back_ && released && !ended;
+  if (release_over_ && released && release && take(release_name)) changed = true;
+  release_over_ = false;
   if (blob_[0] != '\0' && is_as_seen(blob_, blob_seen_)) {
     const bool kept = !accepted && ::renameat(dir_.descriptor(), blob_, dir_.descriptor(), refused_name) == 0;
     changed = kept || take(blob_) || changed;

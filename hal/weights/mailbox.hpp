@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "airside/controller/blob.hpp"
 #include "hal/storage/storage_file.hpp"
@@ -20,6 +21,7 @@ namespace airside::hal {
 struct Mail {
   bool hand_back = false, release = false, rollback = false;
   bool has_blob = false;
+  std::int64_t release_s = 0;    ///< of `release`: what is left of its time, -1: nothing; 0: until a hand-back
   bool blob_is_older = false;    ///< than the rollback that lies beside it
   const char* unread = nullptr;  ///< why nothing of it could be read; nullptr where it was
   bool later = false;            ///< it may be read the next time
@@ -37,6 +39,7 @@ class Mailbox {
   /// tried again at each collect(), as is one whose path names another folder by now.
   explicit Mailbox(const std::string& dir);
   static constexpr const char* refused_name = "refused";
+  static constexpr int longest_release_h = 168;
   static constexpr std::int64_t arriving_s = 600;
   static constexpr int patience = 3;
 
@@ -63,6 +66,11 @@ class Mailbox {
   StoreFault fault() const { return fault_; }
   /// Name of the blob that the last collect() reported.
   const char* blob_file() const { return blob_; }
+  /// The release that was reported last is over: finish() takes its file away, unless it is another one by then.
+  void end_release() { release_over_ = true; }
+  /// What a file `release` says: whole hours from 1 to longest_release_h, 0 for an empty one (until a hand-back).
+  /// Nothing for any other text.
+  static std::optional<int> hours_of(std::string_view text);
   /// Whether a blob lies at `path` that one with this header may not replace: of another key, or not older.
   static bool waits(const std::string& path, const BlobHeader& header);
 
@@ -96,12 +104,13 @@ class Mailbox {
   bool find_blob();
   void read_blob(std::span<std::byte> blob, Mail& mail);
   bool may_be_later();
+  std::int64_t release_left_s() const;
 
   std::string path_;
   StorageFile dir_;
   StoreFault fault_ = StoreFault::none;
   Seen told_[3];  ///< by wish; inode 0: none
-  bool handed_back_ = false;
+  bool handed_back_ = false, release_over_ = false;
   char blob_[256] = {};  ///< name of the blob that waits for finish()
   Seen blob_seen_;       ///< of that blob, or of the last one
   int unread_times_ = 0;

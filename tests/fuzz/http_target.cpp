@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "firmware/page/request_check.hpp"
+#include "firmware/page/http/request_check.hpp"
 #include "fuzz/target.hpp"
 
 namespace airside::fuzz {
@@ -51,7 +51,15 @@ bool judge(View input) {
   }
   head.headers = lines;
   const page::RequestRules rules{{"box301.example"}, "0123456789abcdef", 1000, choice % 2 != 0};
-  const page::Verdict verdict = page::check_request(head, rules);
+  // Nobody, somebody without a session, an operator with one, an installer's program.
+  const page::Caller callers[] = {{.rights = {}, .token = {}, .has_key = false},
+                                  {.rights = {true, false, true}, .token = {}, .has_key = false},
+                                  {.rights = {true, true, false}, .token = "fedcba9876543210", .has_key = false},
+                                  {.rights = {true, true, true}, .token = {}, .has_key = true}};
+  const page::Caller& caller = callers[choice / 16 % 4];
+  (void)page::cookie_of(head, "airside-8350");
+  (void)page::bearer_of(head);
+  const page::Verdict verdict = page::check_request(head, rules, caller);
   if (verdict.status != 200) {
     FUZZ_CLAIM(verdict.status >= 400 && verdict.status < 500 && verdict.reason[0] != '\0' && verdict.upload_bytes == 0);
     FUZZ_CLAIM(verdict.route == page::Route::none && (verdict.status == 405) == (verdict.allow[0] != '\0'));
@@ -73,17 +81,26 @@ bool judge(View input) {
   FUZZ_CLAIM(host == "box301.example" || (host == "localhost" && loopback) || by_number);
   if (by_number && host.find(':') == std::string::npos) FUZZ_CLAIM(local.ends_with(host));
   FUZZ_CLAIM(values(lines, "Transfer-Encoding").empty());
-  if (verdict.route != page::Route::upload) {
+  if (verdict.route < page::Route::upload) {
     FUZZ_CLAIM(head.method == "GET" || head.method == "HEAD");
-    FUZZ_CLAIM(head.path == "/status.json" || head.path == "/weights.blob" || head.path == "/token");
+    FUZZ_CLAIM((verdict.route == page::Route::asset) == (verdict.file != nullptr));
+    FUZZ_CLAIM(caller.rights.see || verdict.route == page::Route::asset || head.path == "/token" ||
+               head.path == "/session.json");
     FUZZ_CLAIM(verdict.upload_bytes == 0);
     return true;
   }
-  FUZZ_CLAIM(head.method == "POST" && head.path == "/weights");
-  FUZZ_CLAIM(values(lines, page::token_header) == std::vector<std::string_view>{rules.token});
+  FUZZ_CLAIM(head.method == "POST");
+  const std::string_view token = caller.token.empty() ? std::string_view(rules.token) : caller.token;
+  FUZZ_CLAIM(caller.has_key || values(lines, page::token_header) == std::vector<std::string_view>{token});
   const auto origins = values(lines, "Origin");
   FUZZ_CLAIM(origins.empty() ||
              (origins.size() == 1 && small(origins[0]).substr(rules.tls ? 8 : 7) == small(hosts[0])));
+  if (verdict.route != page::Route::upload) {
+    FUZZ_CLAIM(caller.rights.operate || head.path == "/login" || head.path == "/logout");
+    FUZZ_CLAIM(verdict.upload_bytes <= page::max_order_bytes);
+    return true;
+  }
+  FUZZ_CLAIM(head.path == "/weights" && caller.rights.install);
   FUZZ_CLAIM(verdict.upload_bytes > 0 && verdict.upload_bytes <= rules.max_upload_bytes);
   FUZZ_CLAIM(values(lines, "Content-Length").size() == 1);
   return true;
@@ -91,13 +108,17 @@ bool judge(View input) {
 
 std::vector<Bytes> seeds() {
   const auto with = [](char choice, const std::string& text) { return bytes_of(choice + text); };
-  return {with('\0', "GET /status.json\nHost: 127.0.0.1:8080\n"),
+  return {with('\x18', "GET /status.json\nHost: 127.0.0.1:8080\n"),
+          with('\0', "GET /\nHost: 127.0.0.1\nCookie: a=b; airside-8350=0123\n"),
+          with('\x24', "POST /release\nHost: 127.0.0.1\nX-Airside-Token: fedcba9876543210\nContent-Length: 1\n"),
+          with('\x30', "POST /weights\nHost: 127.0.0.1\nAuthorization: Bearer 01\nContent-Length: 900\n"),
+          with('\0', "POST /login\nHost: 127.0.0.1\nX-Airside-Token: 0123456789abcdef\nContent-Length: 30\n"),
           with('\2', "HEAD /token\nHost: [::1]\nAccept: */*\n"),
-          with('\4', "GET /weights.blob\nHost: box301.example\n"),
-          with('\0',
+          with('\x18', "GET /weights.blob\nHost: box301.example\n"),
+          with('\x18',
                "POST /weights\nHost: localhost\nOrigin: http://localhost\nX-Airside-Token: 0123456789abcdef\n"
                "Content-Length: 900\n"),
-          with('\1',
+          with('\x19',
                "POST /weights\nHost: localhost:1\nOrigin: https://localhost:1\nX-Airside-Token: 0123456789abcdef\n"
                "Content-Length: 1000\n"),
           with('\0', "GET /../etc/passwd\nHost: evil.example\n"),
@@ -112,6 +133,13 @@ std::vector<std::string> words() {
           "/weights.blob",
           "/weights",
           "/token",
+          "/release",
+          "/login",
+          "/session.json",
+          "/app.js",
+          "Cookie: airside-8350=",
+          "Authorization: Bearer ",
+          "fedcba9876543210",
           "Host: ",
           "Origin: ",
           "X-Airside-Token: ",

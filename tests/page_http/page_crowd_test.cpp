@@ -3,7 +3,7 @@
 #include <atomic>
 #include <thread>
 
-#include "firmware/page/connection_table.hpp"
+#include "firmware/page/http/connection_table.hpp"
 #include "page_http/page_rig.hpp"
 
 namespace airside::page {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/page/request_check.hpp"
+#include <array>
+
+#include "firmware/page/http/request_check.hpp"
 
 namespace airside::page {
 namespace {
@@ -13,9 +15,17 @@ constexpr const char* token = "0123456789abcdef";
 RequestRules rules(bool tls = false) {
   return {.names = {"ahu-3.example.org"}, .token = token, .max_upload_bytes = 1000, .tls = tls};
 }
+/// What anybody may do where no password is set.
+const Caller anybody{.rights = {.see = true, .operate = false, .install = true}, .token = {}, .has_key = false};
+
 Verdict judged(std::string_view method, std::string_view path, const Lines& lines, bool tls = false,
                std::string_view local = "127.0.0.1") {
-  return check_request({.method = method, .path = path, .headers = lines, .local_address = local}, rules(tls));
+  return check_request({.method = method, .path = path, .headers = lines, .local_address = local}, rules(tls), anybody);
+}
+int status_for(const Caller& caller, std::string_view method, std::string_view path, Lines more = {}) {
+  more.insert(more.begin(), {"Host", "127.0.0.1"});
+  return check_request({.method = method, .path = path, .headers = more, .local_address = "127.0.0.1"}, rules(), caller)
+      .status;
 }
 int status_with_host(std::string_view host, std::string_view local = "127.0.0.1") {
   const Lines lines{{"Host", host}};
@@ -46,13 +56,17 @@ TEST(RequestCheck, WantsHostOnce) {
   EXPECT_EQ(judged("GET", "/status.json", twice).status, 400);
 }
 
-TEST(RequestCheck, KnowsFourPathsByTheirBytes) {
+TEST(RequestCheck, KnowsPathsByTheirBytes) {
   const Lines lines{{"Host", "127.0.0.1"}};
   EXPECT_EQ(judged("GET", "/status.json", lines).route, Route::status);
   EXPECT_EQ(judged("HEAD", "/weights.blob", lines).route, Route::weights);
   EXPECT_EQ(judged("GET", "/token", lines).route, Route::token);
-  for (const char* path : {"", "/", "/status", "/status.json/", "//status.json", "/./status.json", "/status.json ",
-                           "/../status.json", "/status%2ejson", "status.json", "http://127.0.0.1/status.json", "*"}) {
+  EXPECT_EQ(judged("GET", "/", lines).route, Route::asset);
+  ASSERT_NE(judged("GET", "/app.js", lines).file, nullptr);
+  EXPECT_EQ(judged("GET", "/app.js", lines).file->path, "/app.js");
+  for (const char* path : {"", "/index.html", "/app.js/", "/texts/", "/texts/../app.js", "/status", "/status.json/",
+                           "//status.json", "/./status.json", "/status.json ", "/../status.json", "/status%2ejson",
+                           "status.json", "http://127.0.0.1/status.json", "*"}) {
     EXPECT_EQ(judged("GET", path, lines).status, 404) << path;
   }
 }
@@ -112,7 +126,66 @@ TEST(RequestCheck, WantsTheTokenOfThisRunOnce) {
   RequestRules none = rules();
   none.token.clear();
   const Lines lines{{"Host", "127.0.0.1"}, {"Content-Length", "10"}, {token_header, ""}};
-  EXPECT_EQ(check_request({"POST", "/weights", lines, "127.0.0.1"}, none).status, 403) << "no token is no open door";
+  EXPECT_EQ(check_request({"POST", "/weights", lines, "127.0.0.1"}, none, anybody).status, 403)
+      << "no token is no open door";
+}
+
+TEST(RequestCheck, GivesEachRoleItsRightsAndNoMore) {
+  const Lines with_token{{token_header, token}, {"Content-Length", "1"}};
+  struct Row {
+    const char* method;
+    const char* path;
+    bool anybody, viewer, operator_, installer;
+  };
+  for (const Row& row : std::to_array<Row>({{"GET", "/", true, true, true, true},
+                                            {"GET", "/session.json", true, true, true, true},
+                                            {"GET", "/status.json", false, true, true, true},
+                                            {"GET", "/trends.csv", false, true, true, true},
+                                            {"GET", "/metrics", false, true, true, true},
+                                            {"GET", "/weights.blob", false, true, true, true},
+                                            {"POST", "/login", true, true, true, true},
+                                            {"POST", "/release", false, false, true, true},
+                                            {"POST", "/hand-back", false, false, true, true},
+                                            {"POST", "/rollback", false, false, true, true},
+                                            {"POST", "/alarms/seen", false, false, true, true},
+                                            {"POST", "/weights", false, false, false, true}})) {
+    const auto may = [&](Role role) {
+      const Caller caller{.rights = rights_of(role), .token = {}, .has_key = false};
+      const int status = status_for(caller, row.method, row.path, *row.method == 'P' ? with_token : Lines{});
+      EXPECT_TRUE(status == 200 || status == 401) << row.path << " " << text_of(role) << " " << status;
+      return status == 200;
+    };
+    EXPECT_EQ(may(Role::none), row.anybody) << row.path;
+    EXPECT_EQ(may(Role::viewer), row.viewer) << row.path;
+    EXPECT_EQ(may(Role::operator_), row.operator_) << row.path;
+    EXPECT_EQ(may(Role::installer), row.installer) << row.path;
+  }
+}
+
+TEST(RequestCheck, WantsTheTokenOfTheSessionWhereThereIsOne) {
+  const Caller person{.rights = rights_of(Role::operator_), .token = "fedcba9876543210", .has_key = false};
+  EXPECT_EQ(status_for(person, "POST", "/release", {{token_header, "fedcba9876543210"}}), 200);
+  EXPECT_EQ(status_for(person, "POST", "/release", {{token_header, token}}), 403) << "the run's token is no session's";
+  EXPECT_EQ(status_for(person, "POST", "/release"), 403);
+  const Caller program{.rights = rights_of(Role::operator_), .token = {}, .has_key = true};
+  EXPECT_EQ(status_for(program, "POST", "/release"), 200) << "no browser sends a key by itself";
+  EXPECT_EQ(status_for(program, "POST", "/release", {{"Origin", "http://evil.example"}}), 403);
+  EXPECT_EQ(status_for(program, "POST", "/release", {{"Content-Length", "1025"}}), 413);
+  EXPECT_EQ(status_for(program, "GET", "/release"), 405);
+}
+
+TEST(RequestCheck, FindsCookieAndKey) {
+  const auto cookie = [](const Lines& lines) { return cookie_of({"GET", "/", lines, "127.0.0.1"}, "airside-1"); };
+  EXPECT_EQ(cookie({{"Cookie", "airside-1=abc"}}), "abc");
+  EXPECT_EQ(cookie({{"cookie", "x=1; airside-1=abc; y=2"}}), "abc");
+  EXPECT_EQ(cookie({{"Cookie", "xairside-1=abc; airside-10=d; airside-1"}}), "");
+  EXPECT_EQ(cookie({{"Cookie", "airside-1=a"}, {"Cookie", "airside-1=b"}}), "")
+      << "which of both counts is not guessed";
+  const auto key = [](const Lines& lines) { return bearer_of({"GET", "/", lines, "127.0.0.1"}); };
+  EXPECT_EQ(key({{"Authorization", "Bearer abc"}}), "abc");
+  EXPECT_EQ(key({{"Authorization", "bearer abc"}}), "abc");
+  EXPECT_EQ(key({{"Authorization", "Basic abc"}}), "");
+  EXPECT_EQ(key({{"Authorization", "Bearer "}}), "");
 }
 
 TEST(RequestCheck, TakesAnOriginThatIsTheHostItself) {

@@ -188,7 +188,8 @@ void refuse_for_site(const std::string& blob, std::span<const std::byte> bytes, 
 }
 
 struct PushCommand {
-  std::string blob, target, ca, site;
+  std::string blob, target, site;
+  BoxAccess access;
   SendBlob over_http = nullptr;
   bool json = false;
 
@@ -220,7 +221,7 @@ struct PushCommand {
     const bool is_address = target.starts_with("http://") || target.starts_with("https://");
     const std::string address = is_address ? target : page_of(target);
     if (over_http != nullptr && !address.empty()) {
-      nlohmann::json sent = over_http(address, bytes, ca);
+      nlohmann::json sent = over_http(address, bytes, access);
       sent["blob"] = blob;
       if (json) {
         fmt::print("{}\n", sent.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -249,12 +250,21 @@ struct WishCommand {
   std::string target;
   std::string_view wish;
   const char* sentence;
+  int hours = 0;  ///< of a release: after which it ends by itself; 0: it does not
   bool json = false;
 
   void run() const {
-    drop(target, std::string(wish), {});
+    const std::string text = hours == 0 ? std::string() : std::to_string(hours);
+    drop(target, std::string(wish), std::as_bytes(std::span(text)));
     if (json) {
       fmt::print("{}\n", nlohmann::json{{"wish", wish}, {"inbox", inbox_of(target)}}.dump());
+      return;
+    }
+    if (hours != 0) {
+      fmt::print(
+          "the daemon writes nothing more, from now on; it takes the AHU again within a row and a control cycle "
+          "after {} h, or after `airside hand-back`\n",
+          hours);
       return;
     }
     fmt::print("{}\n", sentence);
@@ -270,6 +280,10 @@ void add_wish(CLI::App& app, const char* name, std::string_view wish, const char
   self->sentence = sentence;
   CLI::App* c = app.add_subcommand(name, help);
   c->add_option("target", self->target, target_help)->required();
+  if (wish == hal::Mailbox::release_name) {
+    c->add_option("--hours", self->hours, "take the AHU again after that many hours (default: not before a hand-back)")
+        ->check(CLI::Range(1, hal::Mailbox::longest_release_h));
+  }
   c->add_flag("--json", self->json, json_help);
   c->callback([self] { self->run(); });
 }
@@ -305,7 +319,9 @@ void add_weights(CLI::App& app, SendBlob over_http) {
                                      : target_help)
       ->required();
   if (over_http != nullptr) {
-    p->add_option("--ca", push->ca, "PEM file of the certificates to trust, such as the box's own");
+    p->add_option("--ca", push->access.ca, "PEM file of the certificates to trust, such as the box's own");
+    p->add_option("--access", push->access.key_file,
+                  "file with a key of the box's page, where passwords are set (airside-page --new-key installer)");
   }
   p->add_option(
       "--site", push->site,
@@ -320,7 +336,7 @@ void add_weights(CLI::App& app, SendBlob over_http) {
            "nothing");
   add_wish(app, "release", hal::Mailbox::release_name,
            "let a box stop writing, so that the AHU's own controller takes over",
-           "the daemon stops writing at the next decision, within a control cycle, until `airside hand-back`");
+           "the daemon writes nothing more, from now on, until `airside hand-back`; its status says so within 6 min");
   add_wish(app, "hand-back", hal::Mailbox::hand_back_name, "give a released or overridden AHU back to the box",
            "the daemon takes over again within a row and a control cycle");
 }

@@ -85,7 +85,15 @@ std::size_t StatusFile::format(CivilTime now, const StatusSnapshot& s) {
   text.string("state", text_of(s.control_mode.mode));
   text.string("reason", text_of(s.control_mode.reason));
   text.string("why", why_of(s.control_mode));
-  text.string("way_out", way_out_of(s.control_mode));
+  std::array<char, hal::civil_text_size> ends{};
+  const bool has_end = s.release_ends.seconds != 0 && s.control_mode.reason == Reason::released_by_hand;
+  if (has_end) {
+    hal::write_civil_text(ends.data(), s.release_ends);
+    text.add(",\"way_out\":\"ends at {}, or when it is handed back\"", std::string_view(ends.data(), ends.size()));
+  } else {
+    text.string("way_out", way_out_of(s.control_mode));
+  }
+  text.string("release_ends", std::string_view(ends.data(), has_end ? ends.size() : 0));
   add_alarms(text, now, s.mode_arbiter);
   text.string("fault", text_of(s.fault));
   text.string("fault_signal", s.fault_signal);

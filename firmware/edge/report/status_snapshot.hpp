@@ -28,6 +28,7 @@ struct StatusSnapshot {
   HoldRule hold = HoldRule::mean;
   std::string_view fault_signal = {};  ///< name of the signal at fault, or empty
   CivilTime stopped_at = {};           ///< by the site's clock, where the daemon has ended in order; 0: it runs
+  CivilTime release_ends = {};         ///< of a release for a time; 0: there is none
   CivilTime lost_until = {};           ///< as of DaemonState; 0: nothing was lost at this start
   std::uint64_t cycles = 0, rejected_updates = 0, replay_transitions = 0, generation = 0;
   bool has_weights = false;
@@ -74,7 +75,7 @@ class StatusFile {
   static hal::StoreResult<void> stage(int dir, const char* name, std::span<const std::byte> bytes);
 
   std::string path_;
-  std::array<char, 4096> text_{};
+  std::array<char, 4608> text_{};
   bool cleared_ = false;
   hal::StoreFault failure_ = hal::StoreFault::none;
 };

@@ -49,9 +49,7 @@ template <Topology T>
 bool WeightsTrial<T>::row(CivilTime t, Controller<T>& controller, TrialRecord& record) {
   const hal::Mail mail = mailbox_.collect(*bytes_);
   say_inbox();
-  if (mail.release) controller.hold(Reason::released_by_hand, t, 0);
-  if (mail.hand_back) controller.hand_back();
-  if (mail.release || mail.hand_back) say("an operator asked: {}", mail.release ? "release" : "hand-back");
+  take_wishes(t, mail, controller);
   const bool has_begun = record.tries_back > 0;
   bool exchanged = has_begun && roll_back(controller, record, "as was begun");
   // Whoever asks for a rollback before a blob was tried means that blob. One that was taken already lies here still
@@ -77,6 +75,23 @@ bool WeightsTrial<T>::row(CivilTime t, Controller<T>& controller, TrialRecord& r
   }
   finish_mail_ = finish_mail_ || mail.has_blob || mail.rollback || mail.release || mail.hand_back;
   return supervise(t, controller, record) || exchanged;
+}
+
+/// A release holds until a hand-back, or until its time is over, which rows find out.
+template <Topology T>
+void WeightsTrial<T>::take_wishes(CivilTime t, const hal::Mail& mail, Controller<T>& controller) {
+  if (mail.release) controller.hold(Reason::released_by_hand, t, 0);
+  if (mail.hand_back) controller.hand_back();
+  if (mail.hand_back) say("an operator asked: hand-back");
+  if (mail.release && mail.release_s == 0) say("an operator asked: release");
+  if (mail.release && mail.release_s > 0) say("an operator asked: release for {} min", (mail.release_s + 59) / 60);
+  if (mail.release || mail.hand_back) release_ends_ = {mail.release_s == 0 ? 0 : t.seconds + mail.release_s};
+  if (release_ends_.seconds == 0 || t < release_ends_) return;
+  controller.report(Reason::released_by_hand, false, t);
+  mailbox_.end_release();
+  finish_mail_ = true;
+  release_ends_ = {};
+  say("the time of the release is over; the AHU is taken again");
 }
 
 template <Topology T>

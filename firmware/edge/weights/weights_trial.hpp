@@ -40,6 +40,8 @@ class WeightsTrial {
   /// Opens or makes the inbox, and reads the counters that lie apart; before, nothing is collected.
   void open_inbox();
   /// Whether a person has asked for release and no row has reported it yet.
+  /// When the release that holds ends by itself; 0: there is none, or it waits for a hand-back.
+  CivilTime release_ends() const { return release_ends_; }
   bool release_waits() const { return mailbox_.release_waits(); }
   /// The state is another one, to which nothing of the inbox was reported yet.
   void tell_anew();
@@ -57,6 +59,7 @@ class WeightsTrial {
   using Payload = typename WeightBlob<T>::Payload;
   using Learning = LearningState<T, float>;
 
+  void take_wishes(CivilTime t, const hal::Mail& mail, Controller<T>& controller);
   void read_keys();
   /// Length, key, signature, topology, units and finite numbers, counter, canary: in this order.
   BlobError install(CivilTime t, std::span<const std::byte> bytes, Controller<T>& controller, TrialRecord& record);
@@ -84,6 +87,7 @@ class WeightsTrial {
   std::unique_ptr<NetworkWeights<T, float>> weights_;
   std::unique_ptr<Learning> before_ = std::make_unique<Learning>();
   hal::KeyId exchanged_key_{};
+  CivilTime release_ends_;  ///< 0: no release, or one without an end of its own
   bool finish_mail_ = false, accepted_ = false, exchange_waits_ = false;  ///< the last: for its commit
   std::uint64_t staged_copy_ = 0;  ///< digest of a copy that waits for the commit that names it
 };

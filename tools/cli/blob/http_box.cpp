@@ -9,6 +9,7 @@
 #include <regex>
 
 #include "hal/text/input_error.hpp"
+#include "hal/text/text_file.hpp"
 
 namespace airside::tools {
 
@@ -43,6 +44,7 @@ std::string reason_of(std::span<const std::byte> body) {
 
 std::string remedy_for(long status) {
   switch (status) {
+    case 401: return "give a file with a key by --access; airside-page --new-key on the box prints one";
     case 403: return "sign it with a key whose .pub lies in the box's keys folder, and which is not revoked";
     case 404: return "let airsided run for a day with weights; is this an airside-page at all?";
     case 409: return "wait until the daemon has taken the other blob (6 min), or sign this one later than that";
@@ -86,8 +88,7 @@ bool is_web_address(const std::string& target) {
   return target.starts_with("http://") || target.starts_with("https://");
 }
 
-HttpBox::HttpBox(std::string address, std::string ca_file)
-    : address_(std::move(address)), ca_file_(std::move(ca_file)) {
+HttpBox::HttpBox(std::string address, const BoxAccess& access) : address_(std::move(address)), ca_file_(access.ca) {
   while (address_.ends_with('/')) address_.pop_back();
   static const std::regex shape(R"(https?://([A-Za-z0-9.-]+|\[[0-9a-fA-F:.]+\])(:[0-9]{1,5})?)");
   if (!std::regex_match(address_, shape)) {
@@ -98,6 +99,14 @@ HttpBox::HttpBox(std::string address, std::string ca_file)
   if (!ca_file_.empty() && !std::filesystem::is_regular_file(ca_file_)) {
     throw hal::InputError("--ca " + ca_file_, "no such file", "certificates in PEM",
                           "copy the box's certificate ([page] tls_cert) here");
+  }
+  if (access.key_file.empty()) return;
+  key_ = hal::read_text_file(access.key_file, "a key that airside-page --new-key printed");
+  while (key_.ends_with('\n') || key_.ends_with('\r')) key_.pop_back();
+  static const std::regex key_shape("[0-9a-f]{64}");
+  if (!std::regex_match(key_, key_shape)) {
+    throw hal::InputError("--access " + access.key_file, "no key of a box's page", "64 hex digits",
+                          "make one on the box: airside-page --site /etc/airside/site.toml --new-key installer");
   }
 }
 
@@ -122,16 +131,21 @@ HttpBox::Answer HttpBox::exchange(const std::string& path, std::size_t max_bytes
     curl_easy_setopt(c.get(), CURLOPT_CAINFO, ca_file_.c_str());
     curl_easy_setopt(c.get(), CURLOPT_CAPATH, nullptr);
   }
-  std::unique_ptr<curl_slist, FreeLines> lines;
+  std::vector<std::string> texts;
+  if (!key_.empty()) texts.push_back("Authorization: Bearer " + key_);
   if (body != nullptr) {
     // The box refuses by the head alone before the body is sent.
-    for (const std::string& line : {"X-Airside-Token: " + token, std::string("Expect: 100-continue"),
-                                    std::string("Content-Type: application/octet-stream")}) {
-      curl_slist* all = curl_slist_append(lines.get(), line.c_str());
-      if (all == nullptr) throw std::bad_alloc();
-      if (!lines) lines.reset(all);  // further ones hang on the first
-    }
-    curl_easy_setopt(c.get(), CURLOPT_HTTPHEADER, lines.get());
+    texts.insert(texts.end(),
+                 {"X-Airside-Token: " + token, "Expect: 100-continue", "Content-Type: application/octet-stream"});
+  }
+  std::unique_ptr<curl_slist, FreeLines> lines;
+  for (const std::string& line : texts) {
+    curl_slist* all = curl_slist_append(lines.get(), line.c_str());
+    if (all == nullptr) throw std::bad_alloc();
+    if (!lines) lines.reset(all);  // further ones hang on the first
+  }
+  if (lines) curl_easy_setopt(c.get(), CURLOPT_HTTPHEADER, lines.get());
+  if (body != nullptr) {
     curl_easy_setopt(c.get(), CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(body->size()));
     curl_easy_setopt(c.get(), CURLOPT_POSTFIELDS, reinterpret_cast<const char*>(body->data()));
   }

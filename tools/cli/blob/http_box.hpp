@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/cli/command.hpp"
+
 namespace airside::tools {
 
 /// Whether a target is a web address rather than a file's path.
@@ -14,9 +16,9 @@ bool is_web_address(const std::string& target);
 /// One box by `http://HOST[:PORT]` or `https://HOST[:PORT]`. No proxy is asked and no redirect followed: a box is near.
 class HttpBox {
  public:
-  /// `ca_file`: PEM certificates to trust beside none else, such as a box's own; "" trusts this machine's.
+  /// `access.ca`: PEM certificates to trust beside none else, such as a box's own; "" trusts this machine's.
   /// Errors: hal::InputError for another address, or a file that is not there.
-  HttpBox(std::string address, std::string ca_file);
+  HttpBox(std::string address, const BoxAccess& access);
 
   /// Body of GET `path`. Errors: hal::InputError with the address, what came back and what to do; also for more than
   /// `max_bytes`.
@@ -34,7 +36,7 @@ class HttpBox {
                   const std::string& token) const;
   [[noreturn]] void refuse(const std::string& path, const Answer& answer) const;
 
-  std::string address_, ca_file_;
+  std::string address_, ca_file_, key_;
 };
 
 }  // namespace airside::tools

@@ -33,14 +33,15 @@ std::string given_file(const std::string& source) {
 }
 
 struct PullCommand {
-  std::string source, out, ca;
+  std::string source, out;
+  BoxAccess access;
   bool json = false;
 
   void run() const {
     const bool web = is_web_address(source);
     const std::string from = web ? source : given_file(source);
     const std::vector<std::byte> bytes =
-        web ? HttpBox(source, ca).get("/weights.blob", longest_blob_bytes) : hal::read_blob_file(from);
+        web ? HttpBox(source, access).get("/weights.blob", longest_blob_bytes) : hal::read_blob_file(from);
     const BlobFacts facts = facts_of_blob(bytes, from);
     if (facts.refusal) throw *facts.refusal;
     hal::write_blob_file(out, bytes);
@@ -70,13 +71,15 @@ void add_pull(CLI::App& app) {
                 "http://HOST:PORT or https://HOST:PORT of airside-page, a state folder, or a site file")
       ->required();
   c->add_option("-o,--out", self->out, "blob to write")->required();
-  c->add_option("--ca", self->ca, "PEM file of the certificates to trust, such as the box's own");
+  c->add_option("--ca", self->access.ca, "PEM file of the certificates to trust, such as the box's own");
+  c->add_option("--access", self->access.key_file,
+                "file with a key of the box's page, where viewers need one (airside-page --new-key viewer)");
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
   c->callback([self] { self->run(); });
 }
 
-nlohmann::json send_over_http(const std::string& address, std::span<const std::byte> blob, const std::string& ca) {
-  const std::string said = HttpBox(address, ca).send_blob(blob);
+nlohmann::json send_over_http(const std::string& address, std::span<const std::byte> blob, const BoxAccess& access) {
+  const std::string said = HttpBox(address, access).send_blob(blob);
   return {{"bytes", blob.size()}, {"address", address}, {"said", said}};
 }
 

@@ -1,4 +1,4 @@
-#include "firmware/page/listener.hpp"
+#include "firmware/page/http/listener.hpp"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>

@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/page/audit_log.hpp"
+#include "firmware/page/http/audit_log.hpp"
+#include "firmware/page/http/request_check.hpp"
 
 namespace airside::page {
 
@@ -26,6 +27,8 @@ struct PeerAddress {
   bool is_same(const PeerAddress& other) const { return bytes == other.bytes; }
   /// Within one /24 of IPv4 or one /64 of IPv6: what one sender can have at no cost.
   bool shares_prefix(const PeerAddress& other) const;
+  /// The address with what is behind its prefix as zeros.
+  std::array<std::uint8_t, 16> prefix() const;
 };
 
 /// A body that is being received. The memory is kept.
@@ -44,6 +47,9 @@ struct Connection {
   bool dropped = false;       ///< shut down; libmicrohttpd has not closed it yet
   PeerAddress peer{};
   Upload* upload = nullptr;
+  Route route = Route::none;  ///< of what changes something, once its head was judged
+  std::string who{};          ///< who asks for it, for the audit log
+  bool waits = false;         ///< for a password to be verified
 };
 
 /// Connections and uploads, with budgets for one address, one prefix, and in all. Where a budget is used up, the

@@ -1,4 +1,4 @@
-#include "firmware/page/connection_table.hpp"
+#include "firmware/page/http/connection_table.hpp"
 
 #include <sys/socket.h>
 
@@ -21,11 +21,15 @@ bool holds_place(const Connection& c) { return c.socket >= 0 && !c.dropped; }
 
 }  // namespace
 
-bool PeerAddress::shares_prefix(const PeerAddress& other) const {
+std::array<std::uint8_t, 16> PeerAddress::prefix() const {
   constexpr std::array<std::uint8_t, 12> four{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
   const std::ptrdiff_t size = std::equal(four.begin(), four.end(), bytes.begin()) ? 15 : 8;
-  return std::equal(bytes.begin(), bytes.begin() + size, other.bytes.begin());
+  std::array<std::uint8_t, 16> prefix{};
+  std::copy(bytes.begin(), bytes.begin() + size, prefix.begin());
+  return prefix;
 }
+
+bool PeerAddress::shares_prefix(const PeerAddress& other) const { return prefix() == other.prefix(); }
 
 ConnectionTable::ConnectionTable(AuditLog& log, Deadlines deadlines, bool tls, std::size_t upload_bytes)
     : log_(log), deadlines_(deadlines), slow_head_s_(tls ? slow_head_tls_s : slow_head_s) {
@@ -87,7 +91,10 @@ Connection* ConnectionTable::begin(int socket, const PeerAddress& peer, std::int
            .until_ns = now_ns + ns_of(deadlines_.head_s),
            .asks = true,
            .peer = peer,
-           .upload = nullptr};
+           .upload = nullptr,
+           .route = Route::none,
+           .who = {},
+           .waits = false};
   return &*free;
 }
 

@@ -1,4 +1,4 @@
-#include "firmware/page/upload_door.hpp"
+#include "firmware/page/inbox/upload_door.hpp"
 
 #include <fmt/format.h>
 #include <filesystem>

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "firmware/page/http/static_files.hpp"
+
 namespace airside::page {
 
 /// Markup cannot be in a JSON text whose angle brackets are escaped; outside of its strings there are none.
@@ -18,7 +20,11 @@ MHD_Response* response_of(const std::string& text);
 MHD_Response* json_of(int status, std::string_view reason);
 
 /// Adds the header lines that every answer has: JSON unless said otherwise, the connection's end, and what keeps
-/// browsers from running, framing or keeping it.
+/// browsers from running, framing or keeping it. What already has a Content-Security-Policy or Cache-Control keeps it.
 void add_common_lines(MHD_Response* response);
+
+/// A file of the page, which may run its own scripts and nothing else; where the browser has it already
+/// (`if_none_match` names its ETag) only that is said: `status` becomes 304.
+MHD_Response* asset_of(const StaticFile& file, const char* if_none_match, int& status);
 
 }  // namespace airside::page

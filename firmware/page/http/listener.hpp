@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "firmware/page/connection_table.hpp"
+#include "firmware/page/http/connection_table.hpp"
 #include "hal/storage/storage_file.hpp"
 
 struct sockaddr;

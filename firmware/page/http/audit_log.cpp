@@ -1,4 +1,4 @@
-#include "firmware/page/audit_log.hpp"
+#include "firmware/page/http/audit_log.hpp"
 
 #include <cstdio>
 

@@ -1,0 +1,56 @@
+#pragma once
+// What can be read: the status, and what the page makes of status, log and its own ledger. Little is done at once, so
+// that nobody waits for a request of somebody else.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "firmware/page/data/ledger.hpp"
+#include "firmware/page/data/state_folder.hpp"
+#include "firmware/page/data/trend_store.hpp"
+#include "firmware/page/http/request_check.hpp"
+#include "hal/site/site_file.hpp"
+
+struct MHD_Response;
+
+namespace airside::page {
+
+struct Answer {
+  int status = 200;  ///< HTTP
+  MHD_Response* response = nullptr;
+};
+
+class Answers {
+ public:
+  explicit Answers(const hal::SiteFile& site);
+
+  /// Looks for a new status and reads a little of the log; at most once in a fifth of a second. True: more is waiting.
+  bool tick(std::int64_t now_ns);
+  /// Answer of a route that reads. `span`: of the query, may be null.
+  Answer read(Route route, const char* span);
+  Ledger& ledger() { return ledger_; }
+
+ private:
+  struct Cached {
+    std::uint64_t count = 0;
+    bool reading = true;
+    std::string text;
+  };
+  Answer status();
+  Answer weights() const;
+  Answer trends_json(std::string_view span);
+  Answer trends_csv(std::string_view span) const;
+
+  std::string state_dir_, site_text_;
+  bool of_band_;
+  StatusReader status_;
+  Ledger ledger_;
+  TrendStore store_;
+  std::array<Cached, 3> cached_;  ///< day, week, month
+  std::int64_t looked_ns_ = 0;
+  bool more_ = true;
+};
+
+}  // namespace airside::page

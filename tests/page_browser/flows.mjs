@@ -1,0 +1,378 @@
+// Every flow of the operator's page in a real browser, on a real airside-page beside a real daemon.
+// usage: [AIRSIDE_PAGE_PICTURES=FOLDER] [KEEP=1] node flows.mjs BIN_DIR MODULES_DIR
+
+import { spawnSync } from 'node:child_process';
+import { existsSync, mkdirSync, readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join, resolve } from 'node:path';
+import { Box, pause, until } from './box.mjs';
+
+const [bin, modules] = process.argv.slice(2).map((p) => resolve(p));
+const pictures = process.env.AIRSIDE_PAGE_PICTURES;
+const chromium_path = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find((p) => existsSync(p));
+if (!existsSync(join(modules, 'node_modules', 'playwright-core')) || !chromium_path) {
+  console.error(`SKIPPED: no playwright-core in ${modules}, or no chromium; tools/setup installs both`);
+  process.exit(77);
+}
+const require = createRequire(join(modules, 'package.json'));
+const { chromium } = require('playwright-core');
+const axe = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
+
+let checks = 0;
+function check(good, what) {
+  ++checks;
+  if (!good) throw new Error(`not so: ${what}`);
+}
+const same = (found, expected, what) => check(found === expected, `${what}: found ${JSON.stringify(found)}, expected ${JSON.stringify(expected)}`);
+const steps = [];
+const step = (name, work) => steps.push([name, work]);
+
+const password = { operator: 'seven quiet dampers', installer: 'nine cold coils here' };
+let box, browser, view, problems = [];
+
+/** A page in a window of its own; whatever it complains of or fetches from elsewhere is a problem. */
+async function open(options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, locale: 'en-GB', colorScheme: 'light', ...options });
+  const tab = await context.newPage();
+  tab.bodies = [];
+  tab.expected = [];
+  tab.on('console', (m) => { if (['error', 'warning'].includes(m.type()) && !tab.expected.some((e) => m.text().includes(e))) problems.push(`console: ${m.text()} at ${m.location().url}`); });
+  tab.on('pageerror', (e) => problems.push(`page error: ${e.message}`));
+  tab.on('request', (r) => { if (!r.url().startsWith(box.address) && !r.url().startsWith('data:') && !r.url().startsWith('blob:')) problems.push(`request to ${r.url()}`); });
+  tab.on('response', (r) => tab.bodies.push(r.body().then((b) => [new URL(r.url()).pathname, b.length], () => ['', 0])));
+  await tab.goto(box.address, { waitUntil: 'load' });
+  await ready(tab);
+  return tab;
+}
+const ready = (tab) => tab.waitForFunction(() => document.documentElement.dataset.ready === 'yes', null, { timeout: 30000 });
+const reload = async (tab) => { await tab.reload({ waitUntil: 'load' }); await ready(tab); };
+
+async function accessible(tab, where) {
+  await tab.evaluate(axe);
+  const result = await tab.evaluate(() => window.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'] }));
+  check(result.passes.length > 15, `axe-core ran (${where})`);
+  const grave = result.violations.filter((v) => ['serious', 'critical'].includes(v.impact));
+  check(grave.length === 0, `nothing serious in ${where}: ${grave.map((v) => `${v.id} ${v.nodes.map((n) => n.target.join(' ')).join(', ')} ${v.nodes[0].failureSummary}`).join('; ')}`);
+  return result.violations.map((v) => `${v.id} (${v.impact})`);
+}
+const fits = async (tab, where) => {
+  const width = await tab.evaluate(() => [document.scrollingElement.scrollWidth, innerWidth]);
+  check(width[0] <= width[1], `nothing is wider than the screen in ${where}: ${width}`);
+};
+async function picture(tab, name, full = true) {
+  if (!pictures) return;
+  mkdirSync(pictures, { recursive: true });
+  await tab.screenshot({ path: join(pictures, `${name}.png`), fullPage: full });
+}
+const text_of = (tab, id) => tab.locator(`#${id}`).textContent();
+async function says(tab, id, words) {
+  await until(`#${id} says "${words}"`, async () => (await text_of(tab, id)).includes(words), 40).catch(async (e) => { throw new Error(`${e.message}; it says "${await text_of(tab, id)}"`); });
+}
+async function confirm(tab, id) {
+  await tab.locator(`#${id}`).click();
+  await tab.locator('#confirm-yes').click();
+}
+async function sign_in(tab, role, word) {
+  await tab.locator('#sign-in').click();
+  await tab.locator('#role').selectOption(role);
+  await tab.locator('#password').fill(word);
+  await tab.locator('#sign-in-f button[type=submit]').click();
+}
+
+step('a week under control, with a fault and somebody else at the setpoint', async () => {
+  const { writeFileSync } = await import('node:fs');
+  writeFileSync(box.path('faults.csv'), 'begin_h,for_h,fault,signal,magnitude\n30,5,stuck,room_temp_2,\n58,0,setpoint_by_hand,,21.5\n');
+  await box.serve('--faults', box.path('faults.csv'));
+  const week = box.daemon('--until', '2021-08-08T13:00:00');
+  const code = await Promise.race([week.ended, pause(150000).then(() => 'too slow')]);
+  same(code, 0, 'the week ends in order');
+  await box.end(box.server);
+  await box.open_page();
+});
+
+step('what it shows is what airside status says', async () => {
+  view = await open();
+  const shown = await text_of(view, 'sentence');
+  const status = spawnSync(box.program('airside'), ['status', box.path('site', 'state')], { encoding: 'utf8' }).stdout;
+  const last = shown.trim().split('\n').pop();
+  check(status.includes(last), `airside status has "${last}":\n${status}`);
+  await says(view, 'badge', 'Stopped');
+  const bodies = await Promise.all(view.bodies), bytes = bodies.reduce((sum, [, n]) => sum + n, 0);
+  for (const path of ['/', '/app.js', '/style.css', '/uplot.js', '/texts/en.json', '/trends.json']) check(bodies.some(([p, n]) => p === path && n > 1000), `${path} was counted`);
+  check(bytes < 150000, `first paint and all behind it: ${bytes} bytes`);
+  console.log(`  ${bytes} bytes until all is shown`);
+  same(await view.locator('#rooms li').count(), 5, 'rooms');
+  check((await view.locator('#proposals li').count()) >= 4, 'proposals for the setpoint');
+  same(await view.locator('#orders').isVisible(), false, 'orders without a password');
+  same(await view.locator('#sign-in').isVisible(), false, 'sign-in without a password');
+});
+
+step('trends of day, week and month, a table beside them, and CSV', async () => {
+  for (const span of ['week', 'month', 'day']) {
+    await view.locator(`.span[data-span=${span}]`).click();
+    await until(`${span} is drawn`, async () => (await view.locator('#charts canvas').count()) >= 3);
+    same(await view.locator(`.span[data-span=${span}]`).getAttribute('aria-pressed'), 'true', span);
+  }
+  await view.locator('.span[data-span=week]').click();
+  await says(view, 'spells', 'Released');
+  await view.locator('#trends-table summary').click();
+  await until('eight days', async () => (await view.locator('#days tbody tr').count()) === 8);
+  await says(view, 'balance', 'airside');
+  const data = await (await fetch(`${box.address}/trends.json?span=month`)).json();
+  check(data.points <= 500 && data.time_s.length === data.points && data.rooms_degc.length === 5, `${data.points} points`);
+  check(data.spells.some((s) => s.mode === 'release' && s.reason === 'overridden'), 'an hour of release is seen');
+  const waiting = view.waitForEvent('download');
+  await view.locator('#csv').click();
+  const csv = readFileSync(await (await waiting).path(), 'utf8').trim().split('\n');
+  same(csv.length, 7 * 240 + 1, 'rows of a week and a header');
+  for (const line of csv.slice(1)) check(line.split(',').slice(3).every((f) => f === '' || /^-?\d+\.\d{2,3}$/.test(f)), `rounded for people: ${line}`);
+});
+
+step('keyboard: skip link, order, visible focus', async () => {
+  await reload(view);
+  await view.keyboard.press('Tab');
+  same(await view.evaluate(() => document.activeElement.className), 'skip', 'the first stop');
+  check(await view.evaluate(() => document.activeElement.getBoundingClientRect().left >= 0), 'the skip link shows when it has the focus');
+  await view.keyboard.press('Enter');
+  same(await view.evaluate(() => document.activeElement.id), 'main', 'where it leads');
+  const stops = [];
+  for (let i = 0; i < 12; ++i) {
+    await view.keyboard.press('Tab');
+    stops.push(await view.evaluate(() => { const e = document.activeElement; return [e.id || e.className || e.tagName, getComputedStyle(e).outlineStyle !== 'none', e.getBoundingClientRect().top + scrollY]; }));
+  }
+  check(stops.every(([, visible]) => visible), `focus is seen at every stop: ${JSON.stringify(stops)}`);
+  check(stops.filter(([name]) => name === 'span').length === 3, `the spans are among the stops: ${JSON.stringify(stops)}`);
+  same(await view.evaluate(() => document.getElementById('state').getAttribute('aria-live')), 'polite', 'the state is announced');
+});
+
+step('the room runs on, by itself', async () => {
+  await box.serve('--start', '2021-08-09', '--speed', '400');
+  box.live = box.daemon();
+  await until('the daemon goes on', () => !box.status().stopped && box.status().state !== 'release');
+  await reload(view);
+  await until('the page sees it', async () => /Controls|Schedule/.test(await text_of(view, 'badge')));
+});
+
+step('a password that is set on the box opens the orders', async () => {
+  for (const [role, word] of Object.entries(password)) box.run_with(`${word}\n`, 'airside-page', '--site', box.site(), '--set-password', role);
+  check(!readFileSync(box.path('site', 'page', 'access'), 'utf8').includes(password.operator), 'the file has no password');
+  await reload(view);
+  view.expected = ['403', '429', '401', '404'];
+  await sign_in(view, 'operator', 'not the password');
+  await says(view, 'sign-in-said', 'not the password');
+  await accessible(view, 'the dialog for signing in');
+  await picture(view, 'sign-in', false);
+  await view.locator('#password').fill(password.operator);
+  await view.keyboard.press('Enter');
+  await says(view, 'who', 'operator');
+  same(await view.locator('#orders').isVisible(), true, 'orders');
+  same(await view.locator('#upload').isVisible(), false, 'an operator sends no weights');
+  const cookie = (await view.context().cookies())[0];
+  check(cookie.httpOnly && cookie.sameSite === 'Strict' && cookie.value.length === 64, `the cookie: ${JSON.stringify(cookie)}`);
+});
+
+step('without the token of the session nothing is done', async () => {
+  same(await view.evaluate(() => fetch('/release', { method: 'POST' }).then((r) => r.status)), 403, 'release without token');
+  same(await view.evaluate(() => fetch('/release', { method: 'POST', headers: { 'X-Airside-Token': '0'.repeat(32) } }).then((r) => r.status)), 403, 'release with another token');
+  check(!existsSync(box.path('site', 'inbox', 'release')), 'nothing in the inbox');
+});
+
+step('release until handed back, and hand-back', async () => {
+  await confirm(view, 'release');
+  await says(view, 'order-said', 'nothing more is written');
+  await until('the daemon has released', () => box.status().state === 'release' && box.status().reason === 'released by hand');
+  same(box.status().release_ends, '', 'no end');
+  const writes = box.status().setpoint_writes;
+  await reload(view);
+  await says(view, 'badge', 'Released');
+  await says(view, 'sentence', 'an operator has released the AHU (ends when it is handed back)');
+  await accessible(view, 'a released box, signed in');
+  await pause(1500);
+  same(box.status().setpoint_writes, writes, 'setpoints written meanwhile');
+  await confirm(view, 'hand-back');
+  await says(view, 'order-said', 'takes over within 6 min');
+  await until('the daemon has taken over', () => box.status().state !== 'release');
+  check(!existsSync(box.path('site', 'inbox', 'release')), 'the wish is gone');
+});
+
+step('the confirmation can be refused', async () => {
+  await view.locator('#release').click();
+  await view.keyboard.press('Escape');
+  await pause(300);
+  check(!existsSync(box.path('site', 'inbox', 'release')), 'nothing was asked for');
+});
+
+step('release for an hour, and the return by itself', async () => {
+  await view.locator('#release-hours').selectOption('1');
+  await confirm(view, 'release');
+  await says(view, 'order-said', 'Released for 1 h');
+  const s = await until('the daemon has released', () => { const now = box.status(); return now.release_ends && now; });
+  const lasts_s = (Date.parse(s.release_ends) - Date.parse(s.time)) / 1000;
+  check(lasts_s > 0 && lasts_s <= 3600, `it ends at ${s.release_ends}, said at ${s.time}`);
+  await reload(view);
+  await says(view, 'sentence', 'ends at 2021-');
+  await until('the daemon has returned', () => box.status().state !== 'release', 60);
+  await until('the wish is gone', () => !existsSync(box.path('site', 'inbox', 'release')));
+  check(readFileSync(box.path('daemon.txt'), 'utf8').includes('the time of the release is over'), 'the daemon says so');
+});
+
+step('an alarm that has ended stays until it is acknowledged', async () => {
+  await reload(view);
+  await says(view, 'alarms', 'released by hand');
+  const before = await view.locator('#alarms li.ended').count();
+  check(before >= 2, `${before} alarms wait`);
+  await picture(view, 'alarms', false);
+  await view.locator('#alarms li.ended button').first().click();
+  await until('one less', async () => (await view.locator('#alarms li.ended').count()) === before - 1);
+  if (await view.locator('#seen-all').isVisible()) await view.locator('#seen-all').click();
+  else await view.locator('#alarms li.ended button').first().click();
+  await until('none waits', async () => (await view.locator('#alarms li.ended').count()) === 0);
+  await box.end(box.page);
+  await box.open_page();  // on another port
+  view = await reopen(view);
+  await says(view, 'alarms-old', 'acknowledged by operator');
+  same(await view.locator('#sign-out').isVisible(), false, 'signed in after the page restarted');
+});
+async function reopen(tab) {
+  await tab.context().close();
+  const next = await open();
+  next.expected = ['403', '429', '401', '404', '409', '422'];
+  return next;
+}
+
+step('weights: sent by the installer, on trial, rolled back, and kept in the history', async () => {
+  await sign_in(view, 'installer', password.installer);
+  await says(view, 'who', 'installer');
+  box.run('airside', 'sign', box.path('room.blob'), '--key', box.path('ann.key'), '-o', box.path('signed.blob'), '--scope', 'Room 301');
+  await view.locator('#blob').setInputFiles(box.path('room.blob'));
+  await view.locator('#upload button').click();
+  await says(view, 'weights-order-said', 'Refused (403)');
+  await pause(2200);
+  await view.locator('#blob').setInputFiles(box.path('signed.blob'));
+  await view.locator('#upload button').click();
+  await says(view, 'weights-order-said', 'lies in the inbox');
+  await until('they are on trial', () => box.status().pushed_weights === 'on trial');
+  await confirm(view, 'rollback');
+  await says(view, 'weights-order-said', 'rolls back within 6 min');
+  await until('they are rolled back', () => box.status().pushed_weights === 'rolled back');
+  await reload(view);
+  await says(view, 'weights-said', 'were rolled back');
+  for (const words of ['sent by this page', 'taken on trial', 'rollback asked for', 'rolled back']) await says(view, 'history', words);
+});
+
+step('signing out, and what a key may do', async () => {
+  await view.locator('#sign-out').click();
+  await says(view, 'who', 'Not signed in');
+  same(await view.locator('#orders').isVisible(), false, 'orders');
+  const key = box.run('airside-page', '--site', box.site(), '--new-key', 'operator', '--key-name', 'building system').trim();
+  const order = (path, secret) => fetch(`${box.address}${path}`, { method: 'POST', headers: secret ? { Authorization: `Bearer ${secret}` } : {} }).then((r) => r.status);
+  same(await order('/hand-back', key), 202, 'hand-back by a key');
+  same(await order('/hand-back', '0'.repeat(64)), 401, 'by a wrong key');
+  same(await order('/hand-back'), 401, 'by nobody');
+  same(await order('/weights', key), 401, "weights by an operator's key");
+});
+
+step('Prometheus reads the metrics', async () => {
+  const text = await (await fetch(`${box.address}/metrics`)).text();
+  const said = spawnSync('promtool', ['check', 'metrics'], { input: text, encoding: 'utf8' });
+  if (said.error) { console.error('  NOT CHECKED: there is no promtool; tools/setup installs prometheus'); return; }
+  same(`${said.status} ${said.stdout}${said.stderr}`, '0 ', 'promtool');
+  check(/^airside_mode\{mode="(learn|run|expert)"\} 1$/m.test(text) && /^airside_up 1$/m.test(text), text.slice(0, 600));
+  check(/^airside_room_temperature_celsius\{room="5"\} 2\d\.\d+$/m.test(text), 'rooms');
+});
+
+step('every look: light and dark, wide and 360 px, English and 繁體中文', async () => {
+  for (const [name, options] of Object.entries({
+    'desktop-light-en': {}, 'desktop-dark-en': { colorScheme: 'dark' },
+    'phone-light-en': { viewport: { width: 360, height: 740 }, isMobile: true, hasTouch: true },
+    'phone-dark-zh': { viewport: { width: 360, height: 740 }, isMobile: true, hasTouch: true, colorScheme: 'dark', locale: 'zh-TW' },
+    'desktop-light-zh': { locale: 'zh-TW' } })) {
+    const tab = await open(options);
+    await tab.locator('.span[data-span=week]').click();
+    await until('a week is drawn', async () => (await tab.locator('#charts canvas').count()) >= 3);
+    same(await tab.evaluate(() => document.documentElement.lang), name.endsWith('zh') ? 'zh-Hant' : 'en', 'language');
+    await pause(500);
+    await fits(tab, name);
+    const lesser = await accessible(tab, name);
+    if (lesser.length) console.log(`  ${name}, lesser findings: ${lesser.join(', ')}`);
+    if (name.includes('phone')) {
+      const small = await tab.evaluate(() => [...document.querySelectorAll('button, select')].filter((e) => e.offsetParent && e.getBoundingClientRect().height < 40).map((e) => e.id));
+      check(small.length === 0, `buttons for thumbs: ${small}`);
+    }
+    await picture(tab, name);
+    await tab.context().close();
+  }
+});
+
+step('the language is switched, and stays', async () => {
+  await view.locator('#language').selectOption('zh-Hant');
+  await says(view, 'now-h', '現況');
+  await reload(view);
+  await says(view, 'now-h', '現況');
+  check(/[\u4e00-\u9fff]/.test(await text_of(view, 'sentence')), 'the sentence too');
+  await view.locator('#language').selectOption('en');
+  await says(view, 'now-h', 'Now');
+});
+
+step('too many wrong passwords', async () => {
+  for (let i = 0; i < 6; ++i) {
+    if (i === 0) await sign_in(view, 'operator', 'wrong password');
+    else { await view.locator('#password').fill('wrong password'); await view.keyboard.press('Enter'); }
+    await until('an answer', async () => (await text_of(view, 'sign-in-said')) !== '');
+    await until('the field is empty again', async () => (await view.locator('#password').inputValue()) === '');
+    await pause(400);
+  }
+  await says(view, 'sign-in-said', 'Too many wrong passwords');
+  await view.locator('#password').fill(password.operator);
+  await view.keyboard.press('Enter');
+  await pause(600);
+  await says(view, 'sign-in-said', 'Too many wrong passwords');
+  await view.keyboard.press('Escape');
+  await says(view, 'who', 'Not signed in');
+});
+
+step('a viewer with a password closes the page to others', async () => {
+  box.run_with('only for this house\n', 'airside-page', '--site', box.site(), '--set-password', 'viewer');
+  same((await fetch(`${box.address}/status.json`)).status, 401, 'status');
+  same((await fetch(`${box.address}/metrics`)).status, 401, 'metrics');
+  same((await fetch(`${box.address}/`)).status, 200, 'the page itself');
+  await reload(view);
+  await says(view, 'trouble', 'people who have signed in');
+  await accessible(view, 'a closed page');
+});
+
+step('a page whose box is gone says so', async () => {
+  box.run('airside-page', '--site', box.site(), '--clear-password', 'viewer');
+  await reload(view);
+  await box.end(box.page);
+  view.expected = ['ERR_CONNECTION_REFUSED'];
+  await says(view, 'trouble', 'does not answer');
+  same(await box.end(box.live), 0, 'the daemon ends in order');
+});
+
+async function main() {
+  box = new Box(bin);
+  browser = await chromium.launch({ executablePath: chromium_path, args: ['--no-sandbox', '--disable-gpu', '--disable-dev-shm-usage'] });
+  let name = '', failed = true;
+  try {
+    for (const [what, work] of steps) {
+      name = what;
+      const began = Date.now();
+      await work();
+      check(problems.length === 0, `no complaint of the browser: ${problems.join('; ')}`);
+      console.log(`ok  ${what} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
+    }
+    console.log(`${steps.length} flows, ${checks} checks`);
+    failed = false;
+  } catch (error) {
+    console.error(`FAILED  ${name}: ${error.message}\n${error.stack}`);
+    if (view) await picture(view, 'failed').catch(() => {});
+    for (const log of ['page.txt', 'daemon.txt', 'serve.txt']) {
+      if (existsSync(box.path(log))) console.error(`--- ${log}\n${readFileSync(box.path(log), 'utf8').split('\n').slice(-25).join('\n')}`);
+    }
+  }
+  await browser.close();
+  await box.close(failed && process.env.KEEP);
+  process.exit(failed ? 1 : 0);
+}
+main();

@@ -1,0 +1,47 @@
+// One file a language, all with the same keys; every text that the page asks for is there; reasons are the daemon's own.
+// usage: node texts.mjs SOURCE_DIR
+
+import { readFileSync, readdirSync } from 'node:fs';
+import { join } from 'node:path';
+
+const root = process.argv[2];
+const web = join(root, 'firmware/page/web');
+const wrong = [];
+const texts = Object.fromEntries(readdirSync(join(web, 'texts')).map((f) => [f.replace('.json', ''), JSON.parse(readFileSync(join(web, 'texts', f), 'utf8'))]));
+const { en } = texts;
+
+for (const [language, all] of Object.entries(texts)) {
+  if (all.lang !== language) wrong.push(`${language}: lang is ${all.lang}`);
+  for (const key of Object.keys(en)) if (!(key in all)) wrong.push(`${language} lacks ${key}`);
+  for (const [key, text] of Object.entries(all)) {
+    if (!(key in en)) { wrong.push(`${language} has ${key}, en has not`); continue; }
+    if (text === '') wrong.push(`${language}: ${key} is empty`);
+    const places = (t) => [...t.matchAll(/\{(\w+)\}/g)].map((m) => m[1]).sort().join();
+    if (places(text) !== places(en[key])) wrong.push(`${language}: ${key} has other places than en: ${places(text)}, ${places(en[key])}`);
+  }
+}
+
+const table = readFileSync(join(root, 'lib/airside/supervision/mode_table.hpp'), 'utf8');
+const rows = [...table.matchAll(/\.name = "([^"]*)"[\s\S]*?\.why = "([^"]*)",\s*\.way_out =\s*"([^"]*)"/g)].filter((m) => m[1] !== 'unknown');
+if (rows.length < 29) wrong.push(`only ${rows.length} reasons found in mode_table.hpp`);
+for (const [, name, why, out] of rows) {
+  for (const [part, text] of [['name', name], ['why', why], ['out', out]]) {
+    if (en[`reason.${name}.${part}`] !== text) wrong.push(`en: reason.${name}.${part} is not "${text}"`);
+  }
+}
+
+let asked = 0;
+for (const file of ['app.js', 'views.js', 'charts.js', 'index.html']) {
+  const source = readFileSync(join(web, file), 'utf8');
+  for (const m of source.matchAll(/\bt\('([^'`$]+)'|data-t="([^"]+)"/g)) {
+    ++asked;
+    if (!((m[1] ?? m[2]) in en)) wrong.push(`${file} asks for ${m[1] ?? m[2]}, which en lacks`);
+  }
+}
+if (asked < 100) wrong.push(`only ${asked} texts are asked for: the pattern of this test is wrong`);
+
+if (wrong.length) {
+  console.error(wrong.join('\n'));
+  process.exit(1);
+}
+console.log(`${Object.keys(texts).length} languages, ${Object.keys(en).length} keys, ${asked} places`);

@@ -1,0 +1,78 @@
+// A release that says for how long: it ends by itself, and a restart does not begin it anew.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+
+#include "hal/weights/mailbox.hpp"
+#include "support/test_folder.hpp"
+
+namespace airside::weights {
+namespace {
+
+namespace fs = std::filesystem;
+
+class TimedRelease : public ::testing::Test {
+ protected:
+  void put(const std::string& name, const std::string& text) { std::ofstream(folder.file(name)) << text; }
+  bool is_empty() const { return fs::is_empty(folder.c_str()); }
+
+  hal::TestFolder folder{"release_time"};
+  hal::Mailbox box{std::string(folder.c_str())};
+  std::array<std::byte, 1000> blob{};
+};
+
+TEST_F(TimedRelease, AReleaseMayHaveATimeWhichARestartDoesNotBeginAnew) {
+  put("release", "4\n");
+  hal::Mail mail = box.collect(blob);
+  EXPECT_TRUE(mail.release);
+  EXPECT_GT(mail.release_s, 4 * 3600 - 60);
+  EXPECT_LE(mail.release_s, 4 * 3600);
+  box.finish(true);
+  fs::last_write_time(folder.file("release"), fs::file_time_type::clock::now() - std::chrono::hours(3));
+  box.tell_anew();
+  mail = box.collect(blob);
+  EXPECT_TRUE(mail.release);
+  EXPECT_NEAR(static_cast<double>(mail.release_s), 3600, 60);
+  fs::last_write_time(folder.file("release"), fs::file_time_type::clock::now() - std::chrono::hours(5));
+  box.tell_anew();
+  EXPECT_EQ(box.collect(blob).release_s, -1) << "over while nobody looked";
+  fs::last_write_time(folder.file("release"), fs::file_time_type::clock::now() + std::chrono::hours(50));
+  box.tell_anew();
+  EXPECT_EQ(box.collect(blob).release_s, 4 * 3600) << "never more than was asked for, whatever the clock says";
+}
+
+TEST_F(TimedRelease, AReleaseWhoseTimeIsOverGoesAndAnotherOneStays) {
+  put("release", "1");
+  (void)box.collect(blob);
+  box.end_release();
+  box.finish(true);
+  EXPECT_TRUE(is_empty());
+  put("release", "1");
+  (void)box.collect(blob);
+  box.end_release();
+  fs::remove(folder.file("release"));
+  put("release", "24");
+  box.finish(true);
+  EXPECT_FALSE(is_empty()) << "it came in the place of the one that is over";
+  EXPECT_GT(box.collect(blob).release_s, 3600);
+}
+
+TEST_F(TimedRelease, AReleaseThatSaysAnythingElseHasNoEndOfItsOwn) {
+  for (const char* text : {"", "\n", "0", "169", "-1", "4 h", "soon", "4.5", "99999999", " 4"}) {
+    put("release", text);
+    box.tell_anew();
+    const hal::Mail mail = box.collect(blob);
+    EXPECT_TRUE(mail.release) << text;
+    EXPECT_EQ(mail.release_s, 0) << text;
+  }
+  EXPECT_EQ(hal::Mailbox::hours_of("168"), 168);
+  EXPECT_EQ(hal::Mailbox::hours_of(""), 0);
+  EXPECT_FALSE(hal::Mailbox::hours_of("0"));
+}
+
+}  // namespace
+}  // namespace airside::weights
