@@ -100,7 +100,8 @@ Answer Answers::status() {
   if (status_.text().empty()) return {503, json_of(503, "no status yet; is airsided running?")};
   MHD_Response* response = response_of(without_markup(status_.text()));
   // The status has the site's clock, which nobody can compare with a browser's.
-  if (response != nullptr) MHD_add_response_header(response, "Age", fmt::format("{:.0f}", std::max(0.0, status_.age_s())).c_str());
+  if (response != nullptr)
+    MHD_add_response_header(response, "Age", fmt::format("{:.0f}", std::max(0.0, status_.age_s())).c_str());
   return {MHD_HTTP_OK, response};
 }
 

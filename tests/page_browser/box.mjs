@@ -63,11 +63,11 @@ export class Box {
     this.edit((text) => text.replace(/(\[modbus\][^[]*\nport = )\d+/, `$1${where.trim().split(':').pop()}`));
   }
   daemon(...words) { return this.start('daemon.txt', 'airsided', '--site', this.site(), '--no-sync', '--crash-limit', '0', ...words); }
-  async open_page() {
+  async open_page(scheme = 'http') {
     rmSync(this.path('page'), { force: true });
     this.page = this.start('page.txt', 'airside-page', '--site', this.site(), '--port', '0', '--ready', this.path('page'));
     const where = await until('a page', () => existsSync(this.path('page')) && readFileSync(this.path('page'), 'utf8'));
-    this.address = `http://${where.trim()}`;
+    this.address = `${scheme}://${where.trim()}`;
   }
   status() { return JSON.parse(readFileSync(this.path('site', 'state', 'status.json'), 'utf8')); }
 

@@ -2,7 +2,7 @@
 // usage: [AIRSIDE_PAGE_PICTURES=FOLDER] [KEEP=1] node flows.mjs BIN_DIR MODULES_DIR
 
 import { spawnSync } from 'node:child_process';
-import { existsSync, mkdirSync, readFileSync } from 'node:fs';
+import { chmodSync, existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join, resolve } from 'node:path';
 import { Box, pause, until } from './box.mjs';
@@ -80,7 +80,6 @@ async function sign_in(tab, role, word) {
 }
 
 step('a week under control, with a fault and somebody else at the setpoint', async () => {
-  const { writeFileSync } = await import('node:fs');
   writeFileSync(box.path('faults.csv'), 'begin_h,for_h,fault,signal,magnitude\n30,5,stuck,room_temp_2,\n58,0,setpoint_by_hand,,21.5\n');
   await box.serve('--faults', box.path('faults.csv'));
   const week = box.daemon('--until', '2021-08-08T13:00:00');
@@ -341,8 +340,26 @@ step('a viewer with a password closes the page to others', async () => {
   await accessible(view, 'a closed page');
 });
 
-step('a page whose box is gone says so', async () => {
+step('over TLS the cookie is Secure and bound to the host', async () => {
   box.run('airside-page', '--site', box.site(), '--clear-password', 'viewer');
+  await box.end(box.page);
+  const made = spawnSync('openssl', ['req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:prime256v1', '-nodes', '-days', '30', '-subj', '/CN=box',
+    '-addext', 'subjectAltName=IP:127.0.0.1', '-keyout', box.path('site', 'page.key'), '-out', box.path('site', 'page.pem')]);
+  same(made.status, 0, 'openssl');
+  chmodSync(box.path('site', 'page.key'), 0o600);
+  box.edit((text) => text.replace('tls_cert = ""', 'tls_cert = "page.pem"').replace('tls_key = ""', 'tls_key = "page.key"'));
+  await box.open_page('https');
+  await view.context().close();
+  view = await open({ ignoreHTTPSErrors: true });
+  await sign_in(view, 'operator', password.operator);
+  await says(view, 'who', 'operator');
+  const cookie = (await view.context().cookies())[0];
+  check(cookie.secure && cookie.name.startsWith('__Host-airside-'), `the cookie: ${JSON.stringify(cookie)}`);
+  await confirm(view, 'hand-back');
+  await says(view, 'order-said', 'takes over within 6 min');
+});
+
+step('a page whose box is gone says so', async () => {
   await reload(view);
   await box.end(box.page);
   view.expected = ['ERR_CONNECTION_REFUSED'];

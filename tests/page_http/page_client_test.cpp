@@ -43,6 +43,53 @@ TEST_F(PageClient, PushesASignedBlobIntoTheInboxBehindThePage) {
   EXPECT_TRUE(says("found 409: other weights wait") && says("or sign this one later")) << said();
 }
 
+TEST_F(PageClient, PushesAndPullsWithAKeyWhereThePageHasPasswords) {
+  ASSERT_TRUE(start()) << read("said.txt");
+  const auto on_the_box = [&](const std::string& command) {
+    return Child({"/bin/sh", "-c",
+                  command + " " + std::string(AIRSIDE_BIN_DIR) + "/airside-page --site " + path("site.toml") + " " +
+                      (command.empty() ? "--new-key" : "--set-password") +
+                      (command.empty() ? " installer >" + path("key") : " viewer")},
+                 folder / "client.txt")
+        .wait(60)
+        .value_or(-1);
+  };
+  EXPECT_EQ(on_the_box("echo too short |"), 1);
+  EXPECT_TRUE(says("password: found 9 bytes; expected 10 to 512 bytes on one line")) << said();
+  EXPECT_FALSE(fs::exists(folder / "page/access")) << "nothing half-written";
+  ASSERT_EQ(on_the_box("echo only for this house |"), 0) << said();
+  ASSERT_EQ(on_the_box(""), 0) << said();
+  EXPECT_EQ(read("key").size(), 65u);
+  write("state/weights.blob", "not read before the key is right");
+  write_blob("room.blob", signed_blob());
+  EXPECT_EQ(airside({"push", path("room.blob"), address()}), 1);
+  EXPECT_TRUE(says("401: sign in as installer first") && says("--access")) << said();
+  write("wrong", std::string(64, '0') + "\n");
+  EXPECT_EQ(airside({"push", path("room.blob"), address(), "--access", path("wrong")}), 1);
+  EXPECT_TRUE(says("401")) << said();
+  EXPECT_EQ(airside({"push", path("room.blob"), address(), "--access", path("room.blob")}), 1);
+  EXPECT_TRUE(says("no key of a box's page") && says("64 hex digits")) << said();
+  EXPECT_TRUE(inbox_is_empty());
+  ASSERT_EQ(airside({"push", path("room.blob"), address(), "--access", path("key")}), 0) << said();
+  EXPECT_EQ(read("inbox/page.blob"), read("room.blob"));
+  EXPECT_EQ(airside({"pull", address(), "-o", path("out.blob")}), 1);
+  EXPECT_TRUE(says("401: sign in as viewer first")) << said();
+  EXPECT_EQ(airside({"pull", address(), "-o", path("out.blob"), "--access", path("key")}), 1);
+  EXPECT_FALSE(says("401")) << "it came as far as what was pulled: " << said();
+}
+
+TEST_F(PageClient, ReleasesForATimeByAFile) {
+  ASSERT_EQ(airside({"release", path("inbox"), "--hours", "4"}), 0) << said();
+  EXPECT_EQ(read("inbox/release"), "4");
+  EXPECT_TRUE(says("after 4 h")) << said();
+  ASSERT_EQ(airside({"release", path("inbox")}), 0) << said();
+  EXPECT_EQ(read("inbox/release"), "");
+  for (const char* wrong : {"0", "169", "1.5", "soon"}) {
+    EXPECT_EQ(airside({"release", path("inbox"), "--hours", wrong}), 2) << wrong;
+    EXPECT_TRUE(says("--hours")) << said();
+  }
+}
+
 TEST_F(PageClient, SaysWhatTheBoxHadAgainstABlob) {
   ASSERT_TRUE(start()) << read("said.txt");
   Bytes stranger = plain_blob();

@@ -24,11 +24,11 @@ class Box {
     bench.start_server();
     page = std::make_unique<Child>(
         std::vector<std::string>{bench.program("airside-page"), "--site", bench.file("site.toml"), "--port", "0",
-                                 "--ready", bench.file("page")},
+                                 "--ready", bench.file("page.ready")},
         bench.file("page.txt"));
     const double until = closed_loop::now_s() + 30;
-    while (read("page").find('\n') == std::string::npos && closed_loop::now_s() < until) closed_loop::sleep_s(0.01);
-    const std::string where = read("page");
+    while (read("page.ready").find('\n') == std::string::npos && closed_loop::now_s() < until) closed_loop::sleep_s(0.01);
+    const std::string where = read("page.ready");
     address = "http://" + where.substr(0, where.find('\n'));
   }
   std::string read(const std::string& name) const {
