@@ -38,10 +38,6 @@ constexpr std::array<std::string_view, 4> properties = {present_value, "relinqui
 
 constexpr const char* syntax = "DEVICE:TYPE:INSTANCE, such as 1201:analog-input:3, or gateway";
 
-std::string quoted(std::string_view text) {
-  return text.empty() ? std::string("an empty cell") : fmt::format("\"{}\"", text.substr(0, 60));
-}
-
 bool is_written(std::string_view name) { return name == "setpoint" || name == "heartbeat"; }
 bool is_held_by_gateway(std::string_view name) { return name == "heartbeat" || name == "map_fingerprint"; }
 
@@ -70,7 +66,7 @@ void check_written(const PointRow& row, const ObjectType& type, std::string_view
     if (beat ? t.takes_beat : t.takes_setpoint) fitting.push_back(t.name);
   }
   row.complain(
-      "object", quoted(row["object"]),
+      "object", cell_text(row["object"]),
       fmt::format("the present-value of one of {}, since {} is written", fmt::join(fitting, ", "), row["name"]),
       beat ? "name an object that the AHU watches, or write gateway" : "name the object that holds the setpoint");
 }
@@ -78,7 +74,7 @@ void check_written(const PointRow& row, const ObjectType& type, std::string_view
 std::string object_in_full(const PointRow& row) {
   const std::string& cell = row["object"];
   if (row["name"] == "map_fingerprint" && cell != held_by_gateway) {
-    row.complain("object", quoted(cell), "gateway, which shows the fingerprint of the map that it has read",
+    row.complain("object", cell_text(cell), "gateway, which shows the fingerprint of the map that it has read",
                  "write gateway");
   }
   if (cell == held_by_gateway) {
@@ -90,10 +86,10 @@ std::string object_in_full(const PointRow& row) {
     row.complain("object", std::move(found), std::move(expected), std::move(remedy));
   };
   if (parts.size() < 3 || parts.size() > 4) {
-    refuse(quoted(cell), syntax, "`airside-bacnet --discover` lists the objects of a device in this form");
+    refuse(cell_text(cell), syntax, "`airside-bacnet --discover` lists the objects of a device in this form");
   }
   if (!is_instance(parts[0]) || !is_instance(parts[2])) {
-    refuse(fmt::format("{} in {}", quoted(is_instance(parts[0]) ? parts[2] : parts[0]), quoted(cell)),
+    refuse(fmt::format("{} in {}", cell_text(is_instance(parts[0]) ? parts[2] : parts[0]), cell_text(cell)),
            fmt::format("an instance number from 0 to {}", highest_instance),
            "give device and object by their instance numbers");
   }
@@ -101,13 +97,13 @@ std::string object_in_full(const PointRow& row) {
   if (type == object_types.end()) {
     std::vector<std::string_view> names;
     for (const ObjectType& t : object_types) names.push_back(t.name);
-    refuse(fmt::format("{} in {}", quoted(parts[1]), quoted(cell)), fmt::format("one of {}", fmt::join(names, ", ")),
-           "use one of these types, in lower case");
+    refuse(fmt::format("{} in {}", cell_text(parts[1]), cell_text(cell)),
+           fmt::format("one of {}", fmt::join(names, ", ")), "use one of these types, in lower case");
   }
   const std::string_view property = parts.size() == 4 ? parts[3] : present_value;
   const bool of_loop = property == properties[2] || property == properties[3];
   if (std::ranges::find(properties, property) == properties.end() || (of_loop && type->name != "loop")) {
-    refuse(fmt::format("{} in {}", quoted(property), quoted(cell)),
+    refuse(fmt::format("{} in {}", cell_text(property), cell_text(cell)),
            fmt::format("one of {}; the last two of a loop", fmt::join(properties, ", ")),
            "leave the property out for present-value");
   }
@@ -125,18 +121,19 @@ std::string take_bacnet_row(PointRow& row, std::size_t index) {
   static constexpr std::array<const char*, 7> decided = {"fc",         "addr",     "type",    "byte_order",
                                                          "word_order", "sentinel", "fc_write"};
   if (row["name"] == "clock_s" || row["name"] == "clock_advance_s") {
-    row.complain("name", quoted(row["name"]) + " of BACnet", "no clock, which only simulated plants on Modbus have",
+    row.complain("name", cell_text(row["name"]) + " of BACnet", "no clock, which only simulated plants on Modbus have",
                  "remove the row, and set source = \"system\" in [clock] of the site file");
   }
   for (const char* column : decided) {
     if (row[column].empty()) continue;
-    row.complain(column, quoted(row[column]), "an empty cell, since the place of a row of BACnet decides its registers",
+    row.complain(column, cell_text(row[column]),
+                 "an empty cell, since the place of a row of BACnet decides its registers",
                  "clear the cell, or leave the column out");
   }
   const std::string object = object_in_full(row);
   const bool written = is_written(row["name"]);
   if (!written && !row["write_policy"].empty()) {
-    row.complain("write_policy", quoted(row["write_policy"]),
+    row.complain("write_policy", cell_text(row["write_policy"]),
                  "an empty cell, since only setpoint and heartbeat are written", "clear the cell");
   }
   cell_of(row, "fc") = written ? "3" : "4";
@@ -152,7 +149,7 @@ std::string take_bacnet_row(PointRow& row, std::size_t index) {
 
 std::string refuse_object(const PointRow& row) {
   if (!row["object"].empty()) {
-    row.complain("object", quoted(row["object"]), "an empty cell in a row of Modbus",
+    row.complain("object", cell_text(row["object"]), "an empty cell in a row of Modbus",
                  "write bacnet into the column protocol, or clear the cell");
   }
   return {};

@@ -14,10 +14,6 @@
 namespace airside::hal {
 namespace {
 
-std::string cell_text(std::string_view text) {
-  return text.empty() ? std::string("an empty cell") : fmt::format("\"{}\"", text.substr(0, 60));
-}
-
 std::optional<double> to_number(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -219,6 +215,10 @@ void check_representable(const PointRow& row, const Point& p) {
 }
 
 }  // namespace
+
+std::string cell_text(std::string_view text) {
+  return text.empty() ? std::string("an empty cell") : fmt::format("\"{}\"", text.substr(0, 60));
+}
 
 void PointRow::complain(const char* column, std::string found, std::string expected, std::string remedy) const {
   throw InputError(fmt::format("{}:{}, column {}", file, line, column), std::move(found), std::move(expected),

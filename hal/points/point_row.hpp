@@ -33,6 +33,9 @@ struct PointRow {
   const std::string& operator[](std::string_view column) const;
 };
 
+/// What is in a cell, as a complaint says it.
+std::string cell_text(std::string_view text);
+
 /// Splits one line of CSV; quotes may enclose commas, a doubled quote is a quote.
 /// Errors: InputError where a quote is left open or text follows a closing quote.
 std::vector<std::string> split_csv_line(std::string_view line, std::string_view file, int line_number);
