@@ -181,7 +181,7 @@ void check_protocols(const PointMap& map) {
     const bool beat = std::string_view(name) == "heartbeat";
     throw InputError(
         map.file(), fmt::format("no point \"{}\" in a map of BACnet", name),
-        beat ? "a row for it: where it stands still, the gateway gives the setpoint back"
+        beat ? "a row for it: without new values of it the gateway gives the setpoint back"
              : "a row for it: it shows that gateway and controller read the same map",
         beat ? "add a row with name heartbeat, object gateway (or an object that the AHU watches), min 0 and "
                "max 65535"

@@ -5,7 +5,7 @@ import signal
 import struct
 import time
 
-from desk import DEFAULT_DEGC, DEVICE, HEADER, OWN_ROWS, SETPOINT_ROW, BacnetTest, until
+from desk import DEFAULT_DEGC, DEVICE, HEADER, OWN_ROWS, SETPOINT_ROW, BacnetTest, Refused, until
 from pymodbus.client import ModbusTcpClient
 from pymodbus.exceptions import ConnectionException
 
@@ -177,6 +177,16 @@ class GatewayTest(GatewayCase):
             local = [line.split()[1] for line in file if line.split()[3] == "0A"]
         self.assertIn(f"0100007F:{self.modbus_port:04X}", local)
         self.assertNotIn(f"00000000:{self.modbus_port:04X}", local)
+
+
+class OddAnswers(GatewayCase):
+    def test_an_answer_that_no_library_reads_spoils_its_object_alone(self):
+        async def odd():
+            raise ValueError("tag 9")
+
+        operator = self.operator()
+        with self.assertRaisesRegex(Refused, "cannot be read .ValueError: tag 9"):
+            operator.run(operator.client._exchange(odd()))
 
 
 class WithoutReadPropertyMultiple(GatewayCase):

@@ -105,7 +105,7 @@ TEST(BacnetRow, IsRefusedWithPlaceFindingExpectationAndRemedy) {
        {":5", "1:analog-value:9", "gateway", "write"}},
       {"heartbeat,,bacnet,gateway,0,65535\n",
        "",
-       {"points.csv", "no point \"heartbeat\"", "stands still", "add a row"}},
+       {"points.csv", "no point \"heartbeat\"", "without new values", "add a row"}},
       {"map_fingerprint,,bacnet,gateway,0,4294967295\n",
        "",
        {"points.csv", "map_fingerprint", "same map", "add a row"}},

@@ -86,6 +86,8 @@ class BacnetClient:
             raise Refused(_why(error)) from error
         except (OSError, RuntimeError) as error:  # no route, or no broadcast on this card
             raise NotAnswered(str(error)) from None
+        except Exception as error:  # whatever bacpypes3 makes of an answer that is not as the standard has it
+            raise Refused(f"an answer that cannot be read ({type(error).__name__}: {error})") from error
 
     async def who_is(self, low=None, high=None, address=None, wait_s=None):
         """[(instance, address)] of those who answered."""

@@ -186,14 +186,14 @@ class Gateway:
         while True:
             await self.sleep(WATCH_S)
             silent = [slot for slot in self.slots.values() if self.is_silent(slot)]
-            unclaimed = [slot for slot in self.slots.values() if not slot.emptied_once]
             if silent:
                 say(f"the heartbeat has stood still for {self.section.heartbeat_timeout_s:g} s")
                 self.modbus.drop_connections()
             for slot in silent:
-                slot.written_at = None  # said once; what may still be held is tried again below
-            for slot in [*unclaimed, *(s for s in self.slots.values() if s.may_hold and s.written_at is None)]:
-                await slot.hand_back()
+                slot.written_at = None  # said once; tried until the device acknowledges it
+            for slot in self.slots.values():
+                if slot.may_hold and slot.written_at is None:
+                    await slot.hand_back()
 
     def is_silent(self, slot):
         if slot.written_at is None:

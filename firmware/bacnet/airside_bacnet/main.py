@@ -5,9 +5,6 @@ import asyncio
 import signal
 import sys
 
-from airside_bacnet.client import check_card
-from airside_bacnet.discover import discover, read_points
-from airside_bacnet.gateway import Gateway
 from airside_bacnet.input_error import InputError
 from airside_bacnet.point_map import load_point_map
 from airside_bacnet.site_file import BacnetSection, is_card_address, is_device_address, read_site_file
@@ -57,22 +54,34 @@ def section_of(chosen):
     return BacnetSection(chosen.address, chosen.port)
 
 
+# The libraries are loaded where they are needed: --check and --help answer at once.
+
+
 async def serve(site, point_map, shown, speed):
+    from airside_bacnet.gateway import Gateway
+
     stop = asyncio.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(number, stop.set)
     await Gateway(site, point_map, shown, speed).run(stop)
 
 
+def run_discovery(chosen):
+    from airside_bacnet.client import check_card
+    from airside_bacnet.discover import discover
+
+    section = section_of(chosen)
+    for address in chosen.device:
+        if not is_device_address(address):
+            raise InputError("--device", f'"{address}"', "192.168.1.50, 192.168.1.50:47809, or 2001:5 behind a router",
+                             "correct it")
+    check_card(section, chosen.site or "--address")
+    return asyncio.run(discover(section, chosen.device))
+
+
 def run(chosen):
     if chosen.discover:
-        section = section_of(chosen)
-        for address in chosen.device:
-            if not is_device_address(address):
-                raise InputError("--device", f'"{address}"', "192.168.1.50, 192.168.1.50:47809, or 2001:5 behind a router",
-                                 "correct it")
-        check_card(section, chosen.site or "--address")
-        return asyncio.run(discover(section, chosen.device))
+        return run_discovery(chosen)
     site = read_site_file(chosen.site)
     point_map, shown = load_point_map(site.points)
     if chosen.check:
@@ -81,6 +90,9 @@ def run(chosen):
         print(f"{site.path}: site and points are in order\n{len(objects)} objects of devices "
               f"{', '.join(map(str, devices))}; fingerprint {point_map.fingerprint:016x}; Modbus on {site.host}:{site.port}")
         return 0
+    from airside_bacnet.client import check_card
+    from airside_bacnet.discover import read_points
+
     check_card(site.bacnet, site.path)
     if chosen.read:
         return asyncio.run(read_points(site, point_map))
