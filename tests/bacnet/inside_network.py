@@ -9,14 +9,14 @@ import unittest
 from desk import HEADER, OWN_ROWS, AhuDevice, BacnetTest, until
 from pymodbus.client import ModbusTcpClient
 
-GATEWAY, DIRECT, ROUTER = "192.0.2.2", "192.0.2.10", "192.0.2.20"
+GATEWAY, DIRECT, ROUTER, TWIN = "192.0.2.2", "192.0.2.10", "192.0.2.20", "192.0.2.30"
 MAP = (HEADER + "room_temp_1,degc,bacnet,1201:analog-input:1,5,45\nroom_temp_2,degc,bacnet,1305:analog-input:2,5,45\n"
        "setpoint,degc,bacnet,1305:analog-output:1,8,32\n" + OWN_ROWS)
 
 
 def setUpModule():
     subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
-    for address in (GATEWAY, DIRECT, ROUTER):
+    for address in (GATEWAY, DIRECT, ROUTER, TWIN):
         subprocess.run(["ip", "address", "replace", f"{address}/24", "brd", "192.0.2.255", "dev", "lo"], check=True)
 
 
@@ -56,6 +56,17 @@ class ByBroadcast(BacnetTest):
         self.assertIn("device 1305", done.stdout)
         self.assertNotIn("device 1201", done.stdout)
         self.assertEqual(self.ask("--discover", "--address", f"{GATEWAY}/24", "--device", "192.0.2.99").returncode, 1)
+
+    def test_two_devices_of_one_number_are_said_and_not_commanded(self):
+        twin = self.keep(AhuDevice(self.folder, 47808, instance=1305, address=f"{TWIN}/24"))
+        done = self.ask("--discover", "--address", f"{GATEWAY}/24")
+        self.assertEqual(done.stdout.count("# TWO DEVICES HAVE THE NUMBER 1305"), 2, done.stdout)
+        gateway = self.start_gateway()
+        self.assertTrue(gateway.has_said(f"answers from {TWIN} and 2001:5: two devices with one number"), gateway.said())
+        modbus = ModbusTcpClient("127.0.0.1", port=self.modbus_port, timeout=5)
+        self.addCleanup(modbus.close)
+        self.assertEqual(modbus.write_registers(4, [0x419C, 0], device_id=1).exception_code, 11)
+        self.assertEqual((twin.slots(), self.routed.slots()), ({}, {}))
 
     def test_reads_both_and_commands_through_the_router(self):
         done = self.ask("--site", str(self.folder / "site.toml"), "--read")

@@ -170,6 +170,15 @@ TEST(BacnetSection, HasDefaultsForAllButTheAddress) {
   EXPECT_FALSE(site_with(modbus).bacnet.has_value());
 }
 
+TEST(BacnetSection, ExampleIsThatOfTheSiteFileWithItsCommentsRemoved) {
+  std::string text = example_site_text("1vav-0fcu-0power");
+  for (const char* mark : {"# [bacnet]", "# address", "# priority"}) text = replaced(text, mark, mark + 2);
+  const SiteFile site = parse_site_text(text, "site.toml", SiteRules{});
+  ASSERT_TRUE(site.bacnet.has_value());
+  EXPECT_EQ(site.bacnet->address, "192.168.1.30/24");
+  EXPECT_EQ(site.bacnet->priority, BacnetSection{}.priority);
+}
+
 TEST(BacnetSection, TakesDevicesOfEveryKindOfAddress) {
   const auto site =
       site_with(bacnet + "devices = [\"1201@192.168.1.50\", \"1202@192.168.1.50:47809\", \"1305@2001:5\"]\n");

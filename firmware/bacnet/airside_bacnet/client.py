@@ -14,6 +14,7 @@ from airside_bacnet.input_error import InputError
 from airside_bacnet.values import judge
 
 MOST_OBJECTS = 20  # in one ReadPropertyMultiple, halved for devices whose answer does not hold so many
+OTHERS_S = 0.3  # how long further answers to a Who-Is for one device may take
 READ_PROPERTIES = ("status-flags", "reliability")
 NO_ANSWER = {int(reason) for reason in (AbortReason.noResponse, AbortReason.serverTimeout, AbortReason.tsmTimeout,
                                         AbortReason.applicationExceededReplyTime)}
@@ -60,12 +61,25 @@ def _why(error):
     return str(error.apduAbortRejectReason)
 
 
+class HearingApplication(NormalApplication):
+    """Keeps every I-Am: bacpypes3 keeps one a number, and two devices of one number would be taken for one."""
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.heard = {}  # instance -> {text of address: address}
+
+    async def do_IAmRequest(self, apdu):
+        if apdu.iAmDeviceIdentifier is not None:
+            self.heard.setdefault(apdu.iAmDeviceIdentifier[1], {})[str(apdu.pduSource)] = apdu.pduSource
+        await super().do_IAmRequest(apdu)
+
+
 class BacnetClient:
     def __init__(self, section, name="airside-bacnet"):
         self.timeout_s = section.timeout_s
         device = DeviceObject(objectIdentifier=("device", section.instance), objectName=f"{name}-{section.instance}",
                               vendorIdentifier=999, apduTimeout=int(500 * section.timeout_s), numberOfApduRetries=1)
-        self.app = NormalApplication(device, IPv4Address(section.address, section.port))
+        self.app = HearingApplication(device, IPv4Address(section.address, section.port))
 
     def close(self):
         self.app.close()
@@ -90,23 +104,31 @@ class BacnetClient:
             raise Refused(f"an answer that cannot be read ({type(error).__name__}: {error})") from error
 
     async def who_is(self, low=None, high=None, address=None, wait_s=None):
-        """[(instance, address)] of those who answered."""
+        """[(instance, address)] of those who answered; an instance twice where two devices have it."""
+        self.app.heard.clear()
         try:
             found = await asyncio.wait_for(self.app.who_is(low, high, address, timeout=wait_s or self.timeout_s),
                                            2 * (wait_s or self.timeout_s))
         except (asyncio.TimeoutError, OSError, RuntimeError):
             return []
-        return [(i_am.iAmDeviceIdentifier[1], i_am.pduSource) for i_am in found or []]
+        if found:
+            await asyncio.sleep(OTHERS_S)  # a question for one ends with the first answer
+        answered = {i_am.iAmDeviceIdentifier[1] for i_am in found or []}
+        return [(instance, where) for instance, places in sorted(self.app.heard.items()) if instance in answered
+                for where in places.values()]
 
     async def find(self, device):
-        """Sets the device's address, a fixed one or that of its I-Am. Whether it is known."""
+        """Sets the device's address, a fixed one or that of its I-Am. Whether it is known.
+        Raises NotAnswered where two devices have its number."""
         if device.fixed is not None:
             device.address = device.fixed
             return True
-        for instance, address in await self.who_is(device.instance, device.instance):
-            if instance == device.instance:
-                device.address = address
-                return True
+        places = [where for _, where in await self.who_is(device.instance, device.instance)]
+        if len(places) > 1:
+            device.address = None
+            raise NotAnswered(f"answers from {' and '.join(sorted(map(str, places)))}: two devices with one number; give one "
+                              "another, or name the right one in devices of [bacnet]")
+        device.address = places[0] if places else device.address
         return device.address is not None
 
     async def read_property(self, address, identifier, prop, index=None):

@@ -33,10 +33,10 @@ class CommandSlot:
     async def _hand_back(self):
         if not self.may_hold:
             return True
-        if self.device.address is None and not await self.client.find(self.device):
-            self._say_once(f"{self.name.short_text}: device {self.device.instance} is not found; trying again")
-            return False
         try:
+            if self.device.address is None and not await self.client.find(self.device):
+                self._say_once(f"{self.name.short_text}: device {self.device.instance} is not found; trying again")
+                return False
             if self.commandable is None:
                 self.commandable = await self.client.is_commandable(self.device, self.name, self.priority)
                 if not self.commandable:
@@ -45,9 +45,9 @@ class CommandSlot:
             if self.commandable:
                 await self.client.relinquish(self.device, self.name, self.priority)
                 say(f"{self.name.short_text}: priority {self.priority} relinquished")
-        except NotAnswered:
-            self._say_once(f"{self.name.short_text}: {self.device.name} does not answer; its priority {self.priority} is "
-                           "still to be relinquished")
+        except NotAnswered as error:
+            self._say_once(f"{self.name.short_text}: {self.device.name}: {error}; its priority {self.priority} is still to be "
+                           "relinquished")
             return False
         except Refused as refused:
             self._say_once(f"{self.name.short_text}: {self.device.name} refuses to relinquish priority {self.priority} "

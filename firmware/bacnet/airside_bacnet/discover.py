@@ -85,6 +85,7 @@ async def discover(section, addresses):
             found = await client.who_is(wait_s=WAIT_S)
             for instance, address in section.devices.items():
                 found += [(instance, client.address(address))] if instance not in dict(found) else []
+        found = sorted({(instance, str(address)): address for instance, address in found}.items())
         if not found:
             say("found no device; expected an answer to Who-Is; check address, prefix and port, name a device with "
                 "--device ADDRESS where routers keep broadcasts back")
@@ -93,7 +94,10 @@ async def discover(section, addresses):
         out = csv.writer(sys.stdout, lineterminator="\n")
         out.writerow(COLUMNS)
         taken = {"heartbeat", "map_fingerprint"}
-        for instance, address in sorted(dict(found).items()):
+        instances = [instance for (instance, _), _ in found]
+        for (instance, _), address in found:
+            if instances.count(instance) > 1:
+                print(f"# TWO DEVICES HAVE THE NUMBER {instance}: give one another before anything is commanded")
             await list_device(client, Device(instance, address=address), taken, out)
         out.writerow(["heartbeat", "", "bacnet", "gateway", "", "", 0, 65535])
         out.writerow(["map_fingerprint", "", "bacnet", "gateway", "", "", 0, 4294967295])
@@ -131,8 +135,8 @@ async def read_points(site, point_map):
             try:
                 if await client.find(device):
                     readings.update(await client.read(device, device.objects))
-            except NotAnswered:
-                pass
+            except NotAnswered as error:
+                say(f"{device.name}: {error}")
         for point in point_map.points:
             if point.object is None:
                 continue
