@@ -21,8 +21,8 @@ class Chain(BacnetTest):
         super().write_site()
         site = self.folder / "site.toml"
         text = site.read_text(encoding="utf-8").replace("[modbus]", "[controller.override]\noverride_h = 0.2\n[modbus]")
-        site.write_text(text.replace("timeout_s = 1.5", "timeout_s = 1.0").replace("deadline_s = 5.0", "deadline_s = 2.0"),
-                        encoding="utf-8")
+        text = text.replace("timeout_s = 1.5", "timeout_s = 1.0").replace("deadline_s = 5.0", "deadline_s = 2.0")
+        site.write_text(text, encoding="utf-8")
 
     @contextmanager
     def step(self, what):

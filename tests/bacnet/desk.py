@@ -1,4 +1,4 @@
-"""What the tests of the gateway share: a folder, ports, the processes of the chain, and a person at another BACnet tool."""
+"""What the tests of the gateway share: a folder, ports, the processes of the chain, a person at another BACnet tool."""
 
 import asyncio
 import json
@@ -40,7 +40,8 @@ def full_map(heartbeat="gateway"):
         rows += f"vav_on_{n},,bacnet,{DEVICE}:binary-input:{n},0,1\n"
         rows += f"fcu_on_{n},,bacnet,{DEVICE}:binary-input:{10 + n},0,1\n"
     rows += f"power_1,kw,bacnet,{DEVICE}:analog-input:21,0,500\npower_2,kw,bacnet,{DEVICE}:analog-input:22,0,500\n"
-    rows += f"mau_temp,degc,bacnet,{DEVICE}:analog-input:31,-20,60\noutdoor_temp,degc,bacnet,{DEVICE}:analog-input:32,-40,60\n"
+    rows += f"mau_temp,degc,bacnet,{DEVICE}:analog-input:31,-20,60\n"
+    rows += f"outdoor_temp,degc,bacnet,{DEVICE}:analog-input:32,-40,60\n"
     rows += f"rain,,bacnet,{DEVICE}:binary-input:21,0,1\nsupply_temp,degc,bacnet,{DEVICE}:analog-input:33,-10,60\n"
     return rows + SETPOINT_ROW + OWN_ROWS.replace("bacnet,gateway,0,65535", f"bacnet,{heartbeat},0,65535")
 
@@ -68,8 +69,8 @@ class Program:
         self.log = Path(log)
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONDONTWRITEBYTECODE": "1"}
         with open(self.log, "a", encoding="utf-8") as file:
-            self.process = subprocess.Popen([str(word) for word in command], stdin=stdin, stdout=stdout or file, stderr=file,
-                                            text=True, env=environment)
+            self.process = subprocess.Popen([str(word) for word in command], stdin=stdin, stdout=stdout or file,
+                                            stderr=file, text=True, env=environment)
 
     def said(self):
         return self.log.read_text(encoding="utf-8")
@@ -88,7 +89,7 @@ class Program:
 
 class AhuDevice(Program):
     def __init__(self, folder, port, plant_port=0, instance=DEVICE, address="127.0.0.1/32"):
-        command = [sys.executable, "-B", HERE / "device.py", instance, f"{address}:{port}"]  # of the router, where one is
+        command = [sys.executable, "-B", HERE / "device.py", instance, f"{address}:{port}"]
         super().__init__(command + ([plant_port] if plant_port else []), folder / "device.txt", subprocess.PIPE,
                          subprocess.PIPE)
         if not self.process.stdout.readline():
@@ -196,7 +197,8 @@ dir = "log"
         """The RC room, free running, behind Modbus."""
         ready = self.folder / "ready"
         plant = self.keep(Program([BIN / "airside", "serve", "--plant", "rc", "--room", "301", "--speed", self.speed,
-                                   "--port", self.plant_port, "--ready", ready, "--days", "300"], self.folder / "plant.txt"))
+                                   "--port", self.plant_port, "--ready", ready, "--days", "300"],
+                                  self.folder / "plant.txt"))
         until(lambda: ready.exists() or plant.process.poll() is not None, 60)
         self.assertIsNone(plant.process.poll(), plant.said())
         return plant
@@ -235,5 +237,5 @@ dir = "log"
         return {alarm["reason"] for alarm in self.status().get("alarms", [])}
 
 
-__all__ = ["BacnetTest", "AhuDevice", "Operator", "Program", "Refused", "free_port", "full_map", "until", "BIN", "DEVICE",
-           "DEFAULT_DEGC", "HEADER", "HERE", "OWN_ROWS", "ROOT", "SETPOINT", "SETPOINT_ROW"]
+__all__ = ["BacnetTest", "AhuDevice", "Operator", "Program", "Refused", "free_port", "full_map", "until", "BIN",
+           "DEVICE", "DEFAULT_DEGC", "HEADER", "HERE", "OWN_ROWS", "ROOT", "SETPOINT", "SETPOINT_ROW"]

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """A real BACnet/IP device, an AHU controller, in front of a simulated room: device.py INSTANCE ADDRESS [MODBUS_PORT].
-ADDRESS is as 192.0.2.10/24:47808, or 2001:5@192.0.2.10/24 for station 5 of network 2001 behind a router at that address.
+ADDRESS is as 192.0.2.10/24:47808, or 2001:5@192.0.2.10/24 for station 5 of network 2001 behind a router there.
 
-Its objects show what `airside serve` has in its registers, its analog-output 1 is commandable with a priority array, and
-what comes out of that array is written to the room. Without MODBUS_PORT its inputs hold constants. One line of JSON on
-standard input, one answer on standard output: {"fault": [TYPE, INSTANCE, true]}, {"out_of_service": ...}, {"set": [TYPE, INSTANCE, VALUE]},
-{"priorities": [TYPE, INSTANCE]}, {"mute": true} (it answers nothing), {"no_multiple": true} (ReadPropertyMultiple is
-rejected)."""
+Its objects show what `airside serve` has in its registers, its analog-output 1 is commandable with a priority array,
+and what comes out of that array is written to the room. Without MODBUS_PORT its inputs hold constants. One line of JSON
+on standard input, one answer on standard output: {"fault": [TYPE, INSTANCE, true]}, {"out_of_service": the same},
+{"set": [TYPE, INSTANCE, VALUE]}, {"priorities": [TYPE, INSTANCE]}, {"mute": true} (it answers nothing),
+{"no_multiple": true} (ReadPropertyMultiple is rejected)."""
 
 import asyncio
 import json

@@ -83,8 +83,9 @@ class Files(BacnetTest):
 
     def test_both_make_the_same_fingerprint_of_every_column(self):
         site = self.folder / "site.toml"
-        site.write_text(site.read_text(encoding="utf-8").replace("5vav-5fcu-2power", "1vav-0fcu-0power") + "[stand_in]\n"
-                        "mau_temp = 18.0\noutdoor_temp = 28.0\nrain = 0\nvav_on = 1\n", encoding="utf-8")
+        small = site.read_text(encoding="utf-8").replace("5vav-5fcu-2power", "1vav-0fcu-0power")
+        stand_ins = "[stand_in]\nmau_temp = 18.0\noutdoor_temp = 28.0\nrain = 0\nvav_on = 1\n"
+        site.write_text(small + stand_ins, encoding="utf-8")
         (self.folder / "points.csv").write_text(WIDE, encoding="utf-8")
         self.compare_fingerprints()
 
@@ -124,8 +125,8 @@ class Files(BacnetTest):
 
     def test_both_ask_for_the_table_where_the_map_is_of_bacnet(self):
         site = self.folder / "site.toml"
-        site.write_text(re.sub(r"\[bacnet\].*?\[state\]", "[state]", site.read_text(encoding="utf-8"), flags=re.S),
-                        encoding="utf-8")
+        text = re.sub(r"\[bacnet\].*?\[state\]", "[state]", site.read_text(encoding="utf-8"), flags=re.DOTALL)
+        site.write_text(text, encoding="utf-8")
         self.expect_refused_by_both("[bacnet]")
 
     def expect_no_start(self, complaint):

@@ -18,8 +18,8 @@ class OwnNetwork(unittest.TestCase):
             refused = str(error)
         if refused:
             self.skipTest(f"no network of its own ({refused}): Who-Is by broadcast and routers were not tested.")
-        done = subprocess.run(["unshare", "-rn", sys.executable, "-B", HERE / "run", "--here", os.environ["AIRSIDE_BIN"],
-                               "inside_network"], capture_output=True, text=True, check=False)
+        inside = [sys.executable, "-B", HERE / "run", "--here", os.environ["AIRSIDE_BIN"], "inside_network"]
+        done = subprocess.run(["unshare", "-rn", *inside], capture_output=True, text=True, check=False)
         print(done.stdout)
         self.assertEqual(done.returncode, 0, done.stderr)
 

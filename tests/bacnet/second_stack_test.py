@@ -22,8 +22,8 @@ class SecondStack(GatewayCase):
 
     def setUp(self):
         if not shutil.which("node") or not (MODULES / "node-bacnet").is_dir():
-            self.skipTest(f"no Node.js with node-bacnet in {MODULES}: install npm and run tools/setup --for test. No other "
-                          "BACnet library than the gateway's own was tried.")
+            self.skipTest(f"no Node.js with node-bacnet in {MODULES}: install npm and run tools/setup --for test. No "
+                          "other BACnet library than the gateway's own was tried.")
         super().setUp()
 
     def start_device(self, with_plant=False):

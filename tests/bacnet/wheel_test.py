@@ -12,7 +12,8 @@ from desk import ROOT
 
 def run(*words, **more):
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
-    return subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False, env=environment, **more)
+    command = [str(word) for word in words]
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=environment, **more)
 
 
 class Wheel(unittest.TestCase):
@@ -33,7 +34,8 @@ class Wheel(unittest.TestCase):
         installed = run(python, "-m", "pip", "install", "--disable-pip-version-check", "--no-input", "--timeout", "20",
                         "--retries", "1", wheel)
         if installed.returncode and "No matching distribution" in installed.stderr + installed.stdout:
-            self.skipTest("PyPI cannot be reached, so nothing was installed. This test checked the build of the wheel alone.")
+            self.skipTest("PyPI cannot be reached, so nothing was installed. This test checked the build of the wheel "
+                          "alone.")
         self.assertEqual(installed.returncode, 0, installed.stdout + installed.stderr)
         program = fresh / "bin" / "airside-bacnet"
         shown = run(program, "--help", cwd=self.folder)
@@ -44,7 +46,7 @@ class Wheel(unittest.TestCase):
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertNotIn("Traceback", done.stderr)
         self.assertRegex(run(program, "--site", "/nowhere/site.toml").stderr,
-                         r"^airside-bacnet: /nowhere/site.toml: found no readable file .*; expected .*; check the path\n$")
+                         r"^airside-bacnet: /nowhere/site.toml: found no readable file .*; expected .*; check the path")
 
 
 class Unit(unittest.TestCase):
@@ -59,8 +61,8 @@ class Unit(unittest.TestCase):
     def test_is_accepted(self):
         with tempfile.TemporaryDirectory() as folder:
             copy = Path(folder) / self.unit.name
-            copy.write_text(self.unit.read_text(encoding="utf-8").replace("/opt/airside-bacnet/bin/airside-bacnet", "/bin/true"),
-                            encoding="utf-8")
+            text = self.unit.read_text(encoding="utf-8").replace("/opt/airside-bacnet/bin/airside-bacnet", "/bin/true")
+            copy.write_text(text, encoding="utf-8")
             done = run("systemd-analyze", "verify", "--man=no", copy)
             self.assertNotIn(self.unit.name, done.stderr)
 

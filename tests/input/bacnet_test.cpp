@@ -145,7 +145,7 @@ TEST(BacnetRow, IsNotMixedWithRowsOfModbus) {
   std::string mixed = modbus.substr(0, modbus.find("object\n") + 7);
   mixed += "room_temp_1,degc,,,,,,,,5,45,,,,,,,,bacnet,1201:analog-input:3\n";
   mixed += "room_temp_2,degc,4,1,int16,big,big,0.01,0,5,45,1.0,1200,0x8000,,,,,,\n";
-  expect_complaint({":6, column protocol", "modbus, while line 5 has bacnet", "one protocol", "stand-ins"},
+  expect_complaint({":7, column protocol", "modbus, while line 6 has bacnet", "one protocol", "stand-ins"},
                    [&] { parse(mixed); });
   expect_complaint(
       {"column object", "1201:analog-input:3", "an empty cell in a row of Modbus", "bacnet into the column"},
@@ -187,7 +187,7 @@ TEST(BacnetSection, TakesDevicesOfEveryKindOfAddress) {
 
 TEST(BacnetSection, IsRefusedWithPlaceFindingExpectationAndRemedy) {
   const std::vector<std::pair<std::string, Complaint>> cases = {
-      {"[bacnet]\n", {"bacnet.address", "nothing", "192.168.1.30/24", "address"}},
+      {"[bacnet]\n", {"bacnet.address", "nothing", "a text", "192.168.1.30/24"}},
       {"[bacnet]\naddress = \"192.168.1.30\"\n", {"bacnet.address", "192.168.1.30", "prefix", "ip -4 address"}},
       {"[bacnet]\naddress = \"eth0/24\"\n", {"bacnet.address", "eth0/24", "IPv4", "ip -4 address"}},
       {"[bacnet]\naddress = \"192.168.1.30/33\"\n", {"bacnet.address", "/33", "8 to 32", "write it as"}},

@@ -92,7 +92,7 @@ class BacnetClient:
         """Raises NotAnswered or Refused. bacpypes3 raises what a device refuses as a BaseException."""
         try:
             return await asyncio.wait_for(request, self.timeout_s)
-        except asyncio.TimeoutError:
+        except TimeoutError:
             raise NotAnswered("no answer") from None
         except ErrorRejectAbortNack as error:
             if isinstance(error, AbortPDU) and int(error.apduAbortRejectReason) in NO_ANSWER:
@@ -109,7 +109,7 @@ class BacnetClient:
         try:
             found = await asyncio.wait_for(self.app.who_is(low, high, address, timeout=wait_s or self.timeout_s),
                                            2 * (wait_s or self.timeout_s))
-        except (asyncio.TimeoutError, OSError, RuntimeError):
+        except (TimeoutError, OSError, RuntimeError):
             return []
         if found:
             await asyncio.sleep(OTHERS_S)  # a question for one ends with the first answer
@@ -126,8 +126,9 @@ class BacnetClient:
         places = [where for _, where in await self.who_is(device.instance, device.instance)]
         if len(places) > 1:
             device.address = None
-            raise NotAnswered(f"answers from {' and '.join(sorted(map(str, places)))}: two devices with one number; give one "
-                              "another, or name the right one in devices of [bacnet]")
+            where = " and ".join(sorted(map(str, places)))
+            raise NotAnswered(f"answers from {where}: two devices with one number; give one another, or "
+                              "name the right one in devices of [bacnet]")
         device.address = places[0] if places else device.address
         return device.address is not None
 

@@ -46,8 +46,8 @@ class CommandSlot:
                 await self.client.relinquish(self.device, self.name, self.priority)
                 say(f"{self.name.short_text}: priority {self.priority} relinquished")
         except NotAnswered as error:
-            self._say_once(f"{self.name.short_text}: {self.device.name}: {error}; its priority {self.priority} is still to be "
-                           "relinquished")
+            self._say_once(f"{self.name.short_text}: {self.device.name}: {error}; its priority {self.priority} is "
+                           "still to be relinquished")
             return False
         except Refused as refused:
             self._say_once(f"{self.name.short_text}: {self.device.name} refuses to relinquish priority {self.priority} "

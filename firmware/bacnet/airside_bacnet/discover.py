@@ -43,7 +43,8 @@ async def object_list(client, device):
         return [tuple(i) for i in await client.read_property(device.address, identifier, "object-list")]
     except Refused:  # longer than its answers may be
         count = int(await client.read_property(device.address, identifier, "object-list", 0))
-        return [tuple(await client.read_property(device.address, identifier, "object-list", i + 1)) for i in range(count)]
+        return [tuple(await client.read_property(device.address, identifier, "object-list", i))
+                for i in range(1, count + 1)]
 
 
 async def property_or_none(client, device, identifier, prop, index=None):
@@ -68,7 +69,8 @@ async def object_row(client, device, kind, instance, taken):
     if states:
         row = ["", "", "", 0, 1]
     elif kind.startswith("multi-state"):
-        row = ["", "", "", 1, as_number(await property_or_none(client, device, name.identifier, "number-of-states")) or 2]
+        count = await property_or_none(client, device, name.identifier, "number-of-states")
+        row = ["", "", "", 1, as_number(count) or 2]
     else:
         row = list(UNITS.get(unit, (unit if unit not in ("no-units", "") else "", "", "", -1000000, 1000000)))
     comment = re.sub(r"[\r\n]+", " ", f"# {name.short_text} {', '.join(map(str, facts))}")
@@ -90,7 +92,8 @@ async def discover(section, addresses):
             say("found no device; expected an answer to Who-Is; check address, prefix and port, name a device with "
                 "--device ADDRESS where routers keep broadcasts back")
             return 1
-        print("# Rows of a point map: rename what the controller shall use (room_temp_1, setpoint, ...), remove the rest.")
+        print("# Rows of a point map: rename what the controller shall use (room_temp_1, setpoint, ...), "
+              "remove the rest.")
         out = csv.writer(sys.stdout, lineterminator="\n")
         out.writerow(COLUMNS)
         taken = {"heartbeat", "map_fingerprint"}
@@ -142,13 +145,15 @@ async def read_points(site, point_map):
                 continue
             reading = readings.get(point.object, no_reading("device not found, or silent"))
             wrong += not reading.is_good
-            held = await priorities(client, devices[point.object.device], point) if point.written and reading.is_good else ""
+            commanded = point.written and reading.is_good
+            held = await priorities(client, devices[point.object.device], point) if commanded else ""
             print(f"{point.name:24} {point.object.short_text:32} "
                   f"{f'{reading.value:g}' if reading.is_good else 'NOT READ: ' + reading.why}{held}")
     finally:
         client.close()
-    print(f"{wrong} points could not be read" if wrong else "all points were read, as the devices have them, before scale "
-          "and offset; `airside probe` shows them as airsided sees them")
+    print(f"{wrong} points could not be read" if wrong else
+          "all points were read, as the devices have them, before scale and offset; `airside probe` shows them as "
+          "airsided sees them")
     return 3 if wrong else 0
 
 

@@ -66,8 +66,9 @@ class Gateway:
             await self.hand_back_all()
             await self.poll_all()
             await self.modbus.start()
-            say(f"serves {len(self.map.points)} points of {len(self.devices)} devices on {self.site.host}:{self.site.port}"
-                f" unit {self.site.unit}, commands at priority {self.section.priority}")
+            say(f"serves {len(self.map.points)} points of {len(self.devices)} devices on "
+                f"{self.site.host}:{self.site.port} unit {self.site.unit}, "
+                f"commands at priority {self.section.priority}")
             tell_service_manager("READY=1")
             tasks = [asyncio.create_task(self.keep_polling()), asyncio.create_task(self.keep_watch())]
             stopped = asyncio.create_task(stop.wait())

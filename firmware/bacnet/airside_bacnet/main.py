@@ -88,7 +88,8 @@ def run(chosen):
         objects = [p for p in point_map.points if p.object]
         devices = sorted({p.object.device for p in objects})
         print(f"{site.path}: site and points are in order\n{len(objects)} objects of devices "
-              f"{', '.join(map(str, devices))}; fingerprint {point_map.fingerprint:016x}; Modbus on {site.host}:{site.port}")
+              f"{', '.join(map(str, devices))}; fingerprint {point_map.fingerprint:016x}; "
+              f"Modbus on {site.host}:{site.port}")
         return 0
     from airside_bacnet.client import check_card
     from airside_bacnet.discover import read_points

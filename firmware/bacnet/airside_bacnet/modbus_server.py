@@ -34,7 +34,8 @@ class ModbusSide:
         try:
             await self._server.serve_forever(background=True)
         except RuntimeError:
-            raise InputError(f"{self._site.path}: modbus.port", f"{self._site.port}, on which {self._site.host} cannot listen",
+            raise InputError(f"{self._site.path}: modbus.port",
+                             f"{self._site.port}, on which {self._site.host} cannot listen",
                              "a free port; below 1024 needs a privilege that the unit does not have",
                              "take another, such as port = 1502") from None
 

@@ -48,7 +48,7 @@ def is_instance(text):
 
 
 def parse_object(name, cell, complain):
-    """The object of point `name`, None for what the gateway itself holds. `complain(found, expected, remedy)` raises."""
+    """The object of point `name`, None for what the gateway itself holds. complain(found, expected, remedy) raises."""
     if name == "map_fingerprint" and cell != HELD_BY_GATEWAY:
         complain(cell_text(cell), "gateway, which shows the fingerprint of the map that it has read", "write gateway")
     if cell == HELD_BY_GATEWAY:

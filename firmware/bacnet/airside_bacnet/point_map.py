@@ -160,7 +160,8 @@ def _header(cells, file, line):
     place = f"{file}:{line}, header"
     for i, cell in enumerate(cells):
         if cell not in COLUMNS:
-            raise InputError(place, f'column "{cell[:60]}"', f"only {', '.join(COLUMNS)}", "correct or remove the column")
+            raise InputError(place, f'column "{cell[:60]}"', f"only {', '.join(COLUMNS)}",
+                             "correct or remove the column")
         if cell in cells[:i]:
             raise InputError(place, f'column "{cell}" twice', "each column once", "remove one")
     for needed in ("name", "protocol", "object"):

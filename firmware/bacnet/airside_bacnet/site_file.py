@@ -1,4 +1,5 @@
-"""What the gateway needs of a site file: [modbus] to serve on, [bacnet] to reach devices (hal/site/bacnet_section.cpp)."""
+"""What the gateway needs of a site file: [modbus] to serve on, [bacnet] to reach devices, by the rules of
+hal/site/bacnet_section.cpp."""
 
 import ipaddress
 import os
@@ -87,8 +88,8 @@ def _devices(place, listed):
         number = _whole(instance, 4194302)
         if not at or number is None or not is_device_address(address):
             raise InputError(f"{place}.devices", f'"{entry[:60]}"',
-                             'INSTANCE@ADDRESS, such as "1201@192.168.1.50", "1201@192.168.1.50:47809", or "1305@2001:5" '
-                             "for station 5 of network 2001 behind a router",
+                             'INSTANCE@ADDRESS, such as "1201@192.168.1.50", "1201@192.168.1.50:47809", or '
+                             '"1305@2001:5" for station 5 of network 2001 behind a router',
                              "correct it, or take it out where the device answers Who-Is")
         if number in devices:
             raise InputError(f"{place}.devices", f"device {number} twice", "each device once", "remove one of the two")
@@ -106,7 +107,8 @@ def read_bacnet(table, path):
     address = table.get("address")
     if not isinstance(address, str) or not is_card_address(address):
         raise InputError(f"{place}.address", "nothing" if address is None else _found(address),
-                         "this machine's IPv4 address in the network of the devices, with the length of its prefix, 8 to 32",
+                         "this machine's IPv4 address in the network of the devices, with the length of its prefix, "
+                         "8 to 32",
                          'write it as in "192.168.1.30/24"; `ip -4 address` shows it')
     section = BacnetSection(address)
     for key, (default, least, most) in NUMBERS.items():
@@ -131,7 +133,8 @@ def read_site_file(path):
         with open(path, "rb") as file:
             tables = tomllib.load(file)
     except OSError as error:
-        raise InputError(path, f"no readable file ({error.strerror})", "a site file in TOML", "check the path") from None
+        raise InputError(path, f"no readable file ({error.strerror})", "a site file in TOML",
+                         "check the path") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(path, f"text that is not TOML ({error})", "lines such as key = value",
                          "correct the line; texts and times stand in double quotes") from None
