@@ -6,18 +6,18 @@ Its objects show what `airside serve` has in its registers, its analog-output 1 
 and what comes out of that array is written to the room. Without MODBUS_PORT its inputs hold constants. One line of JSON
 on standard input, one answer on standard output: {"fault": [TYPE, INSTANCE, true]}, {"out_of_service": the same},
 {"set": [TYPE, INSTANCE, VALUE]}, {"priorities": [TYPE, INSTANCE]}, {"mute": true} (it answers nothing),
-{"no_multiple": true} (ReadPropertyMultiple is rejected)."""
+{"no_multiple": true} (ReadPropertyMultiple is rejected), {"most_at_once": 5} (longer answers are aborted)."""
 
 import asyncio
 import json
 import struct
 import sys
 
-from bacpypes3.apdu import RejectReason
+from bacpypes3.apdu import AbortPDU, AbortReason
 from bacpypes3.app import Application
 from bacpypes3.appservice import ApplicationServiceAccessPoint
 from bacpypes3.comm import bind
-from bacpypes3.errors import RejectException
+from bacpypes3.errors import UnrecognizedService
 from bacpypes3.ipv4.app import NormalApplication
 from bacpypes3.ipv4.link import NormalLinkLayer
 from bacpypes3.local.analog import AnalogInputObject, AnalogOutputObject, AnalogValueObject, AnalogValueObjectCmd
@@ -47,8 +47,8 @@ def stem(name):
 
 
 class Controller(NormalApplication):
-    muted = False
-    no_multiple = False
+    muted = no_multiple = False
+    most_at_once = 1000
 
     async def indication(self, apdu):
         if not self.muted:
@@ -56,7 +56,11 @@ class Controller(NormalApplication):
 
     async def do_ReadPropertyMultipleRequest(self, apdu):
         if self.no_multiple:
-            raise RejectException(RejectReason.unrecognizedService)
+            raise UnrecognizedService
+        if len(apdu.listOfReadAccessSpecs) > self.most_at_once:
+            # Not by an exception: bacpypes3 0.0.110 forgets to mark the abort as a server's, and its clients wait on.
+            await self.response(AbortPDU(True, reason=AbortReason.segmentationNotSupported, context=apdu))
+            return
         await super().do_ReadPropertyMultipleRequest(apdu)
 
 
@@ -131,6 +135,8 @@ def obey(app, objects, order):
         app.muted = order["mute"]
     if "no_multiple" in order:
         app.no_multiple = order["no_multiple"]
+    if "most_at_once" in order:
+        app.most_at_once = order["most_at_once"]
     if "priorities" in order:
         one = objects[identifier_of(order["priorities"])]
         return {"present_value": float(one.presentValue),
@@ -142,7 +148,7 @@ def obey(app, objects, order):
 class RoutedController(Application):
     """The same behind a BACnet/IP router: station `address` of a network of its own, as an MS/TP device is."""
 
-    muted = no_multiple = False
+    muted = False
 
     def __init__(self, device, router_address, network, station):
         super().__init__()

@@ -5,7 +5,7 @@ import signal
 import struct
 import time
 
-from desk import DEFAULT_DEGC, DEVICE, HEADER, OWN_ROWS, SETPOINT_ROW, BacnetTest, Refused, until
+from desk import DEFAULT_DEGC, DEVICE, HEADER, OWN_ROWS, SETPOINT_ROW, BacnetTest, Refused, full_map, until
 from pymodbus.client import ModbusTcpClient
 from pymodbus.exceptions import ConnectionException
 
@@ -18,13 +18,13 @@ NO_ANSWER, ILLEGAL_VALUE, ILLEGAL_ADDRESS, ILLEGAL_FUNCTION = 11, 3, 2, 1
 class GatewayCase(BacnetTest):
     points = FEW
     speed = 20
-    no_multiple = False
+    orders = {}  # to the device, before the gateway starts
 
     def setUp(self):
         super().setUp()
         self.start_device()
-        if self.no_multiple:
-            self.device.do(no_multiple=True)
+        if self.orders:
+            self.device.do(**self.orders)
         self.gateway = self.start_gateway()
         self.modbus = ModbusTcpClient("127.0.0.1", port=self.modbus_port, timeout=5)
         self.addCleanup(self.modbus.close)
@@ -180,6 +180,17 @@ class GatewayTest(GatewayCase):
         self.assertNotIn(f"00000000:{self.modbus_port:04X}", local)
 
 
+class ShortAnswers(GatewayCase):
+    """A device without segmentation: it aborts what does not fit into one answer."""
+
+    points = full_map()
+    orders = {"most_at_once": 6}
+
+    def test_a_device_of_short_answers_is_asked_for_fewer_at_once(self):
+        self.assertEqual([self.input(2 * place) for place in range(26)].count(24.0), 10)
+        self.assertRegex(self.gateway.said(), r"aborts a longer answer .*; 5 objects are read at once")
+
+
 class OddAnswers(GatewayCase):
     def test_an_answer_that_no_library_reads_spoils_its_object_alone(self):
         async def odd():
@@ -191,11 +202,12 @@ class OddAnswers(GatewayCase):
 
 
 class WithoutReadPropertyMultiple(GatewayCase):
-    """A small controller that has ReadProperty alone."""
+    """A small controller that has ReadProperty alone: it rejects the other service."""
 
-    no_multiple = True
+    orders = {"no_multiple": True}
 
     def test_reads_judges_and_commands_as_well(self):
+        self.assertTrue(self.gateway.has_said("has no ReadPropertyMultiple"))
         self.assertEqual((self.input(ROOM), self.input(VAV)), (24.0, 1.0))
         self.assertTrue(math.isnan(self.input(ABSENT)))
         self.device.do(fault=["analog-input", 1, True])

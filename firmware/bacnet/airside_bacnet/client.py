@@ -11,6 +11,7 @@ from bacpypes3.pdu import Address, IPv4Address
 from bacpypes3.primitivedata import Null, ObjectIdentifier
 
 from airside_bacnet.input_error import InputError
+from airside_bacnet.notify import say
 from airside_bacnet.values import judge
 
 MOST_OBJECTS = 20  # in one ReadPropertyMultiple, halved for devices whose answer does not hold so many
@@ -157,8 +158,10 @@ class BacnetClient:
         """A refusal of many may be of one among them, of the length of the answer, or of the service."""
         if isinstance(refused.__cause__, RejectPDU):
             device.at_once = 0
+            say(f"{device.name} has no ReadPropertyMultiple; its objects are read one by one")
         elif isinstance(refused.__cause__, AbortPDU) and device.at_once > 1:
             device.at_once = max(1, min(device.at_once, len(some)) // 2)
+            say(f"{device.name} aborts a longer answer ({refused}); {device.at_once} objects are read at once")
         else:
             for name in some:
                 found[name] = judge(await self._one_by_one(device.address, name))
