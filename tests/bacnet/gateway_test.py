@@ -63,11 +63,13 @@ class GatewayTest(GatewayCase):
         self.device.do(set=["analog-input", 1, 23.25])
         until(lambda: self.input(ROOM) == 23.25)
 
-    def test_commands_at_its_priority_and_reads_back_at_once(self):
+    def test_commands_at_its_priority_reads_back_at_once_and_relinquishes_at_an_orderly_stop(self):
         self.assertEqual(self.holding(SETPOINT), DEFAULT_DEGC)
         self.assertEqual(self.write(SETPOINT, 19.5), 0)
         self.assertEqual(self.holding(SETPOINT), 19.5)
         self.assertEqual(self.device.slots(), {10: 19.5})
+        self.assertEqual(self.gateway.kill(signal.SIGTERM), 0)
+        self.assertEqual(self.device.slots(), {})
 
     def test_a_higher_priority_shows_in_the_read_back_and_is_left_alone(self):
         operator = self.operator()
@@ -103,11 +105,6 @@ class GatewayTest(GatewayCase):
             self.assertEqual(self.write(HEARTBEAT, 7.0), 0)
             time.sleep(0.1)
         until(lambda: not self.device.slots(), 5)
-
-    def test_relinquishes_at_an_orderly_stop(self):
-        self.write(SETPOINT, 19.5)
-        self.assertEqual(self.gateway.kill(signal.SIGTERM), 0)
-        self.assertEqual(self.device.slots(), {})
 
     def test_a_start_after_a_crash_relinquishes_what_the_crashed_one_commanded(self):
         self.write(SETPOINT, 19.5)
@@ -147,7 +144,7 @@ class GatewayTest(GatewayCase):
         connection.settimeout(5)
         self.assertEqual(connection.recv(1), b"")
 
-    def test_fault_and_out_of_service_are_no_value(self):
+    def test_fault_and_out_of_service_are_no_value_and_a_setpoint_that_is_unknown(self):
         for order, why in (("fault", "fault (open-loop)"), ("out_of_service", "out of service")):
             with self.subTest(order):
                 self.device.do(**{order: ["analog-input", 1, True]})
@@ -155,14 +152,12 @@ class GatewayTest(GatewayCase):
                 self.assertTrue(self.gateway.has_said(why), self.gateway.said())
                 self.device.do(**{order: ["analog-input", 1, False]})
                 until(lambda: self.input(ROOM) == 24.0)
-
-    def test_a_setpoint_out_of_service_is_unknown_and_not_zero(self):
         self.device.do(out_of_service=["analog-output", 1, True])
         self.assertEqual(self.holding(SETPOINT), ("exception", NO_ANSWER))
         self.device.do(out_of_service=["analog-output", 1, False])
         self.assertEqual(self.holding(SETPOINT), DEFAULT_DEGC)
 
-    def test_refuses_what_is_none_of_its_registers(self):
+    def test_refuses_what_is_none_of_its_registers_and_listens_on_the_loopback_alone(self):
         self.assertEqual(self.holding(ROOM), ("exception", ILLEGAL_ADDRESS))
         self.assertEqual(self.write(ROOM, 1.0), ILLEGAL_ADDRESS)
         for address, count in ((SETPOINT, 2), (ROOM + 1, 1), (ROOM, 1), (2 * 1000, 2)):
@@ -172,8 +167,6 @@ class GatewayTest(GatewayCase):
         self.assertEqual(self.modbus.read_coils(0, count=1, device_id=1).exception_code, ILLEGAL_FUNCTION)
         self.assertEqual(self.write(SETPOINT, math.nan), ILLEGAL_VALUE)
         self.assertEqual(self.device.slots(), {})
-
-    def test_listens_on_the_loopback_alone(self):
         with open("/proc/net/tcp", encoding="ascii") as file:
             local = [line.split()[1] for line in file if line.split()[3] == "0A"]
         self.assertIn(f"0100007F:{self.modbus_port:04X}", local)
@@ -191,7 +184,7 @@ class ShortAnswers(GatewayCase):
         self.assertRegex(self.gateway.said(), r"aborts a longer answer .*; 5 objects are read at once")
 
 
-class OddAnswers(GatewayCase):
+class OddAnswers(BacnetTest):
     def test_an_answer_that_no_library_reads_spoils_its_object_alone(self):
         async def odd():
             raise ValueError("tag 9")
