@@ -12,7 +12,7 @@ std::string default_point_map(int vavs, int fcus, int powers, const StandIns& st
       "read-only.\n"
       "# clock_s and clock_advance_s are a simulated AHU's clock: take the two rows out for a real one, and\n"
       "# map_fingerprint unless a register tells a constant, which then is its default.\n";
-  csv += fmt::format("{}\n", fmt::join(point_columns, ","));
+  csv += modbus_header() + "\n";
   int addr = 0;
   const auto places = [&](SignalKind kind, int count, int width, std::string_view row) {
     for (int place = 1; place <= count; ++place) {

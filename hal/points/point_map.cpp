@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "hal/points/bacnet_row.hpp"
 #include "hal/points/point_names.hpp"
 #include "hal/points/point_row.hpp"
 
@@ -89,10 +90,11 @@ std::array<std::size_t, point_columns.size()> read_header(const std::vector<std:
       throw InputError(place, "column \"" + cells[i] + "\" twice", "each column once", "remove one");
     at = i;
   }
-  for (std::size_t i = 0; i < point_columns.size(); ++i) {
-    if (position[i] == cells.size()) {
+  const bool may_lack = position[modbus_columns] != cells.size();  // rows that lack something needed say so themselves
+  for (std::size_t i = 0; i < modbus_columns; ++i) {
+    if (position[i] == cells.size() && !may_lack) {
       throw InputError(place, fmt::format("no column \"{}\"", point_columns[i]),
-                       fmt::format("all of {}", fmt::join(point_columns, ", ")),
+                       fmt::format("all of {}", modbus_header()),
                        "add the column; its cells may be empty where nothing applies");
     }
   }
@@ -161,14 +163,17 @@ PointMap PointMap::parse(std::string_view text, std::string file) {
                        "a map of one AHU", "leave out what the controller does not use");
     }
     PointRow row{map.file_, line, {}};
-    for (std::size_t i = 0; i < row.cell.size(); ++i) row.cell[i] = cells[position[i]];
-    map.points_.push_back(parse_point(row));
+    for (std::size_t i = 0; i < row.cell.size(); ++i) {
+      if (position[i] < columns) row.cell[i] = cells[position[i]];
+    }
+    map.points_.push_back(parse_point(row, map.points_.size()));
     check_known_point(row, map.points_.back());
   }
   if (map.points_.empty()) {
     throw InputError(map.file_, columns == 0 ? "no header row" : "no points", "a header row and at least one point",
                      "start from the one that `airside init` writes");
   }
+  check_protocols(map);
   check_duplicates(map.points_, map.file_);
   check_readbacks(map, map.points_);
   return map;
@@ -214,6 +219,7 @@ std::uint64_t PointMap::fingerprint() const {
                           static_cast<int>(p->word_order), p->scale, p->offset, p->min, p->max, p->max_rate_per_min,
                           p->stale_s, fmt::join(p->sentinel.begin(), p->sentinel.begin() + p->sentinels, " "),
                           static_cast<int>(p->write_policy), p->fc_write, p->default_value, p->readback));
+    if (p->protocol == Protocol::bacnet) hash = fnv1a(hash, fmt::format("bacnet|{}\n", p->object));
   }
   return hash;
 }

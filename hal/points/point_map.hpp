@@ -25,6 +25,10 @@ enum class Endian : std::uint8_t { big, little };
 /// When a value is written: never, only when it differs from the stored value, or on every call.
 enum class WritePolicy : std::uint8_t { none, on_change, refresh };
 
+/// Who holds a point: registers of a Modbus device, or an object of a BACnet device behind `airside-bacnet`, which
+/// shows it in registers that its place in the map decides.
+enum class Protocol : std::uint8_t { modbus, bacnet };
+
 constexpr int max_sentinels = 4;  ///< per point
 
 /// One row of points.csv. physical = raw * scale + offset.
@@ -49,7 +53,9 @@ struct Point {
   /// What a served simulation shows at first; NaN where the site names none.
   double default_value = std::numeric_limits<double>::quiet_NaN();
   std::string readback;  ///< `self`, `none` or the name of the point that shows what was taken
-  int line = 0;          ///< of the file, for messages
+  Protocol protocol = Protocol::modbus;
+  std::string object;  ///< bacnet: `1201:analog-input:3:present-value`, or `gateway`
+  int line = 0;        ///< of the file, for messages
 
   constexpr bool is_bit() const { return type == PointType::coil || type == PointType::discrete; }
   constexpr int width() const { return type >= PointType::int32 ? 2 : 1; }  ///< registers, or bits
@@ -76,6 +82,8 @@ class PointMap {
   const Point& at(std::string_view name) const;
   /// Position in points(), -1 where there is none.
   int index_of(std::string_view name) const;
+  /// Of all its points alike; a map never mixes.
+  Protocol protocol() const { return points_.empty() ? Protocol::modbus : points_.front().protocol; }
   /// Names that no topology, clock or heartbeat uses; they are served and read, nothing more.
   std::vector<std::string> extras() const;
   /// Hash of every column of every point, whatever the order of rows and columns.

@@ -8,14 +8,11 @@
 #include <cmath>
 #include <optional>
 
+#include "hal/points/bacnet_row.hpp"
 #include "hal/points/register_codec.hpp"
 
 namespace airside::hal {
 namespace {
-
-std::string cell_text(std::string_view text) {
-  return text.empty() ? std::string("an empty cell") : fmt::format("\"{}\"", text.substr(0, 60));
-}
 
 std::optional<double> to_number(std::string_view text) {
   double value = 0;
@@ -219,6 +216,10 @@ void check_representable(const PointRow& row, const Point& p) {
 
 }  // namespace
 
+std::string cell_text(std::string_view text) {
+  return text.empty() ? std::string("an empty cell") : fmt::format("\"{}\"", text.substr(0, 60));
+}
+
 void PointRow::complain(const char* column, std::string found, std::string expected, std::string remedy) const {
   throw InputError(fmt::format("{}:{}, column {}", file, line, column), std::move(found), std::move(expected),
                    std::move(remedy));
@@ -269,10 +270,19 @@ std::vector<std::string> split_csv_line(std::string_view line, std::string_view 
   return cells;
 }
 
-Point parse_point(const PointRow& row) {
+std::string modbus_header() {
+  return fmt::format("{}", fmt::join(point_columns.begin(), point_columns.begin() + modbus_columns, ","));
+}
+
+Point parse_point(const PointRow& written, std::size_t index) {
+  static constexpr std::array<std::pair<const char*, Protocol>, 3> protocols{
+      {{"modbus", Protocol::modbus}, {"bacnet", Protocol::bacnet}, {"", Protocol::modbus}}};
+  PointRow row = written;
   Point p;
   p.line = row.line;
   parse_name(row, p);
+  p.protocol = choice(row, "protocol", protocols);
+  p.object = p.protocol == Protocol::bacnet ? take_bacnet_row(row, index) : refuse_object(row);
   p.unit = row["unit"];
   parse_address(row, p);
   parse_scaling(row, p);

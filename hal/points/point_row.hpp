@@ -11,10 +11,16 @@
 
 namespace airside::hal {
 
-/// The columns of points.csv; a file may order them as it likes.
-constexpr std::array<const char*, 18> point_columns = {
-    "name", "unit", "fc",       "addr",    "type",     "byte_order",   "word_order", "scale",   "offset",
-    "min",  "max",  "max_rate", "stale_s", "sentinel", "write_policy", "fc_write",   "default", "readback"};
+/// The columns of points.csv; a file may order them as it likes. The last two may be left out; with `protocol`, any of
+/// those that a row of BACnet leaves empty may be.
+constexpr std::array<const char*, 20> point_columns = {
+    "name",         "unit",     "fc",      "addr",     "type",     "byte_order", "word_order",
+    "scale",        "offset",   "min",     "max",      "max_rate", "stale_s",    "sentinel",
+    "write_policy", "fc_write", "default", "readback", "protocol", "object"};
+constexpr std::size_t modbus_columns = point_columns.size() - 2;
+
+/// The header line of a map of Modbus registers, without its end.
+std::string modbus_header();
 
 /// A row's cells in the order of point_columns, trimmed.
 struct PointRow {
@@ -27,12 +33,15 @@ struct PointRow {
   const std::string& operator[](std::string_view column) const;
 };
 
+/// What is in a cell, as a complaint says it.
+std::string cell_text(std::string_view text);
+
 /// Splits one line of CSV; quotes may enclose commas, a doubled quote is a quote.
 /// Errors: InputError where a quote is left open or text follows a closing quote.
 std::vector<std::string> split_csv_line(std::string_view line, std::string_view file, int line_number);
 
-/// Checks everything a row can say about itself and makes the Point.
+/// Checks everything a row can say about itself and makes the Point; `index`: its place among the points, from 0.
 /// Errors: InputError at file:line, column.
-Point parse_point(const PointRow& row);
+Point parse_point(const PointRow& row, std::size_t index = 0);
 
 }  // namespace airside::hal

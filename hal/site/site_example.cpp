@@ -100,6 +100,11 @@ weekday_only = false     # true: it rests on Saturday and Sunday
 # model = "twin.epJSON"  # or "rc"
 # patches = ["room301.json"]
 # weather = "site.epw"
+
+# An AHU that speaks BACnet, shown on this machine by airside-bacnet; [modbus] then has host = "127.0.0.1", port = 1502:
+# [bacnet]
+# address = "192.168.1.30/24"  # of this machine, in the network of the devices
+# priority = 10          # at which the setpoint is commanded, 8 to 16
 )";
 
 /// Boxes that modulate hold their zones themselves: supply air may be as cold as they were sized for.

@@ -352,6 +352,7 @@ SiteFile parse_site_text(std::string_view text, const std::string& path, const S
   read_controller(root.section("controller"), out, rules);
   out.stand_ins = read_stand_ins(root.section("stand_in"), out.topology);
   read_modbus(root.section("modbus"), out);
+  out.bacnet = read_bacnet_section(root.section("bacnet"));
   read_folders(root, out);
   read_page(root.section("page"), out);
   read_twin(root.section("twin"), out);

@@ -14,6 +14,7 @@
 #include "airside/demand_settings.hpp"
 #include "airside/held_rooms.hpp"
 #include "hal/points/stand_ins.hpp"
+#include "hal/site/bacnet_section.hpp"
 #include "hal/site/controller_preset.hpp"  // IWYU pragma: export
 #include "hal/site/twin_section.hpp"
 
@@ -92,6 +93,7 @@ struct SiteFile {
   StandIns stand_ins;  ///< [stand_in]: numbers in the place of signals that the site has no sensor for
 
   std::optional<ModbusSection> modbus;  ///< absent: a site that is only simulated
+  std::optional<BacnetSection> bacnet;  ///< absent: the point map has registers of a Modbus device
   ClockSource clock = ClockSource::system;
   int daylight_saving = 0;  ///< [clock]: 0 none, 1 eu, 2 us; the schedule follows it, the log does not
   double utc_offset_h = 0;  ///< of local standard time, hours east

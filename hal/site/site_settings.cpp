@@ -120,6 +120,7 @@ void refuse_coarse(const SiteFile& site, const PointMap& points, const Point& se
 void refuse_contradiction(const SiteFile& site, const PointMap& points) {
   refuse_objective(site.objective, points, parse_shape(site.topology.c_str()).vavs,
                    site.path + ": [controller] objective");
+  if (site.modbus) refuse_bacnet_contradiction(site, points);
   const Point* setpoint = points.find("setpoint");
   if (setpoint == nullptr) return;
   refuse_coarse(site, points, *setpoint);

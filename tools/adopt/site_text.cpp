@@ -239,7 +239,7 @@ std::string adopted_points_text(const Adoption& a) {
   rows.add("map_fingerprint", "", 2, "uint32,big,big,1,0,0,4294967295,,,,,,,");
   std::string text =
       "# Points of an adopted model as `airside serve` gives them; for a real AHU replace addresses and types.\n";
-  text += fmt::format("{}\n", fmt::join(hal::point_columns, ","));
+  text += hal::modbus_header() + "\n";
   text += rows.text();
   text += fmt::format("setpoint,degc,3,0,int16,big,big,0.01,0,{:.0f},{:.0f},,,0x8000,on-change,6,{:.1f},self\n",
                       std::floor(std::min(8.0, a.choices.min_degc)), std::ceil(std::max(32.0, a.choices.max_degc)),

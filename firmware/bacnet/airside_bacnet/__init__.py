@@ -1,0 +1,1 @@
+"""BACnet devices as a Modbus device on the loopback, for airsided (docs/bacnet.md)."""

@@ -1,0 +1,5 @@
+import sys
+
+from airside_bacnet.main import main
+
+sys.exit(main())
