@@ -17,6 +17,7 @@ void add_chaos(CLI::App& app);
 void add_adopt(CLI::App& app);
 void add_check(CLI::App& app);
 void add_init(CLI::App& app);
+void add_tags(CLI::App& app);
 void add_pretrain(CLI::App& app);
 void add_residual(CLI::App& app);
 void add_transfer(CLI::App& app);
