@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <set>
+#include <string_view>
+
 #include "hal/site/mqtt_section.hpp"
 #include "tools/tags/site_points.hpp"
 
@@ -13,6 +17,7 @@ constexpr const char* turtle_prefixes = R"(# Written by `airside tags`.
 @prefix brick: <https://brickschema.org/schema/Brick#> .
 @prefix rec: <https://w3id.org/rec#> .
 @prefix ref: <https://brickschema.org/schema/Brick/ref#> .
+@prefix qudt: <http://qudt.org/schema/qudt/> .
 @prefix unit: <http://qudt.org/vocab/unit/> .
 @prefix owl: <http://www.w3.org/2002/07/owl#> .
 @prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
@@ -30,9 +35,10 @@ constexpr const char* modbus_vocabulary = R"(airside:ModbusReference a owl:Class
 
 )";
 
-/// In the order of Owner.
+/// In the order of Owner. Locations in the words of Brick 1.3, and in those of RealEstateCore, which 1.4 prefers.
 constexpr std::array<const char*, 7> owner_classes = {
-    "brick:AHU", "brick:Supply_Fan", "brick:MAU", "brick:VAV", "rec:HVACZone", "brick:FCU", "brick:Electrical_Meter"};
+    "brick:AHU", "brick:Supply_Fan",      "brick:MAU", "brick:VAV", "brick:HVAC_Zone , rec:HVACZone",
+    "brick:FCU", "brick:Electrical_Meter"};
 
 std::string turtle_text(std::string_view text) {
   std::string out = "\"";
@@ -76,13 +82,14 @@ std::string owner_relations(Owner owner, int place, const Site& site, const std:
   const auto add = [&out](const char* predicate, Owner other, int number) {
     out += fmt::format(" ;\n    {} :{}", predicate, owner_id(other, number));
   };
-  if (owner != Owner::zone) out += " ;\n    brick:hasLocation :site";
+  if (owner != Owner::zone) out += " ;\n    brick:hasLocation :building";
   if (owner == Owner::ahu) {
     for (int i = 1; i <= site.counts.vavs; ++i) add("brick:feeds", Owner::vav, i);
     if (owners(site, points, Owner::fan) > 0) add("brick:hasPart", Owner::fan, 0);
   }
   if (owner == Owner::vav) add("brick:feeds", Owner::zone, place);
   if (owner == Owner::mau) add("brick:feeds", Owner::ahu, 0);
+  if (owner == Owner::zone) out += fmt::format(" ;\n    brick:hasPart :room_{}", place);
   return out;
 }
 
@@ -112,13 +119,21 @@ std::string brick_model(const Site& site) {
   const std::vector<SitePoint> points = site_points(site);
   std::string out = fmt::format(fmt::runtime(turtle_prefixes), hal::topic_name(site.file.name));
   if (site.file.modbus) out += modbus_vocabulary;
-  out += fmt::format(":site a rec:Site ;\n    rdfs:label {}", turtle_text(site.file.name));
+  std::set<std::string_view> units;
+  for (const SitePoint& p : points) units.insert(p.kind->qudt_unit);
+  units.erase("");
+  for (const std::string_view unit : units) out += fmt::format("unit:{} a qudt:Unit .\n", unit);
+  if (!units.empty()) out += '\n';
+  out += fmt::format(":building a brick:Building , rec:Building ;\n    rdfs:label {}", turtle_text(site.file.name));
   for (int i = 1; i <= site.counts.vavs; ++i) out += fmt::format(" ;\n    brick:hasPart :{}", owner_id(Owner::zone, i));
   out += " .\n\n";
   for (const Owner owner : {Owner::mau, Owner::ahu, Owner::fan, Owner::vav, Owner::zone, Owner::fcu, Owner::meter}) {
     const int many = owners(site, points, owner);
     const bool numbered = owner >= Owner::vav;
     for (int i = 1; i <= many; ++i) out += owner_turtle(owner, numbered ? i : 0, site, points);
+  }
+  for (int i = 1; i <= site.counts.vavs; ++i) {
+    out += fmt::format(":room_{} a brick:Room , rec:Room ;\n    rdfs:label \"room {}\" .\n\n", i, i);
   }
   for (const SitePoint& p : points) out += point_turtle(p, site);
   out.pop_back();

@@ -49,7 +49,7 @@ void add_tags(CLI::App& app) {
   CLI::App* c = app.add_subcommand(
       "tags",
       "describe a site's AHU, boxes, zones, fan coils, meters and points in the words of building software:\n"
-      "brick: Turtle of Brick 1.4 with QUDT units; haystack: a grid of Project Haystack 4 as JSON.\n"
+      "brick: Turtle for Brick 1.3 and 1.4 with QUDT units; haystack: a grid of Project Haystack 4 as JSON.\n"
       "Each point carries its column of the log and, where the site has [modbus], its register.");
   c->add_option("site", self->site, "site file")->required();
   c->add_option("--format", self->format, "brick or haystack")
