@@ -1,7 +1,7 @@
 # What a plain `cmake --install` puts below its prefix beside lib: component `host`. Nothing goes outside the prefix; the
 # box's package is another component (firmware/packaging).
 set(programs airsided)
-foreach(program airside airside-page airside-energyplus)
+foreach(program airside airside-page airside-mqtt airside-energyplus)
   if(TARGET ${program})
     list(APPEND programs ${program})
   endif()
@@ -27,9 +27,11 @@ if(CMAKE_CROSSCOMPILING OR NOT Python3_FOUND OR CMAKE_CXX_FLAGS MATCHES "-fsanit
 endif()
 set(words_dir ${PROJECT_BINARY_DIR}/words)
 set(plain_programs $<TARGET_FILE:airsided>)
-if(TARGET airside-page)
-  list(APPEND plain_programs $<TARGET_FILE:airside-page>)
-endif()
+foreach(program airside-page airside-mqtt)
+  if(TARGET ${program})
+    list(APPEND plain_programs $<TARGET_FILE:${program}>)
+  endif()
+endforeach()
 set(words_programs $<TARGET_FILE:airside> ${plain_programs})
 add_custom_command(
   OUTPUT ${words_dir}/stamp

@@ -105,6 +105,17 @@ weekday_only = false     # true: it rests on Saturday and Sunday
 # [bacnet]
 # address = "192.168.1.30/24"  # of this machine, in the network of the devices
 # priority = 10          # at which the setpoint is commanded, 8 to 16
+
+# What the box is doing, for an MQTT broker and Home Assistant: a program of its own, airside-mqtt, only publishes.
+# [mqtt]
+# host = "192.168.1.10"  # the broker
+# port = 1883            # 8883 where tls_ca is given
+# tls_ca = ""            # PEM file of the authority that signed the broker's certificate: TLS
+# username = ""
+# password_file = ""     # its first line is the password; mode 640 or less
+# topic_prefix = ""      # "": airside/ and the site's name
+# client_id = ""         # "": airside- and the site's name
+# discovery_prefix = "homeassistant"  # "": no discovery
 )";
 
 /// Boxes that modulate hold their zones themselves: supply air may be as cold as they were sized for.

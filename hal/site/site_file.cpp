@@ -244,6 +244,14 @@ void read_twin(TomlSection root, SiteFile& out) {
   out.twin = std::move(twin);
 }
 
+void read_mqtt(TomlSection root, SiteFile& out) {
+  if (!root.present()) return;
+  MqttSection mqtt = read_mqtt_section(std::move(root), out.name);
+  mqtt.tls_ca = resolved(mqtt.tls_ca, out.path);
+  mqtt.password_file = resolved(mqtt.password_file, out.path);
+  out.mqtt = std::move(mqtt);
+}
+
 void read_folders(TomlSection& root, SiteFile& out) {
   TomlSection clock = root.section("clock");
   out.clock = static_cast<ClockSource>(clock.choice("source", {"system", "plant"}, 0));
@@ -356,6 +364,7 @@ SiteFile parse_site_text(std::string_view text, const std::string& path, const S
   read_folders(root, out);
   read_page(root.section("page"), out);
   read_twin(root.section("twin"), out);
+  read_mqtt(root.section("mqtt"), out);
   root.refuse_unknown_keys();
   return out;
 }

@@ -16,6 +16,7 @@
 #include "hal/points/stand_ins.hpp"
 #include "hal/site/bacnet_section.hpp"
 #include "hal/site/controller_preset.hpp"  // IWYU pragma: export
+#include "hal/site/mqtt_section.hpp"
 #include "hal/site/twin_section.hpp"
 
 namespace airside::hal {
@@ -107,6 +108,7 @@ struct SiteFile {
   std::string inbox_dir;     ///< [inbox] dir
   PageSection page;
   std::optional<TwinSection> twin;
+  std::optional<MqttSection> mqtt;  ///< absent: nothing is published
 };
 
 /// Reads and checks a site file.

@@ -16,7 +16,7 @@ import tempfile
 
 from documents import blocks, documents, text_of
 
-PROGRAMS = ("airside", "airsided", "airside-page", "airside-bench")
+PROGRAMS = ("airside", "airsided", "airside-page", "airside-mqtt", "airside-bench")
 
 
 def free_port():

@@ -23,6 +23,7 @@ using LookAtHost = void (*)(std::vector<DoctorFinding>& out);
 void look_at_host(std::vector<DoctorFinding>& out);
 /// `look_at_host`: none on the box.
 void add_doctor(CLI::App& app, LookAtHost look_at_host = nullptr);
+void add_tags(CLI::App& app);
 void add_pretrain(CLI::App& app);
 void add_residual(CLI::App& app);
 void add_transfer(CLI::App& app);

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   tools::add_init(app);
   tools::add_doctor(app, tools::look_at_host);
   tools::add_adopt(app);
+  tools::add_tags(app);
   tools::add_pretrain(app);
   tools::add_residual(app);
   tools::add_transfer(app);

@@ -73,6 +73,7 @@ std::vector<std::string> warnings_of(const hal::SiteFile& site) {
   };
   within("work_degc", site.expert_work_degc);
   within("off_degc", site.expert_off_degc);
+  if (std::string mqtt = site.mqtt ? hal::warning_of(*site.mqtt) : ""; !mqtt.empty()) out.push_back(std::move(mqtt));
   return out;
 }
 

@@ -13,7 +13,7 @@ namespace airside::tools {
 /// read as a fraction.
 std::vector<std::string> warnings_of(const hal::PointMap& points);
 
-/// A schedule beyond the setpoint's own range.
+/// A schedule beyond the setpoint's own range, a password in plain text.
 std::vector<std::string> warnings_of(const hal::SiteFile& site);
 
 }  // namespace airside::tools
