@@ -1,6 +1,7 @@
 """The package that is installed on a box: a wheel of firmware/bacnet in a fresh environment."""
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -41,6 +42,9 @@ class Wheel(unittest.TestCase):
         shown = run(program, "--help", cwd=self.folder)
         self.assertEqual(shown.returncode, 0, shown.stderr)
         self.assertIn("--discover", shown.stdout)
+        build = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+        version = re.search(r"project\(airside VERSION ([0-9.]+)", build).group(1)
+        self.assertEqual(run(program, "--version").stdout, f"airside-bacnet {version}\n")
         for words, code in ((("--site", "/nowhere/site.toml", "--check"), 1), ((), 2), (("--site", "x", "--chek"), 2)):
             done = run(program, *words, cwd=self.folder)
             self.assertEqual(done.returncode, code, done.stderr)

@@ -5,6 +5,7 @@ import asyncio
 import signal
 import sys
 
+from airside_bacnet import __version__
 from airside_bacnet.input_error import InputError
 from airside_bacnet.point_map import load_point_map
 from airside_bacnet.site_file import BacnetSection, is_card_address, is_device_address, read_site_file
@@ -25,6 +26,7 @@ def parse_arguments(arguments):
     parser = argparse.ArgumentParser("airside-bacnet", description=ABOUT,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--site", metavar="FILE", help="site file with [modbus] and [bacnet]")
+    parser.add_argument("--version", action="version", version=f"airside-bacnet {__version__}")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--check", action="store_true", help="say whether site file and point map are in order, and stop")
     what.add_argument("--read", action="store_true", help="read every point once, write nothing, and stop")
