@@ -12,6 +12,7 @@ endif()
 install(TARGETS ${programs} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT host)
 install(FILES ${PROJECT_SOURCE_DIR}/firmware/packaging/site.toml ${PROJECT_SOURCE_DIR}/firmware/packaging/points.csv
         DESTINATION ${CMAKE_INSTALL_DATADIR}/airside/examples COMPONENT host)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/examples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/airside/examples COMPONENT host)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT host)
 if(NOT TARGET airside)
   return()

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <vector>
 
-#include "tools/cli/site/doctor.hpp"
 #include "tools/run/control_run.hpp"
 #include "tools/run/metrics.hpp"
 #include "tools/run/progress/progress.hpp"
@@ -18,6 +18,7 @@ void add_chaos(CLI::App& app);
 void add_adopt(CLI::App& app);
 void add_check(CLI::App& app);
 void add_init(CLI::App& app);
+struct DoctorFinding;  // tools/cli/site/doctor.hpp
 /// Adds what it finds on this machine beyond what a box needs.
 using LookAtHost = void (*)(std::vector<DoctorFinding>& out);
 void look_at_host(std::vector<DoctorFinding>& out);
