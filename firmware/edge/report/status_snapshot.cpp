@@ -67,6 +67,18 @@ void add_alarms(FixedText& text, CivilTime now, const ModeArbiter* mode_arbiter)
   text.add("]");
 }
 
+void add_rooms(FixedText& text, std::span<const double> room_temp_degc) {
+  text.add(",\"room_temp_degc\":[");
+  for (std::size_t i = 0; i < room_temp_degc.size(); ++i) {
+    if (std::isfinite(room_temp_degc[i])) {
+      text.add("{}{:.2f}", i == 0 ? "" : ",", room_temp_degc[i]);
+    } else {
+      text.add("{}null", i == 0 ? "" : ",");
+    }
+  }
+  text.add("]");
+}
+
 }  // namespace
 
 StatusFile::StatusFile(std::string dir) : path_(std::move(dir)) {}
@@ -102,15 +114,7 @@ std::size_t StatusFile::format(CivilTime now, const StatusSnapshot& s) {
   text.number("room_mean_degc", s.decision.room_mean_degc);
   text.string("hold", text_of(s.hold));
   text.number("held_degc", s.decision.held_degc);
-  text.add(",\"room_temp_degc\":[");
-  for (std::size_t i = 0; i < s.room_temp_degc.size(); ++i) {
-    if (std::isfinite(s.room_temp_degc[i])) {
-      text.add("{}{:.2f}", i == 0 ? "" : ",", s.room_temp_degc[i]);
-    } else {
-      text.add("{}null", i == 0 ? "" : ",");
-    }
-  }
-  text.add("]");
+  add_rooms(text, s.room_temp_degc);
   text.number("setpoint_degc", s.setpoint_degc);
   text.number("network_setpoint_degc", s.decision.network_degc);
   text.number("head_setpoint_degc", s.decision.head_degc);
