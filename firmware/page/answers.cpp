@@ -5,8 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
-#include <memory>
 
 #include "firmware/page/data/facts.hpp"
 #include "firmware/page/data/metrics.hpp"
@@ -40,7 +38,7 @@ ssize_t send_rows(void* self, std::uint64_t, char* out, std::size_t most) {
     if (stream.text.empty()) return MHD_CONTENT_READER_END_OF_STREAM;
   }
   const std::size_t n = std::min(most, stream.text.size() - stream.sent);
-  std::memcpy(out, stream.text.data() + stream.sent, n);
+  std::copy_n(stream.text.begin() + static_cast<std::ptrdiff_t>(stream.sent), n, out);
   stream.sent += n;
   return static_cast<ssize_t>(n);
 }
@@ -134,11 +132,13 @@ Answer Answers::trends_csv(std::string_view span) const {
   const CivilTime last = end == 0 ? CivilTime{} : store_.row(end - 1).time;
   const std::uint64_t from =
       end == 0 ? 0 : store_.from({last.seconds - static_cast<std::int64_t>(*rows) * row_s + row_s});
-  auto stream = std::make_unique<CsvStream>(CsvStream{&store_, from, end, trends_csv_header(store_)});
-  MHD_Response* response = MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, 16384, &send_rows, stream.get(),
-                                                             [](void* self) { delete static_cast<CsvStream*>(self); });
-  if (response == nullptr) return {};
-  (void)stream.release();  // the library ends it
+  auto* stream = new CsvStream{&store_, from, end, trends_csv_header(store_)};  // the library ends it
+  const auto free_stream = [](void* self) { delete static_cast<CsvStream*>(self); };
+  MHD_Response* response = MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, 16384, &send_rows, stream, free_stream);
+  if (response == nullptr) {
+    free_stream(stream);
+    return {};
+  }
   MHD_add_response_header(response, "Content-Disposition", "attachment; filename=\"trends.csv\"");
   return typed(response, "text/csv; charset=utf-8");
 }

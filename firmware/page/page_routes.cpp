@@ -28,6 +28,16 @@ std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+/// For the audit log.
+const char* name_of(Route order) {
+  switch (order) {
+    case Route::release: return "release";
+    case Route::hand_back: return "hand-back";
+    case Route::rollback: return "rollback";
+    default: return "alarm seen";
+  }
+}
+
 /// The number of an alarm, 0 for all of them.
 std::optional<std::uint64_t> alarm_of(std::string_view body) {
   if (body == "all") return 0;
@@ -143,23 +153,16 @@ MHD_Result PageServer::end_upload(MHD_Connection* c, Connection& connection, std
 
 MHD_Result PageServer::do_order(MHD_Connection* c, Connection& connection, std::string_view body) {
   WishAnswer said{400, "a body where none belongs"};
-  const char* order = "";
   switch (connection.route) {
-    case Route::release:
-      order = "release";
-      said = ask_release(inbox_dir_, body);
-      break;
+    case Route::release: said = ask_release(inbox_dir_, body); break;
     case Route::hand_back:
-      order = "hand-back";
       if (body.empty()) said = ask_hand_back(inbox_dir_);
       break;
     case Route::rollback:
-      order = "rollback";
       if (body.empty()) said = ask_rollback(inbox_dir_);
       if (said.status == 202) answers_.ledger().note("rollback asked", "", connection.who);
       break;
     case Route::alarm_seen: {
-      order = "alarm seen";
       const auto id = alarm_of(body);
       if (!id) said = {400, "expected the number of an alarm, or all"};
       if (id)
@@ -176,9 +179,11 @@ MHD_Result PageServer::do_order(MHD_Connection* c, Connection& connection, std::
     default: return MHD_NO;
   }
   if (said.status < 300) {
-    log_.say(fmt::format("{} {} asked for by {} from {}", order, body, connection.who, connection.peer.text));
+    log_.say(fmt::format("{} {} asked for by {} from {}", name_of(connection.route), body, connection.who,
+                         connection.peer.text));
   } else {
-    log_.refusal(fmt::format("{} from {} refused: {} {}", order, connection.peer.text, said.status, said.text));
+    log_.refusal(fmt::format("{} from {} refused: {} {}", name_of(connection.route), connection.peer.text, said.status,
+                             said.text));
   }
   return answer(c, connection, said.status, json_of(said.status, said.text));
 }

@@ -27,7 +27,8 @@ class Box {
                                  "--ready", bench.file("page.ready")},
         bench.file("page.txt"));
     const double until = closed_loop::now_s() + 30;
-    while (read("page.ready").find('\n') == std::string::npos && closed_loop::now_s() < until) closed_loop::sleep_s(0.01);
+    while (read("page.ready").find('\n') == std::string::npos && closed_loop::now_s() < until)
+      closed_loop::sleep_s(0.01);
     const std::string where = read("page.ready");
     address = "http://" + where.substr(0, where.find('\n'));
   }

@@ -9,6 +9,7 @@
 
 #include "hal/weights/mailbox.hpp"
 #include "support/test_folder.hpp"
+#include "weights/trial_rig.hpp"
 
 namespace airside::weights {
 namespace {
@@ -72,6 +73,76 @@ TEST_F(TimedRelease, AReleaseThatSaysAnythingElseHasNoEndOfItsOwn) {
   EXPECT_EQ(hal::Mailbox::hours_of("168"), 168);
   EXPECT_EQ(hal::Mailbox::hours_of(""), 0);
   EXPECT_FALSE(hal::Mailbox::hours_of("0"));
+}
+
+class ReleasedTrial : public Trial {
+ protected:
+  void release(const std::string& hours) { std::ofstream(folder.file("inbox") / "release") << hours; }
+  bool asked() const { return fs::exists(folder.file("inbox") / "release"); }
+  CivilTime last_row() const { return {rig.now.seconds - row_s}; }
+  /// What keeps the AHU released from this row on; the mode follows with the next decision.
+  Reason reason() const { return rig.controller->cycle().mode_arbiter.gravest(last_row()); }
+};
+
+TEST_F(ReleasedTrial, EndsWithTheFirstRowAfterItsTimeAndTakesItsFileAway) {
+  release("1");
+  row();
+  ASSERT_EQ(reason(), Reason::released_by_hand);
+  EXPECT_NEAR(static_cast<double>(trial->release_ends().seconds - last_row().seconds), 3600, 30);
+  rows(9);
+  EXPECT_EQ(reason(), Reason::released_by_hand);
+  EXPECT_TRUE(asked()) << "it stays as long as it holds";
+  rows(1);
+  EXPECT_NE(reason(), Reason::released_by_hand);
+  EXPECT_FALSE(asked());
+  EXPECT_EQ(trial->release_ends().seconds, 0);
+}
+
+TEST_F(ReleasedTrial, IsNotBegunAnewByARestart) {
+  release("1");
+  rows(8);
+  fs::last_write_time(folder.file("inbox") / "release", fs::file_time_type::clock::now() - std::chrono::minutes(48));
+  open();
+  row();
+  EXPECT_EQ(reason(), Reason::released_by_hand);
+  EXPECT_NEAR(static_cast<double>(trial->release_ends().seconds - last_row().seconds), 720, 30);
+  rows(2);
+  EXPECT_NE(reason(), Reason::released_by_hand);
+  EXPECT_FALSE(asked());
+}
+
+TEST_F(ReleasedTrial, IsOverAtOnceWhereItsTimePassedWhileNobodyLooked) {
+  release("1");
+  row();
+  fs::last_write_time(folder.file("inbox") / "release", fs::file_time_type::clock::now() - std::chrono::hours(2));
+  open();
+  row();
+  EXPECT_NE(reason(), Reason::released_by_hand);
+  EXPECT_FALSE(asked());
+}
+
+TEST_F(ReleasedTrial, EndsNothingElse) {
+  release("1");
+  row();
+  rig.controller->hold(Reason::two_masters, last_row(), 0);
+  rows(10);
+  EXPECT_EQ(reason(), Reason::two_masters) << "that waits for a person";
+  EXPECT_FALSE(asked());
+}
+
+TEST_F(ReleasedTrial, ALaterReleaseWithoutATimeHasNoEnd) {
+  release("1");
+  row();
+  fs::remove(folder.file("inbox") / "release");
+  release("");
+  row();
+  EXPECT_EQ(trial->release_ends().seconds, 0);
+  rows(30);
+  EXPECT_EQ(reason(), Reason::released_by_hand);
+  wish("hand-back");
+  row();
+  EXPECT_NE(reason(), Reason::released_by_hand);
+  EXPECT_FALSE(asked());
 }
 
 }  // namespace

@@ -43,9 +43,9 @@ bool PasswordCheck::begin(std::string hash, std::string password) {
 }
 
 std::optional<bool> PasswordCheck::result() {
-  const std::lock_guard lock(mutex_);
   std::uint64_t count = 0;
-  (void)!::read(event_.descriptor(), &count, sizeof count);
+  (void)!::read(event_.descriptor(), &count, sizeof count);  // before the look: what comes later wakes again
+  const std::lock_guard lock(mutex_);
   if (!result_) return {};
   busy_ = false;
   return std::exchange(result_, std::nullopt);
@@ -73,8 +73,10 @@ void PasswordCheck::work() {
     sodium_memzero(password.data(), password.size());
     lock.lock();
     result_ = right;
+    lock.unlock();
     const std::uint64_t one = 1;
     (void)!::write(event_.descriptor(), &one, sizeof one);
+    lock.lock();
   }
 }
 

@@ -42,7 +42,7 @@ struct Sums {
 
   void add(const TrendRow& row, double target_degc) {
     hours += row_h;
-    if (row.mode >= 0) mode_h[static_cast<std::size_t>(row.mode)] += row_h;
+    if (row.mode >= 0) mode_h[static_cast<std::uint8_t>(row.mode)] += row_h;
     if (std::isfinite(row.power_kw)) {
       energy_kwh += static_cast<double>(row.power_kw) * row_h;
       metered_h += row_h;
