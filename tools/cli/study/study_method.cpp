@@ -118,8 +118,8 @@ struct MethodCommand {
       return;
     }
     for (const nlohmann::json& table : found) fmt::print("{}\n", method_table_markdown(table));
-    fmt::print("{}\n{} runs of {} seeds in {}; mean ± sd over rooms and seeds. By {}.\n", claims_markdown(claims),
-               results.runs(), results.seeds(), study.folder, program_text());
+    fmt::print("{}\n{} runs of {} seed{} in {}; mean ± sd over rooms and seeds. By {}.\n", claims_markdown(claims),
+               results.runs(), results.seeds(), results.seeds() == 1 ? "" : "s", study.folder, program_text());
     if (results.seeds() < least_seeds) {
       fmt::print("The rules of the claims ask for {} seeds at least: these verdicts are provisional.\n", least_seeds);
     }
