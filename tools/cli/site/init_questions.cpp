@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <istream>
+#include <optional>
 #include <ostream>
 #include <string>
 
@@ -15,6 +16,13 @@
 namespace airside::tools {
 
 namespace {
+
+std::optional<int> whole_of(const std::string& text) {
+  int value = 0;
+  const auto r = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (r.ec != std::errc{} || r.ptr != text.data() + text.size()) return {};
+  return value;
+}
 
 /// Asks until an answer is one.
 class Questions {
@@ -43,12 +51,11 @@ class Questions {
 
   void whole(const std::string& question, int& value, int least, int most) {
     ask(question, std::to_string(value), [&](const std::string& answer) -> std::string {
-      int given = 0;
-      const auto r = std::from_chars(answer.data(), answer.data() + answer.size(), given);
-      if (r.ec != std::errc{} || r.ptr != answer.data() + answer.size() || given < least || given > most) {
+      const auto given = whole_of(answer);
+      if (!given || *given < least || *given > most) {
         return fmt::format("found '{}'; expected a whole number from {} to {}", answer, least, most);
       }
-      value = given;
+      value = *given;
       return "";
     });
   }
@@ -66,12 +73,13 @@ class Questions {
   void time(const std::string& question, int& seconds) {
     ask(question, fmt::format("{:02}:{:02}", seconds / 3600, seconds / 60 % 60),
         [&](const std::string& answer) -> std::string {
-          int h = -1, m = -1;
-          char end = 0;
-          if (std::sscanf(answer.c_str(), "%2d:%2d%c", &h, &m, &end) != 2 || h < 0 || h > 24 || m < 0 || m > 59) {
+          const std::size_t colon = answer.find(':');
+          const auto h = whole_of(answer.substr(0, colon));
+          const auto m = colon == std::string::npos ? std::nullopt : whole_of(answer.substr(colon + 1));
+          if (!h || !m || *h < 0 || *h > 24 || *m < 0 || *m > 59) {
             return fmt::format("found '{}'; expected a time such as 07:00", answer);
           }
-          seconds = h * 3600 + m * 60;
+          seconds = *h * 3600 + *m * 60;
           return "";
         });
   }
@@ -141,17 +149,12 @@ std::string take_place(const std::string& answer, bool is_needed, SignalAnswer& 
       parts.back() += c;
     }
   }
-  const auto whole = [](const std::string& text) -> std::optional<int> {
-    int value = 0;
-    const auto r = std::from_chars(text.data(), text.data() + text.size(), value);
-    return r.ec == std::errc{} && r.ptr == text.data() + text.size() ? std::optional(value) : std::nullopt;
-  };
   if (parts.size() == 1) {
-    out.addr = whole(parts[0]);
+    out.addr = whole_of(parts[0]);
     return out.addr && *out.addr >= 0 && *out.addr <= 65535 ? "" : form;
   }
-  out.fc = whole(parts[0]);
-  out.addr = whole(parts[1]);
+  out.fc = whole_of(parts[0]);
+  out.addr = whole_of(parts[1]);
   if (!out.fc || !out.addr || *out.fc < 1 || *out.fc > 4 || *out.addr < 0 || *out.addr > 65535) return form;
   if (parts.size() > 2) out.type = parts[2];
   if (parts.size() > 3) {
