@@ -74,12 +74,12 @@ class Questions {
     ask(question, fmt::format("{:02}:{:02}", seconds / 3600, seconds / 60 % 60),
         [&](const std::string& answer) -> std::string {
           const std::size_t colon = answer.find(':');
-          const auto h = whole_of(answer.substr(0, colon));
-          const auto m = colon == std::string::npos ? std::nullopt : whole_of(answer.substr(colon + 1));
-          if (!h || !m || *h < 0 || *h > 24 || *m < 0 || *m > 59) {
+          const int h = whole_of(answer.substr(0, colon)).value_or(-1);
+          const int m = colon == std::string::npos ? -1 : whole_of(answer.substr(colon + 1)).value_or(-1);
+          if (h < 0 || h > 24 || m < 0 || m > 59) {
             return fmt::format("found '{}'; expected a time such as 07:00", answer);
           }
-          seconds = *h * 3600 + *m * 60;
+          seconds = h * 3600 + m * 60;
           return "";
         });
   }
