@@ -62,6 +62,19 @@ TEST_F(TimedRelease, AReleaseWhoseTimeIsOverGoesAndAnotherOneStays) {
   EXPECT_GT(box.collect(blob).release_s, 3600);
 }
 
+TEST_F(TimedRelease, AReleaseThatIsOverAndGoneIsNoHarm) {
+  put("release", "1");
+  (void)box.collect(blob);
+  box.end_release();
+  fs::remove(folder.file("release"));
+  box.finish(true);
+  EXPECT_TRUE(is_empty());
+  put("release", "2");
+  EXPECT_TRUE(box.collect(blob).release) << "the next one is a release like any other";
+  box.finish(true);
+  EXPECT_FALSE(is_empty()) << "and stays until a hand-back or its end";
+}
+
 TEST_F(TimedRelease, AReleaseThatSaysAnythingElseHasNoEndOfItsOwn) {
   for (const char* text : {"", "\n", "0", "169", "-1", "4 h", "soon", "4.5", "99999999", " 4"}) {
     put("release", text);
@@ -71,6 +84,7 @@ TEST_F(TimedRelease, AReleaseThatSaysAnythingElseHasNoEndOfItsOwn) {
     EXPECT_EQ(mail.release_s, 0) << text;
   }
   EXPECT_EQ(hal::Mailbox::hours_of("168"), 168);
+  EXPECT_EQ(hal::Mailbox::hours_of("4\r\n"), 4) << "as an editor of another system ends a line";
   EXPECT_EQ(hal::Mailbox::hours_of(""), 0);
   EXPECT_FALSE(hal::Mailbox::hours_of("0"));
 }

@@ -45,14 +45,14 @@ void add_pull(CLI::App& app);
 /// Hidden: prints shell completion of all commands that were added before it.
 void add_completion(CLI::App& app);
 
-/// Sends a blob to a web address, with certificates to trust; returns what is to be reported of it.
 /// Of a box's page: PEM certificates to trust, and a file with the key that `airside-page --new-key` printed; "": none.
 struct BoxAccess {
   std::string ca, key_file;
 };
+/// Sends a blob to a web address; returns what is to be reported of it.
 using SendBlob = nlohmann::json (*)(const std::string& address, std::span<const std::byte> blob,
                                     const BoxAccess& access);
-nlohmann::json send_over_http(const std::string& address, std::span<const std::byte> blob, const std::string& ca);
+nlohmann::json send_over_http(const std::string& address, std::span<const std::byte> blob, const BoxAccess& access);
 /// `over_http`: none on the box, which has its inbox at hand.
 void add_weights(CLI::App& app, SendBlob over_http = nullptr);
 

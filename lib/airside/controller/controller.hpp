@@ -14,6 +14,7 @@
 #include "airside/controller/cycle_record.hpp"
 #include "airside/controller/decision.hpp"
 #include "airside/controller/pending_cycle.hpp"
+#include "airside/controller/proposer.hpp"
 #include "airside/controller/supervisor.hpp"
 #include "airside/demand_settings.hpp"
 #include "airside/fault.hpp"
