@@ -340,15 +340,7 @@ SiteFile parse_site_text(std::string_view text, const std::string& path, const S
   if (text.find('\0') != std::string_view::npos) {
     throw InputError(path + ":1:1", "bytes that are not text", "a site file in TOML", "give the site's .toml file");
   }
-  toml::table table;
-  try {
-    table = toml::parse(text, path);
-  } catch (const toml::parse_error& error) {
-    const toml::source_position at = error.source().begin;
-    throw InputError(path + ":" + std::to_string(at.line) + ":" + std::to_string(at.column),
-                     "text that is not TOML (" + std::string(error.description()) + ")", "lines such as key = value",
-                     "correct the line; texts and times stand in double quotes");
-  }
+  const toml::table table = parse_toml(text, path);
   SiteFile out;
   out.path = path;
   TomlSection root(&table, "", path);

@@ -105,4 +105,11 @@ std::optional<CivilTime> parse_civil_text(std::string_view text) {
   return CivilTime{civil_time({*year, *month, *day, 0, 0, 0}).seconds + *second};
 }
 
+std::string clock_text(int second_of_day) {
+  std::string text(5, ':');
+  write_digits(text.data(), second_of_day / 3600, 2);
+  write_digits(text.data() + 3, second_of_day / 60 % 60, 2);
+  return text;
+}
+
 }  // namespace airside::hal

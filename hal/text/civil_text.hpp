@@ -30,6 +30,9 @@ CivilDate civil_date(CivilTime time);
 /// Cost: no heap.
 char* write_civil_text(char* out, CivilTime time);
 
+/// `07:30` of seconds since midnight.
+std::string clock_text(int second_of_day);
+
 /// Writes `2021-07-01` at `out` without a final zero and returns the end.
 /// Cost: no heap.
 char* write_date_text(char* out, CivilTime time);

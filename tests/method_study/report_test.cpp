@@ -160,6 +160,9 @@ TEST_F(MethodReport, RunsThatWereKeptInOneFileAreTheSameRuns) {
   other.folder = (folder_.path() / "nothing").string();
   EXPECT_THROW(take_runs(other, bad), hal::InputError);
   EXPECT_FALSE(fs::exists(other.folder)) << "nothing is half-taken";
+  other.days = 3;
+  EXPECT_THROW(take_runs(other, file), hal::InputError) << "runs of another study";
+  EXPECT_FALSE(fs::exists(other.folder));
 }
 
 TEST_F(MethodReport, AStudyGoesOnFromAKeptFileAndMakesWeightsAgain) {

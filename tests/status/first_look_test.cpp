@@ -133,6 +133,9 @@ TEST_F(FirstLook, DoctorTellsADaemonThatRunsFromOneThatDoesNot) {
   all["stopped"] = false;
   std::ofstream(status, std::ios::trunc) << all;
   EXPECT_EQ(state_of("status"), "ok");
+  std::ofstream(status, std::ios::trunc) << "{\"stopped\":";
+  EXPECT_EQ(state_of("status"), "MISSING") << "a damaged status is a finding like any other";
+  std::ofstream(status, std::ios::trunc) << all;
   fs::last_write_time(status, fs::file_time_type::clock::now() - std::chrono::hours(1));
   EXPECT_NE(doctor().out.find("airsided does not run"), std::string::npos) << doctor().out;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <span>
@@ -104,7 +105,7 @@ class LastDay {
  private:
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-  /// Two files hold a day, whatever was begun anew in between.
+  /// The last three: a day lies in two of them, and one may have been begun anew in between.
   std::vector<fs::path> newest_files() const {
     std::vector<fs::path> files;
     std::error_code ignored;
@@ -157,6 +158,18 @@ class LastDay {
 
 volatile std::sig_atomic_t stop = 0;
 
+/// A screen of its own without a cursor; the one before is back at the end, however that comes.
+class OwnScreen {
+ public:
+  OwnScreen() { fmt::print("\x1b[?1049h\x1b[?25l"); }
+  ~OwnScreen() {
+    std::fputs("\x1b[?25h\x1b[?1049l", stdout);
+    std::fflush(stdout);
+  }
+  OwnScreen(const OwnScreen&) = delete;
+  OwnScreen& operator=(const OwnScreen&) = delete;
+};
+
 struct WatchCommand {
   std::string site_path = "/etc/airside/site.toml";
   double every_s = 5;
@@ -183,14 +196,12 @@ struct WatchCommand {
     }
     std::signal(SIGINT, [](int) { stop = 1; });
     std::signal(SIGTERM, [](int) { stop = 1; });
-    fmt::print("\x1b[?1049h\x1b[?25l");  // a screen of its own, no cursor
+    const OwnScreen screen;
     while (stop == 0) {
       fmt::print("\x1b[H\x1b[J{}\nevery {:g} s; Ctrl-C ends it", picture(site_path, day), every_s);
       std::fflush(stdout);
-      pollfd key{STDIN_FILENO, 0, 0};
-      (void)::poll(&key, 0, static_cast<int>(every_s * 1000));
+      (void)::poll(nullptr, 0, static_cast<int>(every_s * 1000));  // a signal ends it early
     }
-    fmt::print("\x1b[?25h\x1b[?1049l");
   }
 };
 

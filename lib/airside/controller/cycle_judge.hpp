@@ -88,7 +88,7 @@ class CycleJudge {
   }
 
   static void track(double& mean_square, double error) {
-    constexpr double memory = 0.05;  // about a working day of cycles
+    constexpr double memory = 0.05;  // 20 cycles: six hours with 18 min
     if (std::isfinite(error)) mean_square += memory * (error * error - mean_square);
   }
 

@@ -35,7 +35,7 @@ struct Decision {
   double residual_k = none;        ///< by which the residual network expects the head's forecast to be wrong, K
   double residual_share = none;    ///< of that which the choice takes into account: 0, 0.5 or 1
   double expected_degc = none;     ///< held value forecast for the end of the cycle, at the applied setpoint
-  double expected_error_k = none;  ///< root mean square of what such forecasts were wrong by lately, about a day
+  double expected_error_k = none;  ///< root mean square of what such forecasts were wrong by lately, 20 cycles
   LossTerms loss{none, none, none, none, none, none};  ///< of the transition that just ended
 };
 

@@ -79,8 +79,8 @@ class Proposer {
     return cycle.head_expected_degc + used_residual_k(at);
   }
 
-  /// Root mean square of the errors of the forecasts that count, over about the last day, K; NaN: there is no forecast.
-  /// Equation: q <- q + 0.05 (e^2 - q) each cycle, e the error of the head's forecast, else of the network's.
+  /// Root mean square of the errors of the forecasts that count, over about the last 20 cycles, K; NaN: there is no
+  /// forecast. Equation: q <- q + 0.05 (e^2 - q) each cycle, e the error of the head's forecast, else of the network's.
   static double expected_error_k(const CycleState<T>& cycle) {
     if (std::isfinite(cycle.head_expected_degc)) return std::sqrt(cycle.head_error_k2);
     return std::isfinite(cycle.network_expected_degc) ? std::sqrt(cycle.network_error_k2) : unknown;

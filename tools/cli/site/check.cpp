@@ -26,8 +26,6 @@ namespace {
 
 using nlohmann::json;
 
-std::string clock_text(int second) { return fmt::format("{:02}:{:02}", second / 3600, second / 60 % 60); }
-
 /// What is wanted, and what it needs beyond room temperatures and the setpoint.
 std::string objective_facts(const hal::SiteFile& f, const ControllerSettings& s) {
   if (f.objective == Objective::mean) {
@@ -49,9 +47,9 @@ std::string site_facts(const hal::SiteFile& f) {
       "\"{}\", scope of its weights \"{}\", topology {}, {}, working hours {} to {}{}, preset {} with {} overrides, "
       "{} candidate setpoints "
       "from {} to {} degC, {}",
-      f.name, f.scope, f.topology, objective_facts(f, s), clock_text(f.work_start_s), clock_text(f.work_end_s),
-      f.weekday_only ? " on weekdays" : "", hal::name_of(f.preset), f.overrides.size(), candidates, s.action_min_degc,
-      s.action_max_degc,
+      f.name, f.scope, f.topology, objective_facts(f, s), hal::clock_text(f.work_start_s),
+      hal::clock_text(f.work_end_s), f.weekday_only ? " on weekdays" : "", hal::name_of(f.preset), f.overrides.size(),
+      candidates, s.action_min_degc, s.action_max_degc,
       f.modbus ? "Modbus " + (f.modbus->transport == hal::ModbusTransport::tcp
                                   ? fmt::format("TCP {}:{}", f.modbus->host, f.modbus->port)
                                   : fmt::format("RTU {}", f.modbus->device))

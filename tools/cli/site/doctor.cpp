@@ -113,6 +113,10 @@ class Doctor {
     out_.push_back({what, DoctorState::missing, std::move(found), std::move(remedy)});
   }
 
+  void refused(const char* what, const hal::InputError& e) {
+    miss(what, fmt::format("{}: found {}; expected {}", e.place(), e.found(), e.expected()), e.remedy());
+  }
+
   /// Runs `look`, which returns what it found; a complaint of a reader is a finding too.
   template <class Look>
   bool tries(const char* what, Look&& look) {
@@ -120,7 +124,7 @@ class Doctor {
       ok(what, look());
       return true;
     } catch (const hal::InputError& e) {
-      miss(what, fmt::format("{}: found {}; expected {}", e.place(), e.found(), e.expected()), e.remedy());
+      refused(what, e);
     }
     return false;
   }
@@ -256,10 +260,17 @@ class Doctor {
     if (age_s > old_status_s) {
       advise("status", fmt::format("{} is {:.0f} min old: airsided does not run", status.string(), age_s / 60),
              "systemctl status airsided");
-    } else if (sim::read_json(status).value("stopped", false)) {
-      advise("status", "airsided has stopped in order", "sudo systemctl start airsided");
-    } else {
-      ok("status", fmt::format("written {:.0f} s ago", age_s));
+      return;
+    }
+    try {
+      const nlohmann::json said = sim::read_json(status);
+      if (said.is_object() && said.value("stopped", nlohmann::json()) == true) {
+        advise("status", "airsided has stopped in order", "sudo systemctl start airsided");
+      } else {
+        ok("status", fmt::format("written {:.0f} s ago", age_s));
+      }
+    } catch (const hal::InputError& e) {
+      refused("status", e);
     }
   }
 

@@ -128,10 +128,16 @@ void add_init(CLI::App& app) {
       ->check(CLI::IsMember({"mean", "band"}))
       ->capture_default_str();
   c->add_option("--name", self->name, "of the room")->capture_default_str();
-  c->add_option("--answers", self->answers,
-                "TOML file of answers: counts, bus, limits, and where the signals are (docs/formats.md)")
-      ->check(CLI::ExistingFile);
-  c->add_flag("--ask", self->ask, "ask for them instead; answers.toml in the folder repeats it")->excludes("--answers");
+  CLI::Option* given =
+      c->add_option("--answers", self->answers,
+                    "TOML file of answers: counts, bus, limits, and where the signals are (docs/formats.md)")
+          ->check(CLI::ExistingFile);
+  CLI::Option* asked =
+      c->add_flag("--ask", self->ask, "ask for them instead; answers.toml in the folder repeats it")->excludes(given);
+  for (const char* other : {"--topology", "--objective", "--name"}) {
+    given->excludes(other);
+    asked->excludes(other);
+  }
   c->add_flag("--force", self->force, "overwrite what is there");
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
   c->callback([self] { self->run(); });

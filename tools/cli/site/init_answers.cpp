@@ -1,7 +1,6 @@
 #include "tools/cli/site/init_answers.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 #include "airside/topology.hpp"
 #include "hal/points/point_map.hpp"
 #include "hal/points/point_row.hpp"
+#include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/text/text_file.hpp"
 #include "hal/text/toml_section.hpp"
@@ -17,8 +17,6 @@
 namespace airside::tools {
 
 namespace {
-
-const std::vector<std::string> types = {"int16", "uint16", "int32", "uint32", "float32", "coil", "discrete"};
 
 constexpr int width_of(std::string_view type) { return type.ends_with("32") ? 2 : 1; }
 
@@ -47,7 +45,7 @@ SignalAnswer read_signal(hal::TomlSection s) {
   if (s.has("addr")) a.addr = static_cast<int>(s.whole("addr", 0, 0, 65535));
   a.apart = static_cast<int>(s.whole("apart", 0, 0, 1000));
   if (s.has("fc")) a.fc = static_cast<int>(s.whole("fc", 4, 1, 4));
-  if (s.has("type")) a.type = types[s.choice("type", types, 0)];
+  if (s.has("type")) a.type = point_types()[s.choice("type", point_types(), 0)];
   if (s.has("scale")) a.scale = s.number("scale", 1, -1e6, 1e6, "");
   s.refuse_unknown_keys();
   return a;
@@ -63,8 +61,6 @@ void read_bus(hal::TomlSection s, hal::ModbusSection& bus) {
   bus.unit_id = static_cast<int>(s.whole("unit_id", bus.unit_id, 0, 247));
   s.refuse_unknown_keys();
 }
-
-std::string hour_text(int s) { return fmt::format("{:02}:{:02}", s / 3600, s / 60 % 60); }
 
 /// One field of a line of the point map, by the name of its column.
 std::string& field(std::vector<std::string>& fields, std::string_view column) {
@@ -125,6 +121,11 @@ hal::StandIns InitAnswers::stand_ins() const {
   return out;
 }
 
+const std::vector<std::string>& point_types() {
+  static const std::vector<std::string> types = {"int16", "uint16", "int32", "uint32", "float32", "coil", "discrete"};
+  return types;
+}
+
 const std::vector<std::string>& signal_names() {
   static const std::vector<std::string> names = {
       "room_temp",   "setpoint",     "heartbeat", "vav_on", "fcu_temp", "fcu_on",        "power",
@@ -135,15 +136,7 @@ const std::vector<std::string>& signal_names() {
 
 InitAnswers read_answers(const std::string& path) {
   const std::string text = hal::read_text_file(path, "answers in TOML");
-  toml::table table;
-  try {
-    table = toml::parse(text, path);
-  } catch (const toml::parse_error& error) {
-    const toml::source_position at = error.source().begin;
-    throw hal::InputError(fmt::format("{}:{}:{}", path, at.line, at.column),
-                          "text that is not TOML (" + std::string(error.description()) + ")",
-                          "lines such as key = value", "correct the line; texts and times stand in double quotes");
-  }
+  const toml::table table = hal::parse_toml(text, path);
   InitAnswers a;
   hal::TomlSection root(&table, "", path);
   hal::TomlSection site = root.section("site"), room = root.section("room");
@@ -186,7 +179,7 @@ std::string text_of(const InitAnswers& a) {
       "work_start = \"{}\"\nwork_end = \"{}\"\nsetpoint_min_degc = {:g}\nsetpoint_max_degc = {:g}\n"
       "schedule_work_degc = {:g}\nschedule_off_degc = {:g}\n\n[bus]\n",
       a.name, a.vavs, a.fcus, a.powers, a.objective == Objective::band ? "band" : "mean", a.target_degc,
-      hour_text(a.work_start_s), hour_text(a.work_end_s), a.min_degc, a.max_degc, a.schedule_work_degc,
+      hal::clock_text(a.work_start_s), hal::clock_text(a.work_end_s), a.min_degc, a.max_degc, a.schedule_work_degc,
       a.schedule_off_degc);
   text += m.transport == hal::ModbusTransport::tcp
               ? fmt::format("transport = \"tcp\"\nhost = \"{}\"\nport = {}\n", m.host, m.port)
@@ -213,14 +206,19 @@ std::string site_text_of(const InitAnswers& a) {
     throw hal::InputError("name", "'" + a.name + "'", "a name without quotes, backslashes and line ends",
                           "use letters, digits, spaces and - . , _ / ( )");
   }
-  std::string text = hal::example_site_text(a.topology(), a.objective);
   const hal::ModbusSection& m = a.modbus;
+  for (const std::string& word : {m.host, m.device}) {
+    if (word.find_first_of("\"\\\n\r") == std::string::npos) continue;
+    throw hal::InputError("bus: host, device", "'" + word + "'", "no quotes, backslashes and line ends",
+                          "correct the answer");
+  }
+  std::string text = hal::example_site_text(a.topology(), a.objective);
   const bool tcp = m.transport == hal::ModbusTransport::tcp;
   set(text, "site", "name", in_quotes(a.name));
   set(text, "site", "scope", in_quotes(a.name));
   set(text, "target", "room_temp_degc", fmt::format("{:g}", a.target_degc));
-  set(text, "target", "work_start", in_quotes(hour_text(a.work_start_s)));
-  set(text, "target", "work_end", in_quotes(hour_text(a.work_end_s)));
+  set(text, "target", "work_start", in_quotes(hal::clock_text(a.work_start_s)));
+  set(text, "target", "work_end", in_quotes(hal::clock_text(a.work_end_s)));
   set(text, "setpoint", "min_degc", fmt::format("{:.6g}", a.min_degc));
   set(text, "setpoint", "max_degc", fmt::format("{:.6g}", a.max_degc));
   set(text, "expert", "work_degc", fmt::format("{:g}", a.schedule_work_degc));

@@ -38,6 +38,9 @@ struct InitAnswers {
   hal::StandIns stand_ins() const;
 };
 
+/// What `type` may be.
+const std::vector<std::string>& point_types();
+
 /// The names that `signals` may have, in the order in which they are asked.
 const std::vector<std::string>& signal_names();
 

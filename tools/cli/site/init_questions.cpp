@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -10,6 +11,7 @@
 #include <ostream>
 #include <string>
 
+#include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "tools/cli/site/init_answers.hpp"
 
@@ -71,17 +73,16 @@ class Questions {
     });
   }
   void time(const std::string& question, int& seconds) {
-    ask(question, fmt::format("{:02}:{:02}", seconds / 3600, seconds / 60 % 60),
-        [&](const std::string& answer) -> std::string {
-          const std::size_t colon = answer.find(':');
-          const int h = whole_of(answer.substr(0, colon)).value_or(-1);
-          const int m = colon == std::string::npos ? -1 : whole_of(answer.substr(colon + 1)).value_or(-1);
-          if (h < 0 || h > 24 || m < 0 || m > 59) {
-            return fmt::format("found '{}'; expected a time such as 07:00", answer);
-          }
-          seconds = h * 3600 + m * 60;
-          return "";
-        });
+    ask(question, hal::clock_text(seconds), [&](const std::string& answer) -> std::string {
+      const std::size_t colon = answer.find(':');
+      const int h = whole_of(answer.substr(0, colon)).value_or(-1);
+      const int m = colon == std::string::npos ? -1 : whole_of(answer.substr(colon + 1)).value_or(-1);
+      if (h < 0 || h > 24 || m < 0 || m > 59) {
+        return fmt::format("found '{}'; expected a time such as 07:00", answer);
+      }
+      seconds = h * 3600 + m * 60;
+      return "";
+    });
   }
   void text(const std::string& question, std::string& value, const std::string& example) {
     ask(question, value.empty() ? example : value, [&](const std::string& answer) -> std::string {
@@ -125,9 +126,18 @@ constexpr Place places[] = {
     {"supply_temp", "supply-air temperature", false},
     {"outdoor_temp", "outdoor temperature", false},
     {"mau_temp", "make-up air temperature", false},
-    {"rain", "rain sensor", false}};
+    {"rain", "rain sensor", false},
+    {"damper", "damper of box 1, 0 to 1", true},
+    {"zone_setpoint", "cooling setpoint of zone 1", true},
+    {"zone_heating_setpoint", "heating setpoint of zone 1", false},
+    {"occupied", "whether people are there", false},
+    {"supply_flow", "supply-air flow, m3/s", false},
+    {"ahu_on", "whether the fan runs", false}};
 
 bool is_asked(const std::string& name, const InitAnswers& a) {
+  constexpr std::string_view of_band[] = {"damper",   "zone_setpoint", "zone_heating_setpoint",
+                                          "occupied", "supply_flow",   "ahu_on"};
+  if (std::ranges::find(of_band, name) != std::end(of_band)) return a.objective == Objective::band;
   if (name == "fcu_temp" || name == "fcu_on") return a.fcus > 0;
   return name != "power" || a.powers > 0;
 }
@@ -156,7 +166,12 @@ std::string take_place(const std::string& answer, bool is_needed, SignalAnswer& 
   out.fc = whole_of(parts[0]);
   out.addr = whole_of(parts[1]);
   if (!out.fc || !out.addr || *out.fc < 1 || *out.fc > 4 || *out.addr < 0 || *out.addr > 65535) return form;
-  if (parts.size() > 2) out.type = parts[2];
+  if (parts.size() > 2) {
+    if (std::ranges::find(point_types(), parts[2]) == point_types().end()) {
+      return fmt::format("found type '{}'; expected {}", parts[2], fmt::join(point_types(), ", "));
+    }
+    out.type = parts[2];
+  }
   if (parts.size() > 3) {
     double scale = 0;
     const auto r = std::from_chars(parts[3].data(), parts[3].data() + parts[3].size(), scale);

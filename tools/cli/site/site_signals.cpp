@@ -117,16 +117,14 @@ LackingSignals in_words(const SideText& text, std::string names, bool band) {
           band ? text.band_cost : text.mean_cost, std::nullopt};
 }
 
-std::string hours_text(int second) { return fmt::format("{:02}:{:02}", second / 3600, second / 60 % 60); }
-
 LackingSignals without_ahu_on(const hal::SiteFile& site) {
   const char* measured =
       site.objective == Objective::band ? "energy -0.7 ± 1.2 %, zone degree-hours +0.26 a day" : "not measured";
   const bool always = site.fan_start_s == 0 && site.fan_end_s == 24 * 3600 && !site.fan_weekday_only;
   return {"ahu_on", "whether the fan runs",
           always ? std::string("the fan is taken to run always, as [ahu] has it")
-                 : fmt::format("the hours of [ahu] stand in, {} to {}{}", hours_text(site.fan_start_s),
-                               hours_text(site.fan_end_s), site.fan_weekday_only ? " on weekdays" : ""),
+                 : fmt::format("the hours of [ahu] stand in, {} to {}{}", hal::clock_text(site.fan_start_s),
+                               hal::clock_text(site.fan_end_s), site.fan_weekday_only ? " on weekdays" : ""),
           always
               ? std::string(
                     "a fan that stands still is not noticed: such hours are learned from, and supply air that cannot "

@@ -261,15 +261,7 @@ Mapping read_mapping(const std::string& path) {
 }
 
 Mapping parse_mapping(std::string_view text, const std::string& path) {
-  toml::table table;
-  try {
-    table = toml::parse(text, path);
-  } catch (const toml::parse_error& error) {
-    const toml::source_position at = error.source().begin;
-    refuse_mapping(fmt::format("{}:{}:{}", path, at.line, at.column),
-                   "text that is not TOML (" + std::string(error.description()) + ")", "lines such as key = value",
-                   "correct the line; texts stand in double quotes");
-  }
+  const toml::table table = hal::parse_toml(text, path);
   Mapping m;
   m.path = path;
   hal::TomlSection root(&table, "", path);

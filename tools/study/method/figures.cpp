@@ -77,15 +77,6 @@ Spread peer_spread(const PeerRow& row, const std::string& key) {
 
 constexpr auto neural_peers = std::to_array<std::pair<const char*, const char*>>({{"osln", "OSLN"}, {"ddqn", "DDQN"}});
 
-TableColumn column(const char* name, const char* unit, int decimals, bool mark_lowest) {
-  TableColumn c;
-  c.name = name;
-  c.unit = unit;
-  c.decimals = decimals;
-  c.mark_lowest = mark_lowest;
-  return c;
-}
-
 TableCell count_cell(int count) {
   TableCell cell;
   cell.value = count;
@@ -100,6 +91,15 @@ TableCell cell_of(const PeerRow& row, const std::string& key, double factor = 1)
 }
 
 }  // namespace
+
+TableColumn table_column(const std::string& name, const std::string& unit, int decimals, bool mark_lowest) {
+  TableColumn c;
+  c.name = name;
+  c.unit = unit;
+  c.decimals = decimals;
+  c.mark_lowest = mark_lowest;
+  return c;
+}
 
 std::optional<ReportBlock> figure_of_days(const MethodResults& results, const PeerRows& peers) {
   DayChart chart("Distance from target, day by day (printed figure 7)",
@@ -197,10 +197,10 @@ std::optional<ReportBlock> peers_table(const PeerRows& peers) {
   table.note =
       "One room, five schedule days, the same budget of learning for all. Mean ± standard deviation over "
       "seeds. What is printed: docs/peers.md.";
-  table.columns = {column("runs", "", 0, false),          column("DAE", "°C", 3, true),
-                   column("ME", "°C", 3, true),           column("DARV", "°C", 3, true),
-                   column("first 3 days", "°C", 3, true), column("CDH", "°C h", 0, false),
-                   column("a decision", "ms", 2, true)};
+  table.columns = {table_column("runs", "", 0, false),          table_column("DAE", "°C", 3, true),
+                   table_column("ME", "°C", 3, true),           table_column("DARV", "°C", 3, true),
+                   table_column("first 3 days", "°C", 3, true), table_column("CDH", "°C h", 0, false),
+                   table_column("a decision", "ms", 2, true)};
   for (const PeerRow& row : peers.control) {
     table.rows.push_back(
         {row.method,
@@ -217,8 +217,8 @@ std::optional<ReportBlock> transfer_table(const PeerRows& peers) {
   ReportTable table;
   table.title = "Errors after transfer, weights frozen (printed tables III and VI)";
   table.note = "Mean ± standard deviation over seeds, K, on logs under the product. What is printed: docs/peers.md.";
-  table.columns = {column("runs", "", 0, false), column("summer", "K", 3, false), column("winter", "K", 3, false),
-                   column("average", "K", 3, false)};
+  table.columns = {table_column("runs", "", 0, false), table_column("summer", "K", 3, false),
+                   table_column("winter", "K", 3, false), table_column("average", "K", 3, false)};
   for (const PeerRow& row : peers.transfer) {
     table.rows.push_back({fmt::format("{}, {}", row.room, row.method),
                           {count_cell(row.runs), cell_of(row, "mae_summer_degc"), cell_of(row, "mae_winter_degc"),

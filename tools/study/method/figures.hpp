@@ -10,6 +10,9 @@
 
 namespace airside::tools {
 
+/// A column of a table of the page.
+TableColumn table_column(const std::string& name, const std::string& unit, int decimals, bool mark_lowest);
+
 /// Printed figure 7: DAE day by day of the method and what it is compared with, degC.
 std::optional<ReportBlock> figure_of_days(const MethodResults& results, const PeerRows& peers);
 /// Printed figure 8: DAE and DARV over the controlled days, degC.

@@ -60,14 +60,6 @@ ReportTable claims_table(const std::vector<ClaimVerdict>& claims) {
   return table;
 }
 
-TableColumn plain_column(const std::string& name, int decimals) {
-  TableColumn column;
-  column.name = name;
-  column.decimals = decimals;
-  column.mark_lowest = false;
-  return column;
-}
-
 /// A table of the study as one of the page, each column followed by the published figure where there is one.
 ReportTable page_table(const nlohmann::json& from, const char* published_as) {
   ReportTable table;
@@ -85,9 +77,9 @@ ReportTable page_table(const nlohmann::json& from, const char* published_as) {
   for (const nlohmann::json& column : from["columns"]) {
     const std::string key = column["key"];
     if (!any(key, "figures")) continue;
-    table.columns.push_back(plain_column(column["title"].get<std::string>(), column["decimals"]));
+    table.columns.push_back(table_column(column["title"].get<std::string>(), "", column["decimals"], false));
     shown.push_back({key, any(key, "published")});
-    if (shown.back().published) table.columns.push_back(plain_column("published", 3));
+    if (shown.back().published) table.columns.push_back(table_column("published", "", 3, false));
   }
   for (const nlohmann::json& line : from["lines"]) {
     TableRow row{line["line"], {}, SeriesRole::plain, false};

@@ -12,7 +12,7 @@
 
 namespace airside::tools {
 
-/// What the page shows. A figure of which no run is there is left out, and said so.
+/// What the page shows. A figure or table of which no run is there is left out.
 ReportInput method_report(const MethodStudy& study, const MethodResults& results, const PeerRows& peers,
                           const std::vector<ClaimVerdict>& claims, const std::string& command);
 

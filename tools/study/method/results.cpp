@@ -14,31 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const fs::path& file, const std::string& field, const std::string& found,
+[[noreturn]] void refuse(const std::string& place, const std::string& field, const std::string& found,
                          const std::string& expected) {
-  throw hal::InputError(file.string() + ": " + field, found, expected, "move the file away, or choose another --out");
-}
-
-void check(const fs::path& file, const nlohmann::json& j, const MethodStudy& study) {
-  for (const char* field : {"row", "room", "seed", "study", "figures"}) {
-    if (!j.is_object() || !j.contains(field)) refuse(file, field, "nothing", "a run of airside study method");
-  }
-  if (!j["row"].is_string() || !j["room"].is_string()) refuse(file, "row, room", "no text", "names");
-  if (!j["seed"].is_number_unsigned()) refuse(file, "seed", j["seed"].dump(), "a whole number");
-  const nlohmann::json expected = study.facts();
-  for (const auto& [name, value] : expected.items()) {
-    if (!j["study"].contains(name) || j["study"][name] != value) {
-      refuse(file, "study." + name, j["study"].value(name, nlohmann::json()).dump(),
-             value.dump() + ", as the command has it: runs of one folder share plant, days and steps");
-    }
-  }
-  for (const auto& [name, value] : j["figures"].items()) {
-    if (!value.is_number()) refuse(file, "figures." + name, value.dump(), "a number");
-  }
-  const nlohmann::json daily = j.value("daily_dae_degc", nlohmann::json::array());
-  if (!daily.is_array() || !std::ranges::all_of(daily, [](const nlohmann::json& v) { return v.is_number(); })) {
-    refuse(file, "daily_dae_degc", daily.dump().substr(0, 40), "a list of numbers");
-  }
+  throw hal::InputError(place + ": " + field, found, expected, "move the file away, or choose another --out");
 }
 
 bool is_run(const fs::path& file) {
@@ -49,6 +27,28 @@ bool is_run(const fs::path& file) {
 }
 
 }  // namespace
+
+void check_run(const std::string& place, const nlohmann::json& run, const MethodStudy& study) {
+  for (const char* field : {"row", "room", "seed", "study", "figures"}) {
+    if (!run.is_object() || !run.contains(field)) refuse(place, field, "nothing", "a run of airside study method");
+  }
+  if (!run["row"].is_string() || !run["room"].is_string()) refuse(place, "row, room", "no text", "names");
+  if (!run["seed"].is_number_unsigned()) refuse(place, "seed", run["seed"].dump(), "a whole number");
+  const nlohmann::json expected = study.facts();
+  for (const auto& [name, value] : expected.items()) {
+    if (!run["study"].contains(name) || run["study"][name] != value) {
+      refuse(place, "study." + name, run["study"].value(name, nlohmann::json()).dump(),
+             value.dump() + ", as the command has it: runs of one folder share plant, days and steps");
+    }
+  }
+  for (const auto& [name, value] : run["figures"].items()) {
+    if (!value.is_number()) refuse(place, "figures." + name, value.dump(), "a number");
+  }
+  const nlohmann::json daily = run.value("daily_dae_degc", nlohmann::json::array());
+  if (!daily.is_array() || !std::ranges::all_of(daily, [](const nlohmann::json& v) { return v.is_number(); })) {
+    refuse(place, "daily_dae_degc", daily.dump().substr(0, 40), "a list of numbers");
+  }
+}
 
 std::vector<fs::path> run_files(const MethodStudy& study) {
   std::vector<fs::path> files;
@@ -63,7 +63,7 @@ MethodResults MethodResults::read(const MethodStudy& study) {
   MethodResults out;
   for (const fs::path& file : run_files(study)) {
     const nlohmann::json j = sim::read_json(file);
-    check(file, j, study);
+    check_run(file.string(), j, study);
     out.runs_.push_back(
         {j["row"], j["room"], j["seed"], j["figures"], j.value("daily_dae_degc", std::vector<double>())});
   }

@@ -15,6 +15,10 @@ namespace airside::tools {
 /// The files of runs that the study's folder has, in order of name.
 std::vector<std::filesystem::path> run_files(const MethodStudy& study);
 
+/// Refuses what is no run of the study; `place` names it.
+/// Errors: hal::InputError naming the field.
+void check_run(const std::string& place, const nlohmann::json& run, const MethodStudy& study);
+
 class MethodResults {
  public:
   /// Every run of method_rows() in the folder, whatever its seed, in order of name.

@@ -68,7 +68,10 @@ int take_runs(const MethodStudy& study, const std::string& file) {
     refuse_runs(file, "kind", "nothing", std::string("\"") + file_kind + '"');
   if (!j.contains("runs") || !j["runs"].is_array()) refuse_runs(file, "runs", "no list", "a list of runs");
   std::vector<fs::path> paths;
-  for (const nlohmann::json& run : j["runs"]) paths.push_back(fs::path(study.folder) / name_of(file, run));
+  for (const nlohmann::json& run : j["runs"]) {
+    paths.push_back(fs::path(study.folder) / name_of(file, run));
+    check_run(file, run, study);
+  }
   fs::create_directories(study.folder);
   int taken = 0;
   for (std::size_t i = 0; i < paths.size(); ++i) {

@@ -12,8 +12,8 @@ namespace airside::tools {
 int keep_runs(const MethodStudy& study, const std::string& file);
 
 /// Puts the runs of `file` into the study's folder; what the folder has already stays as it is.  Returns how many were
-/// put there.  Errors: hal::InputError naming file and field for one that keep_runs() did not write, before any run is
-/// put anywhere.
+/// put there.  Errors: hal::InputError naming file and field for one that keep_runs() did not write or that is of
+/// another study, before any run is put anywhere.
 int take_runs(const MethodStudy& study, const std::string& file);
 
 }  // namespace airside::tools
