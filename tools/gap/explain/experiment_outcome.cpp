@@ -59,9 +59,9 @@ std::string sentence_of(std::span<const ExperimentProposal> proposals) {
       fmt::format("zones are expected between {:.1f} and {:.1f} degC", best.lowest_room_degc, best.highest_room_degc);
   if (!best.separates) {
     return fmt::format(
-        "no test that was tried tells them apart: the best, \"{}\" for {:.0f} h, would with a probability of {:.0f} % "
-        "({}); {}",
-        best.text, best.hours, 100 * best.power, best.hardest, temps);
+        "no test that was tried tells them apart: the best, \"{}\" for {:.0f} h, would with a probability of {:.0f} %; "
+        "{}",
+        best.text, best.hours, 100 * best.power, temps);
   }
   return fmt::format(
       "to tell them apart: {}; after {:.0f} h the log will say which it is (with {:.0f} % probability "

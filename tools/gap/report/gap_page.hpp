@@ -33,6 +33,17 @@ std::string date_text(CivilTime t);
 std::string as_sentence(std::string text);
 /// "room 1", "FCU room 2", "power 1": what people call a channel.
 std::string channel_title(const sim::Channels& at, int c);
+/// "K", "kW", "share": the unit of a channel as a chart says it.
+std::string channel_unit(const sim::Channels& at, int c);
+
+/// The verdict as a title: the effect's own words, "Perhaps: ..." where it is not sure.
+std::string verdict_title(const GapPage& page);
+/// What a manager reads below it: size and probability, what else it may be, cost, what to do next.
+std::string verdict_text(const GapPage& page);
+/// "54 % ..." of the title, as a figure of the page.
+void add_verdict_figure(const GapPage& page, ReportInput& input);
+/// Of a finding by the search that found it; NaN where that search did not list it.
+double probability_of(const GapPage& page, const gap::Finding& finding);
 
 // Each adds its blocks, where there is something to show.
 void add_figures(const GapPage& page, ReportInput& input);

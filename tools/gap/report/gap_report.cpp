@@ -16,9 +16,6 @@ namespace airside::tools {
 
 namespace {
 
-constexpr const char* gap_titles[] = {"No gap above the floor", "The missing effect has a name",
-                                      "The missing effect is one of several", "Something unknown is missing"};
-
 /// A row that says nothing is left out.
 bool ever_measured(const Eigen::MatrixXd& residual, int channel) {
   return std::any_of(residual.col(channel).begin(), residual.col(channel).end(),
@@ -79,15 +76,20 @@ std::string channel_title(const sim::Channels& at, int c) {
   return fmt::format("damper {}", c - at.damper() + 1);
 }
 
+std::string channel_unit(const sim::Channels& at, int c) {
+  const std::string unit = at.unit(c);
+  return unit == "-" || unit.empty() ? "share" : unit;
+}
+
 ReportInput make_gap_report(const gap::GapRun& run) {
   const GapPage page(run);
   const gap::Span span = gap::span_of(run.loaded.data.test.recording);
   ReportInput input;
-  input.title = gap_titles[static_cast<std::size_t>(run.verdict.kind)];
+  input.title = verdict_title(page);
   input.subtitle = fmt::format("{}: {} against its log of {} to {}, weather {}, {}", run.request.site,
                                run.loaded.engine->description(), date_text(span.from), date_text({span.to.seconds - 1}),
                                std::filesystem::path(run.request.source.weather).filename().string(), versions_of(run));
-  input.headline = as_sentence(gap::sentence_of(run));
+  input.headline = verdict_text(page);
   for (const auto add : {add_figures, add_posteriors, add_findings, add_continued, add_suspicions, add_experiments,
                          add_heat, add_clean_up, add_maps, add_curves, add_ranking, add_locked_days, add_guideline,
                          add_ledger, add_model, add_retraining, add_facts}) {

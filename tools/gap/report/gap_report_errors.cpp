@@ -175,7 +175,7 @@ void add_curves(const GapPage& page, ReportInput& input) {
     chart.title = channel_title(page.at, c) + ": measured minus simulated";
     chart.note = page.found() ? "One of the channels that what was found moves most; half-hour means."
                               : "One of the channels that are off most; half-hour means.";
-    chart.unit = page.at.unit(c);
+    chart.unit = channel_unit(page.at, c);
     chart.x = x;
     chart.series.push_back({"no error", {0.0}, SeriesRole::reference});
     chart.series.push_back({page.run.before.empty() ? "twin" : "twin, fitted", curve(page.run.residual_before, c),
@@ -227,7 +227,7 @@ void add_locked_days(const GapPage& page, ReportInput& input) {
     table.rows.push_back(r);
   };
   for (const int c : page.shown) {
-    row(channel_title(page.at, c), page.at.unit(c),
+    row(channel_title(page.at, c), channel_unit(page.at, c),
         {given.rmse(c), before.rmse(c), after.rmse(c), before.mean(c), after.mean(c)}, SeriesRole::plain);
   }
   const auto joint = [&](const char* name, const char* unit, int from, int to) {

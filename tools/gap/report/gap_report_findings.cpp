@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "hal/text/civil_text.hpp"
@@ -61,13 +64,11 @@ void add_figures(const GapPage& page, ReportInput& input) {
     input.figures.push_back({number_text(now, 2), unit, label,
                              page.found() ? number_text(then, 2) + " without what was found" : "root mean square"});
   };
-  const gap::Verdict& v = page.run.verdict;
-  input.figures.push_back({gap::text_of(v.kind), "", "verdict", v.reason});
-  input.figures.push_back({number_text(v.best_log_likelihood_ratio, 0), "", "best gain of one effect",
-                           "limit " + number_text(v.log_likelihood_limit, 0) + ", above which it is no noise"});
+  add_verdict_figure(page, input);
   change("temperatures, locked days", 0, page.at.mau_temp() + 1, "K");
   change("powers, locked days", page.at.power(), page.at.fcu_duty(), "kW");
-  input.figures.push_back({number_text(v.residual_ratio, 2), "x", "left over, of the noise", "1 is a right model"});
+  input.figures.push_back(
+      {number_text(page.run.verdict.residual_ratio, 2), "x", "left over, of the noise", "1 is a right model"});
   if (page.run.retraining) {
     const gap::RetrainSpread s = gap::spread_of(*page.run.retraining, &Metrics::dae_degc);
     input.figures.push_back({number_text(s.after.mean, 3), "K", "DAE, weights of the patched twin",
@@ -79,30 +80,27 @@ void add_findings(const GapPage& page, ReportInput& input) {
   if (!page.found()) return;
   ReportTable table;
   table.title = page.run.verdict.kind == gap::VerdictKind::named ? "What is missing" : "What might be missing";
-  table.note = fmt::format(
-      "Gain: twice the logarithm of the likelihood that the effect adds; up to its limit it is noise. Margin: that "
-      "gain "
-      "over the gain of the best other explanation. Signs: share of two-day blocks that ask for the same direction. "
-      "Energy: by the site's meters, with it less without it, under the commands of the log.");
+  table.note =
+      "Energy: by the site's meters, with it less without it, under the commands of the log. Days that agree: share of "
+      "two-day blocks that ask for a change in the same direction.";
   table.row_header = "effect";
   table.prose = true;
-  for (const char* name : {"magnitude, 95 % interval", "energy", "gain", "margin", "signs", "not separable from",
-                           "looks like", "confirm on site"}) {
+  for (const char* name :
+       {"probability", "magnitude, 95 % interval", "energy", "days that agree", "looks like", "confirm on site"}) {
     table.columns.push_back({name, "", 0, false});
   }
   std::vector<gap::Finding> listed = page.run.verdict.findings;
   listed.insert(listed.end(), page.run.verdict.unsure.begin(), page.run.verdict.unsure.end());
   for (std::size_t i = 0; i < listed.size(); ++i) {
     const gap::Finding& f = listed[i];
-    std::string alike;
-    for (const sim::EffectAt& other : f.cannot_tell_from) alike += (alike.empty() ? "" : "; ") + other.text();
+    const double probability = probability_of(page, f);
+    const bool own_reason = !f.why_not.empty() && !f.why_not.starts_with("not sure");
     table.rows.push_back(
-        {f.at.text() + (f.why_not.empty() ? "" : " (" + f.why_not + ")"),
-         {text_cell(finding_magnitude(f)), text_cell(i < page.run.energy.size() ? energy_text(page.run, i) : "–"),
-          text_cell(number_text(f.log_likelihood_ratio, 0)),
-          text_cell(f.margin > 999 ? "> 999 x" : number_text(f.margin, 1) + " x"),
-          text_cell(number_text(100 * f.same_sign, 0) + " %"), text_cell(alike.empty() ? "–" : alike),
-          text_cell(f.at.effect->looks_like), text_cell(f.at.effect->confirm)},
+        {f.at.text() + (own_reason ? " (" + f.why_not + ")" : ""),
+         {text_cell(std::isfinite(probability) ? number_text(100 * probability, 0) + " %" : "–"),
+          text_cell(finding_magnitude(f)), text_cell(i < page.run.energy.size() ? energy_text(page.run, i) : "–"),
+          text_cell(number_text(100 * f.same_sign, 0) + " %"), text_cell(f.at.effect->looks_like),
+          text_cell(f.at.effect->confirm)},
          SeriesRole::plain,
          false});
   }
@@ -117,29 +115,34 @@ void add_posteriors(const GapPage& page, ReportInput& input) {
     ReportTable table;
     table.title = tried.beside.empty() ? "How probable each explanation is"
                                        : fmt::format("How probable each is beside {}", fmt::join(tried.beside, ", "));
-    table.note = fmt::format("The smallest set that holds 90 %: {}.", fmt::join(p.set, ", "));
+    table.note = "Bold: the fewest that together hold 90 %. A name needs 95 %.";
     table.row_header = "explanation";
     table.prose = true;
     for (const char* name : {"probability", "size, 95 % interval", "locked days: predicted, came"})
       table.columns.push_back({name, "", 0, false});
-    const auto add = [&table](const std::string& what, double probability, const std::string& size,
-                              const std::string& locked) {
-      table.rows.push_back({what,
-                            {text_cell(number_text(100 * probability, 1) + " %"), text_cell(size), text_cell(locked)},
-                            SeriesRole::plain,
-                            false});
+    std::vector<std::pair<double, TableRow>> rows;
+    const auto add = [&](const std::string& id, const std::string& what, double probability, const std::string& size,
+                         const std::string& locked) {
+      const bool in_set = std::ranges::find(p.set, id) != p.set.end();
+      rows.emplace_back(probability, TableRow{what,
+                                              {text_cell(number_text(100 * probability, 1) + " %"), text_cell(size),
+                                               text_cell(locked)},
+                                              in_set ? SeriesRole::main : SeriesRole::plain,
+                                              false});
     };
     for (const gap::EffectProbability& e : p.effects) {
       if (e.probability < 0.01) break;
       const gap::Alternative& a = tried.list[e.from];
-      add(a.at.text(), e.probability,
+      add(a.at.id(), a.at.text(), e.probability,
           fmt::format("{:.3g} ± {:.2g}{}", a.magnitude, 1.96 * a.sd, gap::unit_suffix(*a.at.effect)),
           a.locked ? fmt::format("{:.0f}, {:.0f}{}", a.locked_expected, a.locked_log_likelihood_ratio,
                                  e.vetoed ? ": contradicted" : "")
                    : "–");
     }
-    add("nothing", p.nothing, "–", "–");
-    add("something that no effect is", p.other, "–", "–");
+    add("nothing", "nothing", p.nothing, "–", "–");
+    add("other", "something that no effect is", p.other, "–", "–");
+    std::ranges::stable_sort(rows, [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (auto& [probability, row] : rows) table.rows.push_back(std::move(row));
     input.blocks.push_back(table);
   }
 }

@@ -176,6 +176,18 @@ std::vector<FarParameter> far_parameters(const GapRun& run) {
   return list;
 }
 
+std::string no_reference_text(const GapRun& run) {
+  if (run.loaded.data.has_reference()) return "";
+  std::string far;
+  for (const FarParameter& p : far_parameters(run)) {
+    far += fmt::format("{}{} {:.3g}{} ({:.1f} standard deviations of its prior)", far.empty() ? "" : ", ",
+                       p.change.at.text(), p.change.magnitude, unit_suffix(*p.change.at.effect), p.prior_sds);
+  }
+  return "there was no reference period, so whatever the twin's parameters may be off by their priors counts against "
+         "every effect" +
+         (far.empty() ? "" : "; these days want parameters far from there: " + far);
+}
+
 std::string sentence_of(const GapRun& run) {
   const std::string continued = continued_text(run);
   std::string text = continued.empty() ? sentence_of(run.verdict) : continued + ". " + sentence_of(run.verdict);
@@ -187,17 +199,8 @@ std::string sentence_of(const GapRun& run) {
       text += "; " + name + (energy.empty() ? "" : energy + "; ") + "to confirm it on site: " + f.at.effect->confirm;
     }
   }
-  if (!run.loaded.data.has_reference()) {
-    text +=
-        "; there was no reference period, so whatever the twin's parameters may be off by their priors counts against "
-        "every effect";
-    std::string far;
-    for (const FarParameter& p : far_parameters(run)) {
-      far += fmt::format("{}{} {:.3g}{} ({:.1f} standard deviations of its prior)", far.empty() ? "" : ", ",
-                         p.change.at.text(), p.change.magnitude, unit_suffix(*p.change.at.effect), p.prior_sds);
-    }
-    if (!far.empty()) text += "; these days want parameters far from there: " + far;
-  }
+  const std::string no_reference = no_reference_text(run);
+  if (!no_reference.empty()) text += "; " + no_reference;
   if (!run.experiments.empty()) text += "; " + sentence_of(run.experiments);
   if (run.heat) text += ". " + run.heat->text;
   const std::string meters = text_of(run.meter_offsets);

@@ -99,6 +99,9 @@ struct GapRun {
 /// Those at two prior standard deviations or more, the farthest first; none where there was a reference period.
 std::vector<FarParameter> far_parameters(const GapRun& run);
 
+/// What a missing reference period costs, and parameters that these days want far away; "" where there was one.
+std::string no_reference_text(const GapRun& run);
+
 /// The verdict in one sentence, with what it costs and how to confirm it, the test to do or the heat that is missing.
 std::string sentence_of(const GapRun& run);
 
