@@ -1,4 +1,4 @@
-// What stands at the top of a gap report: the verdict in words that need no table.
+// The top of a gap report: the verdict in words that need no table.
 
 #include <fmt/format.h>
 
