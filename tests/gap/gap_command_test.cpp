@@ -55,7 +55,8 @@ TEST(GapCommand, NamesWhatIsHiddenReportsPatchesTheRoomAndTakesThePatchBack) {
   // The page: whole, on its own, with everything that was promised.
   const std::string page = text_of_file(desk.path("out/index.html"));
   for (const char* promised :
-       {"named: flow of box 2", "Guideline 14", "a wrong model can pass", "locked away", "The ledger",
+       {"<h1>Flow of box 2 is not what its controller believes</h1>", "verdict: named", "To confirm it on site",
+        "Guideline 14", "a wrong model can pass", "locked away", "The ledger",
         "hood at the "
         "diffuser",
         "with what was found", "In which weather", "What else could explain it", "</html>"}) {

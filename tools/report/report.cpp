@@ -227,6 +227,7 @@ void append_head(std::string& page, const ReportInput& input) {
   append(page, uplot_licence);
   page += "-->\n<style>\n";
   append(page, uplot_css);
+  append(page, palette_css);
   append(page, page_css);
   page += "</style>\n</head>\n<body>\n<header>\n";
   if (!input.subtitle.empty()) page += "<p class=\"kicker\">" + escape_markup(input.subtitle) + "</p>\n";
