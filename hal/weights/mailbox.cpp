@@ -193,7 +193,7 @@ bool Mailbox::finish(bool accepted) {
     if (is_as_seen(wish_names[wish], told_[wish]) && take(wish_names[wish])) changed = true;
   }
   handed_back_ = handed_back_ && released && !ended;
-  if (release_over_ && released && release) changed |= take(release_name);
+  if (release_over_ && is_as_seen(release_name, told_[wish_release])) changed |= take(release_name);
   release_over_ = false;
   if (blob_[0] != '\0' && is_as_seen(blob_, blob_seen_)) {
     const bool kept = !accepted && ::renameat(dir_.descriptor(), blob_, dir_.descriptor(), refused_name) == 0;
