@@ -188,12 +188,15 @@ bool Mailbox::finish(bool accepted) {
   const std::optional<Seen> release = look(dir_, release_name);
   const bool released = told_[wish_release].inode != 0 && (!release || *release == told_[wish_release]);
   const bool ended = handed_back_ && released && release && take(release_name) && ::fsync(dir_.descriptor()) == 0;
+  const auto take_as_seen = [this](Wish wish) {
+    return is_as_seen(wish_names[wish], told_[wish]) && take(wish_names[wish]);
+  };
   for (const Wish wish : {wish_hand_back, wish_rollback}) {
     if (wish == wish_hand_back && handed_back_ && released && !ended) continue;
-    if (is_as_seen(wish_names[wish], told_[wish]) && take(wish_names[wish])) changed = true;
+    if (take_as_seen(wish)) changed = true;
   }
   handed_back_ = handed_back_ && released && !ended;
-  if (release_over_ && is_as_seen(release_name, told_[wish_release])) changed |= take(release_name);
+  if (release_over_ && take_as_seen(wish_release)) changed = true;
   release_over_ = false;
   if (blob_[0] != '\0' && is_as_seen(blob_, blob_seen_)) {
     const bool kept = !accepted && ::renameat(dir_.descriptor(), blob_, dir_.descriptor(), refused_name) == 0;
