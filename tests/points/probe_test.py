@@ -172,6 +172,21 @@ class Probe(Desk):
             self.assertIn(reading, done.stdout)
         self.assertFalse((self.folder / "new.csv").exists())
 
+    def test_objects_of_bacnet_get_columns_that_their_map_lacks(self):
+        registers = {}
+        for place, value in enumerate((71.5, 70.2, 55.0)):
+            registers |= {2 * place: float_words(value)[0], 2 * place + 1: float_words(value)[1]}
+        device = Device(self, registers | {10: 0, 11: 0}, {6: float_words(18)[0], 7: float_words(18)[1], 8: 0, 9: 0})
+        points = ("name,unit,protocol,object,min,max\n" + "".join(
+            f"room_temp_{n},degc,bacnet,1201:analog-input:{n},5,45\n" for n in (1, 2)) +
+            "supply_temp,degc,bacnet,1201:analog-input:9,-10,60\nsetpoint,degc,bacnet,1201:analog-output:1,8,32\n"
+            "heartbeat,,bacnet,gateway,0,65535\nmap_fingerprint,,bacnet,gateway,0,4294967295\n")
+        done = self.probe(points, device.port, "--write", "new.csv")
+        self.assertIn("(degrees Fahrenheit)", done.stdout, done.stderr)
+        row = self.rows("new.csv")["room_temp_2"]
+        self.assertEqual((row["scale"], row["offset"]), ("0.5555555556", "-17.77777778"))
+        self.assertEqual(self.rows("new.csv")["supply_temp"]["scale"], "", "55 degC is no supply air, but within its limits")
+
     def test_nothing_fits_and_no_value(self):
         device = Device(self, {0: 0, 1: 0x8000, 2: 2235})
         found = self.proposals(room(1, 0) + "room_temp_2,degc,4,1,int16,big,big,0.01,0,5,45,,,0x8000,,,,\n" + room(3, 2) + SETPOINT,

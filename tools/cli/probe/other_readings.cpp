@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "airside/topology.hpp"
 #include "hal/points/point_names.hpp"
 #include "hal/points/register_codec.hpp"
 

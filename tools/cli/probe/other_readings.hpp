@@ -22,7 +22,7 @@ PlausibleRange usual_range(const hal::Point& point);
 
 /// `room_temp` of `room_temp_3b`.
 std::string stem_of(const std::string& name);
-/// Whether a wrong reading can be told by its value alone: not of states, heartbeats and clocks.
+/// Whether a value alone can show that it is read wrongly: not of states, heartbeats and clocks.
 bool can_be_judged(const hal::Point& point);
 
 /// A row as it would be, and what it would show.

@@ -36,7 +36,7 @@ Shown shown_at(const Point& stated, int step, const hal::PointMap& map, ProbedDe
   if (!raw) return Shown::nonsense;
   if (p.name == "map_fingerprint") {
     const auto value = hal::decode(p, *raw);
-    return value && *value == map.told_fingerprint() ? Shown::sense : Shown::nonsense;
+    return value && *value == expected_fingerprint(map) ? Shown::sense : Shown::nonsense;
   }
   const PlausibleRange limits = limits_of_name(p.name);
   p.min = std::max(p.min, limits.least);

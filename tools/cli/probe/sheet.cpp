@@ -8,6 +8,8 @@
 
 namespace airside::tools {
 
+double expected_fingerprint(const hal::PointMap& map) { return map.told_fingerprint(); }
+
 namespace {
 
 std::string complaint_of(const hal::LinkFault& fault) {
@@ -44,9 +46,9 @@ void judge_probe(ProbedPoint& row, const hal::PointMap& map) {
   row.has_no_value = !value && value.error() == Fault::not_finite;
   if (row.order_doubted) {
     row.verdict = fmt::format("makes no sense as {}", hal::order_text(p, p.byte_order, p.word_order));
-  } else if (p.name == "map_fingerprint" && value && *value != map.told_fingerprint()) {
+  } else if (p.name == "map_fingerprint" && value && *value != expected_fingerprint(map)) {
     row.in_order = false;
-    row.verdict = fmt::format("another device: the map expects {}", map.told_fingerprint());
+    row.verdict = fmt::format("another device: the map expects {}", expected_fingerprint(map));
   } else if (p.name == "map_fingerprint" && value) {
     row.fits.clear();
     row.verdict = "the map's";

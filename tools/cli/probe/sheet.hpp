@@ -45,6 +45,9 @@ class ProbedDevice {
   std::map<std::tuple<int, int, int>, hal::LinkResult<std::vector<std::uint16_t>>> known_;
 };
 
+/// What the device of this map shows in the point map_fingerprint.
+double expected_fingerprint(const hal::PointMap& map);
+
 /// Reads and judges every point of the map. `site_path` stands in the complaint.
 /// Errors: std::runtime_error where no connection can be made.
 std::vector<ProbedPoint> probe_all(const hal::PointMap& map, ProbedDevice& device, const std::string& address,
