@@ -88,6 +88,14 @@ class Import(Desk):
             row = self.rows()["room_temp_1"]
             self.assertEqual((row["fc"], row["addr"], row["scale"]), (fc, addr, "0.1"), written)
 
+    def test_headings_that_say_how_to_read_a_column(self):
+        self.write("list.csv", "Name,Register (hex),FC,Type,Scale\nVAV1 room temp,A,3,int16,0.1\nSAT SP,10,3,int16,0.1\n")
+        self.imported("list.csv", "-o", "points.csv")
+        self.assertEqual([row["addr"] for row in self.rows().values()], ["10", "16"])
+        self.write("list.csv", "Name,Type,Instance,Device\nVAV1 room temp,AI,7,12\nSAT SP,AV,8,12\n")
+        self.imported("list.csv", "-o", "points.csv", "--force")
+        self.assertEqual(self.rows()["setpoint"]["object"], "12:analog-value:8")
+
     def test_a_mapping_of_ones_own(self):
         self.write("list.csv", "Punkt,Reg.,Art,Faktor\nB17,40001,INT16,0.1\nY1,40002,INT16,0.1\nVAV1 room temp,40003,INT16,0.1\n")
         self.write("map.toml", '[columns]\nname = ["punkt"]\ntype = ["art"]\nscale = ["faktor"]\n'

@@ -145,6 +145,14 @@ class Probe(Desk):
         done = self.probe("".join(room(n, n - 1, scale="0.1") for n in (1, 2, 3)) + SETPOINT, device.port)
         self.assertIn("(degrees Fahrenheit)", done.stdout)
 
+    def test_what_is_in_order_either_way_goes_with_its_kind(self):
+        device = Device(self, {0: 450, 1: 0, 2: 1000, 10: 2235})
+        dampers = "".join(f"damper_{n},,4,{n - 1},uint16,big,big,1,0,0,1,,,,,,,\n" for n in (1, 2, 3))
+        found = self.proposals(dampers + room(1, 10) + SETPOINT, device.port)
+        self.assertEqual(sorted(found), ["damper_1", "damper_2", "damper_3"])
+        for name, value in (("damper_1", 0.45), ("damper_2", 0), ("damper_3", 1)):
+            self.assert_decided(found[name], value, scale="0.001")
+
     def test_function(self):
         device = Device(self, {500: 1}, {10: 2235, 11: 2301})
         found = self.proposals(room(1, 10) + room(2, 11) + SETPOINT, device.port)

@@ -25,6 +25,8 @@ LISTS = {
     "an unknown unit": (HEAD + ROOM.replace("°C", "bar") + SETPOINT, [], ('column 5 (Unit): found "bar"', "degc, degf, kelvin")),
     "a foreign unit": (HEAD + ROOM.replace("°C", "kW") + SETPOINT, [], ('column 5 (Unit): found "kW"', "a unit of room_temp_1")),
     "a factor upside down": (HEAD + ROOM.replace("0.1", "x10") + SETPOINT, [], ('column 4 (Scale): found "x10", a step of 10 degc', "/10")),
+    "a damper without percent": (HEAD + ROOM + SETPOINT + "VAV1 damper,30005,uint16,1,\n", [],
+                                 ("list.csv:4, column 4 (Scale)", "or % as its unit")),
     "a factor of zero": (HEAD + ROOM.replace("0.1", "0") + SETPOINT, [], ('column 4 (Scale): found "0"',)),
     "a text for a factor": (HEAD + ROOM.replace("0.1", "tenth") + SETPOINT, [], ('column 4 (Scale): found "tenth"',)),
     "a decimal comma in quotes": (HEAD + ROOM.replace("0.1", '"0,1"') + SETPOINT, [],

@@ -19,7 +19,6 @@ LIST_KEYS = {"sheet": str, "header_row": int, "addresses": str, "function": int,
 CHOICES = {"addresses": ("modicon", "zero-based", "one-based"), "numbers": ("as-written", "in-order"),
            "type": ("int16", "uint16", "int32", "uint32", "float32"), "order": ("ABCD", "CDAB", "BADC", "DCBA"),
            "function": (1, 2, 3, 4)}
-NEEDED = ("name", "address")
 
 
 def words_of(text):
@@ -162,6 +161,8 @@ def find_heading(table, mapping, header_row=None):
         refuse(table.path, f"no row {header_row}", "the heading row there", "correct list.header_row, or leave it out")
     number, cells = max(rows[:60], key=lambda row: len(places_of(row[1], mapping.columns)))
     places = places_of(cells, mapping.columns)
+    if "instance" in places and "type" in places and not {"object_type", "address", "object"} & set(places):
+        places["object_type"] = places.pop("type")  # beside an instance a type is an object's
     has_place = "address" in places or "object" in places or {"object_type", "instance"} <= set(places)
     if "name" in places and has_place:
         return Heading(number, cells, places)

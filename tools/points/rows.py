@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from complaint import BadInput, complaint, quoted
 from fields import (CONVERSIONS, ORDERS, Wrong, parse_address, parse_function, parse_number, parse_scale,
                     protocol_address, style_of)
+from mapping import plain
 from roles import ROLES, SENTINEL, STAND_INS, WRITTEN, split_name
 
 COLUMNS = ("name", "unit", "fc", "addr", "type", "byte_order", "word_order", "scale", "offset", "min", "max", "max_rate",
@@ -43,12 +44,18 @@ class Importer:
         self.table, self.heading, self.mapping, self.namer, self.options = table, heading, mapping, namer, options
         self.complaints, self.result = [], Result(notes=list(table.notes))
         self.style = ""
+        place = heading.places.get("address")
+        self.is_hexadecimal = place is not None and "hex" in plain(heading.cells[place]).split()
 
     # ---- Cells
 
     def cell(self, source, key):
         place = self.heading.places.get(key)
         return source.cells[place] if place is not None and place < len(source.cells) else ""
+
+    def address_text(self, source):
+        text = self.cell(source, "address")
+        return "0x" + text if self.is_hexadecimal and re.fullmatch(r"[0-9A-Fa-f]{1,4}", text) else text
 
     def complain(self, source, key, found, expected, remedy):
         place = self.heading.places.get(key)
@@ -162,7 +169,7 @@ class Importer:
         addresses = []
         for source in sources:
             try:
-                addresses.append(parse_address(self.cell(source, "address")))
+                addresses.append(parse_address(self.address_text(source)))
             except Wrong:
                 pass  # said where the row is used
         place = self.heading.places["address"]
@@ -182,7 +189,7 @@ class Importer:
         text = self.cell(source, "function")
         function = (self.checked(source, "function", parse_function, text, self.mapping) if text else
                     self.mapping.list.get("function"))
-        address = self.checked(source, "address", parse_address, self.cell(source, "address"))
+        address = self.checked(source, "address", parse_address, self.address_text(source))
         place = address and self.checked(source, "address", protocol_address, address, self.style, function)
         if len(self.complaints) > before or not place:
             return None
@@ -258,7 +265,7 @@ class Importer:
         if role.step and kind != "float32" and abs(scale) > role.step:
             self.complain(source, "scale", f"{quoted(self.cell(source, 'scale'))}, a step of {scale:.4g} {role.unit or 'of a whole'}",
                           f"a factor that makes the value of the raw number, with a step of at most {role.step:g}",
-                          "where the register holds ten times the value write 0.1 or /10")
+                          "where the register holds ten times the value write 0.1 or /10" + ("" if role.unit else "; or % as its unit"))
             return None
         return scale, constant
 

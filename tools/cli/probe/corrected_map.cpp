@@ -18,7 +18,7 @@ struct Line {
   bool changed = false;
 };
 
-std::string quoted(const std::string& cell) {
+std::string csv_cell(const std::string& cell) {
   if (cell.find_first_of(",\"") == std::string::npos && !cell.starts_with('#')) return cell;
   std::string text = "\"";
   for (const char c : cell) text += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -73,7 +73,7 @@ std::string corrected_map(const std::string& text, const std::string& file, cons
   std::string out;
   for (const Line& line : lines) {
     if (line.changed) {
-      for (std::size_t i = 0; i < line.cells.size(); ++i) out += (i == 0 ? "" : ",") + quoted(line.cells[i]);
+      for (std::size_t i = 0; i < line.cells.size(); ++i) out += (i == 0 ? "" : ",") + csv_cell(line.cells[i]);
     } else {
       out += line.text;
     }

@@ -37,9 +37,9 @@ constexpr std::array<std::string_view, 10> not_judged = {
 
 constexpr std::array<const char*, 7> type_names = {"coil", "discrete", "int16", "uint16", "int32", "uint32", "float32"};
 
-std::string number(double value) { return fmt::format("{:.10g}", value); }
+std::string cell_number(double value) { return fmt::format("{:.10g}", value); }
 /// As points.csv will hold it, so that file and sheet agree to the bit.
-double written(double value) { return std::strtod(number(value).c_str(), nullptr); }
+double written(double value) { return std::strtod(cell_number(value).c_str(), nullptr); }
 
 const hal::PointMap& every_point() {
   static const hal::PointMap map = hal::PointMap::parse(hal::default_point_map(1, 1, 1, {}, true), "built-in map");
@@ -168,13 +168,13 @@ class Search {
 
 }  // namespace
 
-std::string stem_of(const std::string& name) {
+std::string stem_of_name(const std::string& name) {
   const auto placed = hal::placed_name(name);
   return placed ? std::string(placed->stem) : name;
 }
 
 PlausibleRange limits_of_name(const std::string& name) {
-  const std::string stem = stem_of(name);
+  const std::string stem = stem_of_name(name);
   const Point* p = every_point().find(stem);
   if (p == nullptr) p = every_point().find(stem + "_1");
   if (p == nullptr || hal::expected_unit(name) == nullptr) return {};
@@ -183,7 +183,7 @@ PlausibleRange limits_of_name(const std::string& name) {
 
 PlausibleRange usual_range(const Point& point) {
   PlausibleRange range = limits_of_name(point.name);
-  const std::string stem = stem_of(point.name);
+  const std::string stem = stem_of_name(point.name);
   for (const UsualValues& usual : usual_values) {
     if (usual.stem == stem) range = {usual.least, usual.most};
   }
@@ -192,7 +192,7 @@ PlausibleRange usual_range(const Point& point) {
 
 bool can_be_judged(const Point& point) {
   return hal::expected_unit(point.name) != nullptr &&
-         std::ranges::find(not_judged, stem_of(point.name)) == not_judged.end();
+         std::ranges::find(not_judged, stem_of_name(point.name)) == not_judged.end();
 }
 
 ClaimedRegisters::ClaimedRegisters(const hal::PointMap& map) {
@@ -230,8 +230,8 @@ std::vector<std::pair<std::string, std::string>> changed_cells(const Point& stat
   }
   if (other.byte_order != stated.byte_order) cells.emplace_back("byte_order", order(other.byte_order));
   if (other.word_order != stated.word_order) cells.emplace_back("word_order", order(other.word_order));
-  if (other.scale != stated.scale) cells.emplace_back("scale", number(other.scale));
-  if (other.offset != stated.offset) cells.emplace_back("offset", number(other.offset));
+  if (other.scale != stated.scale) cells.emplace_back("scale", cell_number(other.scale));
+  if (other.offset != stated.offset) cells.emplace_back("offset", cell_number(other.offset));
   if (other.fc_write != stated.fc_write) cells.emplace_back("fc_write", std::to_string(other.fc_write));
   return cells;
 }

@@ -21,7 +21,7 @@ PlausibleRange limits_of_name(const std::string& name);
 PlausibleRange usual_range(const hal::Point& point);
 
 /// `room_temp` of `room_temp_3b`.
-std::string stem_of(const std::string& name);
+std::string stem_of_name(const std::string& name);
 /// Whether a value alone can show that it is read wrongly: not of states, heartbeats and clocks.
 bool can_be_judged(const hal::Point& point);
 

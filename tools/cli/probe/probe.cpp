@@ -117,7 +117,9 @@ struct ProbeCommand {
 
   void print_proposals(const std::vector<Proposal>& proposals, const std::string& file) const {
     if (proposals.empty()) return;
-    fmt::print("proposals, {} is as it was:\n", file);
+    std::error_code none;
+    const bool is_replaced = !write_path.empty() && std::filesystem::equivalent(write_path, file, none);
+    fmt::print("proposals{}:\n", is_replaced ? "" : fmt::format(", {} is as it was", file));
     for (const Proposal& p : proposals) fmt::print("{}", text_of(p));
   }
 

@@ -171,7 +171,7 @@ struct Maker {
 };
 
 std::string encoding_of(const Point& p) {
-  return fmt::format("{}|{}|{}|{}|{}|{}|{}", stem_of(p.name), p.fc, static_cast<int>(p.type),
+  return fmt::format("{}|{}|{}|{}|{}|{}|{}", stem_of_name(p.name), p.fc, static_cast<int>(p.type),
                      static_cast<int>(p.byte_order), static_cast<int>(p.word_order), p.scale, p.offset);
 }
 
