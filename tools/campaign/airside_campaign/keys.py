@@ -1,0 +1,91 @@
+"""Content addresses: a job's key is the digest of the program, its arguments and every file that they name, with the
+keys of the jobs that it needs in the place of their folders. The same work has the same key anywhere."""
+
+import hashlib
+import json
+import re
+import shutil
+from pathlib import Path
+
+from airside_campaign.complaint import BadInput
+
+
+class Digests:
+    """Of files and folders, each read once."""
+
+    def __init__(self):
+        self._known = {}
+
+    def of(self, path):
+        path = Path(path)
+        if path not in self._known:
+            self._known[path] = self._folder(path) if path.is_dir() else _file(path)
+        return self._known[path]
+
+    def _folder(self, path):
+        parts = [[str(p.relative_to(path)), self.of(p)] for p in sorted(path.rglob("*")) if p.is_file()]
+        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+
+def _file(path):
+    try:
+        with open(path, "rb") as content:
+            return hashlib.file_digest(content, "sha256").hexdigest()
+    except OSError as error:
+        raise BadInput(
+            path, error.strerror.lower(), "a file that can be read", "check the path and its rights"
+        ) from error
+
+
+def find_program(name):
+    """The program's path. Raises BadInput where there is none."""
+    found = shutil.which(name)
+    if found is None:
+        raise BadInput(
+            "--program",
+            f"{name}, which is no program here",
+            "the airside program",
+            "put it into the PATH, or name it with --program",
+        )
+    return Path(found).resolve()
+
+
+def add_keys(campaign, program, digests=None):
+    """Gives each job its key, and the folders of others as paths beside its own: they are the same on each machine."""
+    digests = digests or Digests()
+    of_program = digests.of(program)
+    keys = {}
+    for job in campaign.jobs:
+        folder = campaign.path.resolve().parent
+        files = [digests.of(folder / path) for path in job.inputs]
+        words = []
+        run = []
+        for word in job.run:
+            path = folder / word
+            named = (
+                not word.startswith("-")
+                and len(word) < 4096
+                and "\0" not in word
+                and path.exists()
+                and word not in ("", ".")
+            )
+            if named:
+                words.append("file:" + digests.of(path))
+                run.append(str(path))
+                continue
+            words.append(_with(word, {place: keys[other] for place, other in job.after.items()}))
+            run.append(_with(word, {place: "../" + keys[other] for place, other in job.after.items()} | {"out": "."}))
+        whole = {
+            "program": of_program,
+            "run": words,
+            "inputs": files,
+            "after": {place: keys[other] for place, other in sorted(job.after.items())},
+        }
+        job.key = hashlib.sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()[:24]
+        job.command = run
+        keys[job.name] = job.key
+    return of_program
+
+
+def _with(word, places):
+    return re.sub(r"\{(\w+)\}", lambda m: places.get(m[1], m[0]), word)

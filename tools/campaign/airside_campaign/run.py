@@ -1,0 +1,225 @@
+"""Runs the jobs of a campaign: those that are there are left out, those that need others wait for them."""
+
+import fcntl
+import os
+import shutil
+import socket
+from collections import deque
+from pathlib import Path
+
+from airside_campaign import one_job
+from airside_campaign.complaint import BadInput
+from airside_campaign.progress import Progress
+
+
+class Folder:
+    """The campaign's folder: jobs/KEY for what is done, logs/KEY.txt for what was said meanwhile, failed/KEY for
+    what was not done; one campaign at a time."""
+
+    def __init__(self, path):
+        self.path = Path(path)
+        try:
+            (self.path / "jobs").mkdir(parents=True, exist_ok=True)
+            self._lock = open(self.path / ".lock", "w", encoding="utf-8")  # held until this process ends
+        except OSError as error:
+            raise BadInput(
+                error.filename or path,
+                error.strerror.lower(),
+                "a folder that can be written",
+                "correct campaign.out, or the folder's rights",
+            ) from error
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise BadInput(
+                path, "a campaign that runs in it", "a folder of its own", "wait for it, or choose another"
+            ) from error
+        self.clear()
+
+    def clear(self):
+        """Takes away what killed runs and lost machines left unfinished."""
+        for part in (self.path / "jobs").glob(".*.part"):
+            shutil.rmtree(part, ignore_errors=True)
+
+    def spec(self, job, program, digest):
+        return {
+            "name": job.name,
+            "key": job.key,
+            "command": job.command,
+            "program": str(program),
+            "program_digest": digest,
+            "folder": str((self.path / "jobs" / job.key).resolve()),
+            "failed": str((self.path / "failed").resolve()),
+            "logs": str((self.path / "logs").resolve()),
+            "timeout_min": job.timeout_min,
+        }
+
+
+class Serial:
+    """In this process, one after the other: for a machine without Ray, and to compare with."""
+
+    slots = 1
+
+    def __init__(self):
+        self._waiting = deque()
+
+    def can_take(self):
+        return not self._waiting
+
+    def submit(self, spec, cpus):
+        self._waiting.append(spec)
+
+    def next(self):
+        spec = self._waiting.popleft()
+        return spec["key"], one_job.run_one(spec)
+
+    def close(self):
+        pass
+
+
+def answers(address):
+    """Raises BadInput unless something listens at HOST:PORT."""
+    host, _, port = address.rpartition(":")
+    if not host or not port.isdigit() or not 0 < int(port) < 65536:
+        raise BadInput("--address", repr(address), "HOST:PORT of a Ray cluster", "such as 10.0.0.5:6379")
+    try:
+        socket.create_connection((host, int(port)), timeout=10).close()
+    except OSError as error:
+        raise BadInput(
+            "--address",
+            f"no cluster at {address} ({error.strerror or error})",
+            "a running Ray cluster",
+            "start one by `ray start --head --port 6379`, or leave --address out",
+        ) from error
+
+
+class Quiet:
+    """Standard output and error of this process go into a file meanwhile: Ray writes what its own processes said there."""
+
+    def __init__(self, path):
+        self._kept = [os.dup(1), os.dup(2)]
+        log = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o644)
+        for number in (1, 2):
+            os.dup2(log, number)
+        os.close(log)
+
+    def end(self):
+        for number, kept in zip((1, 2), self._kept, strict=True):
+            os.dup2(kept, number)
+            os.close(kept)
+
+
+class OnRay:
+    """On the cluster at `address`, or on this machine's own with `slots` processes. Ray repeats what a lost machine or a
+    killed process did not finish; what it says of itself is in `log`."""
+
+    def __init__(self, address, slots, retries, log):
+        try:
+            import ray
+        except ImportError as error:
+            remedy = "pip install ray, or give --serial"
+            raise BadInput("Ray", str(error).lower(), "the Python package ray", remedy) from error
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+        if address:
+            answers(address)  # Ray itself ends the process where nothing answers
+        self._ray = ray
+        self._quiet = Quiet(log)
+        try:
+            if address:
+                ray.init(address=address, logging_level="ERROR", log_to_driver=False)
+            else:
+                ray.init(num_cpus=slots, include_dashboard=False, logging_level="ERROR", log_to_driver=False)
+        except Exception as error:  # whatever Ray raises, nothing has been run
+            self._quiet.end()
+            raise BadInput(
+                "--address",
+                f"no cluster at {address or 'this machine'} ({type(error).__name__}: see {log})",
+                "a running Ray cluster",
+                "start one by `ray start --head`, or leave --address out",
+            ) from error
+        ray.cloudpickle.register_pickle_by_value(one_job)  # so that no machine needs this package
+        self._run = ray.remote(max_retries=retries)(one_job.run_one)
+        self._refs = {}
+        self._finished = deque()
+
+    @property
+    def slots(self):
+        return max(1, int(self._ray.cluster_resources().get("CPU", 1)))
+
+    def can_take(self):
+        return len(self._refs) < 2 * self.slots + 2  # a few more than are at work, so that nobody waits for the next
+
+    def submit(self, spec, cpus):
+        self._refs[self._run.options(num_cpus=cpus).remote(spec)] = spec
+
+    def next(self):
+        while not self._finished:
+            ready, _ = self._ray.wait(list(self._refs), num_returns=min(8, len(self._refs)), timeout=0.05)
+            if not ready:
+                ready, _ = self._ray.wait(list(self._refs), num_returns=1, timeout=None)
+            self._finished.extend(ready)
+        ref = self._finished.popleft()
+        spec = self._refs.pop(ref)
+        try:
+            return spec["key"], self._ray.get(ref)
+        except self._ray.exceptions.RayError as error:
+            why = f"lost again and again ({type(error).__name__}); see `ray status` for the machines"
+            return spec["key"], {"key": spec["key"], "done": False, "why": why}
+
+    def close(self):
+        self._ray.shutdown()
+        self._quiet.end()
+
+
+def run_jobs(campaign, folder, program, digest, executor, stream):
+    """Runs what is missing. Returns a record for each job, by name: a job whose need failed is not run."""
+    progress = Progress(campaign.jobs, stream)
+    records, by_key, blocked_by, needed_by = {}, {}, {}, {}
+    ready = deque()
+    for job in campaign.jobs:
+        by_key.setdefault(job.key, []).append(job)
+        needs = set(job.after.values())
+        for other in needs:
+            needed_by.setdefault(other, []).append(job)
+        blocked_by[job.name] = len(needs)
+        if not needs:
+            ready.append(job)
+    at_work = set()
+
+    def finish(job, record):
+        """And what waited for it."""
+        todo = [(job, record)]
+        while todo:
+            job, record = todo.pop()
+            if job.name in records:
+                continue
+            records[job.name] = record
+            progress.one(job, record, executor.slots)
+            for later in needed_by.get(job.name, ()):
+                if not record["done"]:
+                    todo.append(
+                        (later, {"key": later.key, "done": False, "why": f"{job.name}, which it needs, failed"})
+                    )
+                    continue
+                blocked_by[later.name] -= 1
+                if blocked_by[later.name] == 0 and later.name not in records:
+                    ready.append(later)
+
+    while ready or at_work:
+        while ready and executor.can_take():
+            job = ready.popleft()
+            if job.name in records or job.key in at_work:
+                continue  # two names for the same work are run once
+            spec = folder.spec(job, program, digest)
+            if os.path.isfile(os.path.join(spec["folder"], "job.json")):
+                finish(job, {"key": job.key, "done": True, "kept": True})
+                continue
+            at_work.add(job.key)
+            executor.submit(spec, job.cpus)
+        if at_work:
+            key, record = executor.next()
+            at_work.discard(key)
+            for job in by_key[key]:
+                if job.name not in records and blocked_by[job.name] == 0:
+                    finish(job, record)
+    return records
