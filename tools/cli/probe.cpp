@@ -107,8 +107,8 @@ struct ProbeCommand {
       row.raw.clear();
       row.verdict = complaint_of(got.error());
       if (got.error().error == hal::LinkError::connect_failed) {
-        throw std::runtime_error(fmt::format("{}: {}; look at host, port or device in {}, and at the cable",
-                                             link.description(), row.verdict, site_path));
+        throw hal::InputError(link.description(), row.verdict, "a Modbus device that answers",
+                              fmt::format("look at host, port or device in {}, and at the cable", site_path));
       }
       lost = got.error().error == hal::LinkError::exception_answer ? 0 : lost + 1;
     }
