@@ -3,11 +3,14 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <system_error>
 
 #include "hal/log/log_columns.hpp"
 #include "hal/text/civil_text.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::hal {
 namespace {
@@ -163,6 +166,26 @@ std::size_t format_log_row(std::span<char> out, const LogRow& row, bool controll
   return cursor.size_from(out.data());
 }
 
+namespace {
+
+/// `path`, unless what is there is no log: a log that replaces a site file is a slip of the hand.
+const std::string& in_place_of_a_log(const std::string& path) {
+  std::error_code ignored;
+  std::string begin(7, '\0');
+  std::ifstream file;
+  if (std::filesystem::is_regular_file(path, ignored)) file.open(path, std::ios::binary);
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(file.gcount()));
+  const std::string_view header = begin.starts_with("\xEF\xBB\xBF") ? std::string_view(begin).substr(3) : begin;
+  if (!header.empty() && !header.starts_with("time")) {
+    throw InputError(path, "another kind of file, which the log would replace", "a new name, or that of a log",
+                     "choose another output path");
+  }
+  return path;
+}
+
+}  // namespace
+
 LogWriter::LogWriter(std::string path, const TopologyCounts& counts, bool controller,
                      std::vector<std::string> extra_columns)
     : path_(std::move(path)),
@@ -170,7 +193,7 @@ LogWriter::LogWriter(std::string path, const TopologyCounts& counts, bool contro
       values_(static_cast<std::size_t>(counts.signals())),
       sides_(counts.sides.size()),
       extras_(extra_columns.size()),
-      file_(path_) {
+      file_(in_place_of_a_log(path_)) {
   file_.write(log_header(counts, controller, extra_columns));
 }
 

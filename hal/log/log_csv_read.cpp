@@ -8,6 +8,7 @@
 #include "hal/log/log_columns.hpp"
 #include "hal/log/log_csv.hpp"
 #include "hal/text/civil_text.hpp"
+#include "hal/text/foreign_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/text/number_text.hpp"
 
@@ -103,7 +104,8 @@ class Reader {
   std::string place(std::string_view column) const { return place() + ": " + std::string(column); }
 
   void check_text() const {
-    if (text_.find('\0') != std::string_view::npos || text_.substr(0, 2) == "PK") {
+    refuse_foreign_text(text_, name_ + ":1", "a CSV log in UTF-8 text");
+    if (text_.find('\0') != std::string_view::npos) {
       throw InputError(name_ + ":1", "bytes that are not text", "a CSV log in UTF-8 text",
                        "export the log as plain CSV, not as a spreadsheet or database file");
     }
@@ -126,10 +128,7 @@ class Reader {
   void read_header(std::string_view line) {
     split(line, header_);
     for (std::string& column : header_) column = std::string(trimmed(column));
-    if (header_.size() == 1 && line.find(';') != std::string_view::npos) {
-      throw InputError(place(), "columns separated by `;`", "columns separated by `,`",
-                       "export with comma as separator and point as decimal mark");
-    }
+    refuse_other_separator(line, place());
     for (std::size_t i = 0; i < header_.size(); ++i) {
       if (header_[i].empty()) {
         throw InputError(place(), "no name for column " + std::to_string(i + 1), "a name for every column",
@@ -141,7 +140,7 @@ class Reader {
     }
     if (!index_.count("time")) {
       throw InputError(place(), "no column `time` in " + in_quotes(line), "a header line that starts with `time`",
-                       "name the column of ISO local times `time`");
+                       "name the column of ISO local times `time`, and take out lines above the header");
     }
     time_column_ = index_.at("time");
     used_.assign(header_.size(), false);
@@ -279,9 +278,10 @@ class Reader {
     const auto time = parse_civil_text(text);
     if (!time) {
       const bool zone = text.size() > 10 && text.find_first_of("Z+", 10) != std::string_view::npos;
-      throw InputError(place("time"), in_quotes(text), "a time such as 2021-07-01T00:06:00",
-                       zone ? "write local standard time without a zone"
-                            : "write ISO dates: year-month-day, then T, then hour:minute:second");
+      throw InputError(place("time"), text.empty() ? "nothing" : in_quotes(text), "a time such as 2021-07-01T00:06:00",
+                       text.empty() ? "take out rows without a time"
+                       : zone       ? "write local standard time without a zone"
+                                    : "write ISO dates: year-month-day, then T, then hour:minute:second");
     }
     return *time;
   }
@@ -298,10 +298,12 @@ class Reader {
     }
     const std::string expected =
         "a number from " + number_text(limits.min) + " to " + number_text(limits.max) + " " + text_of(kind).unit;
+    const bool fahrenheit = expected.ends_with(" degc") && *value > limits.max && *value <= 2 * limits.max + 32;
     throw InputError(place(header_[column]), text.empty() ? "an empty field" : in_quotes(text),
                      std::string(trimmed(expected)),
-                     std::isfinite(*value) ? "correct the sensor's value or remove the row"
-                                           : "remove the row; gaps between rows are allowed");
+                     fahrenheit              ? "convert the column if it is in Fahrenheit, else correct the value"
+                     : std::isfinite(*value) ? "correct the sensor's value or remove the row"
+                                             : "remove the row; gaps between rows are allowed");
   }
 
   double read_optional(std::size_t column) const {

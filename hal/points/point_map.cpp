@@ -11,6 +11,7 @@
 #include "hal/points/bacnet_row.hpp"
 #include "hal/points/point_names.hpp"
 #include "hal/points/point_row.hpp"
+#include "hal/text/foreign_text.hpp"
 
 namespace airside::hal {
 namespace {
@@ -79,6 +80,7 @@ std::array<std::size_t, point_columns.size()> read_header(const std::vector<std:
   std::array<std::size_t, point_columns.size()> position{};
   position.fill(cells.size());
   const std::string place = fmt::format("{}:{}, header", file, line);
+  if (cells.size() == 1) refuse_other_separator(cells.front(), place);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const auto known = std::ranges::find_if(point_columns, [&](const char* name) { return cells[i] == name; });
     if (known == point_columns.end()) {
@@ -134,6 +136,7 @@ PointMap PointMap::parse(std::string_view text, std::string file) {
                      "check that this is the right file");
   }
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  refuse_foreign_text(text, file + ":1", "a point map in CSV");
   PointMap map;
   map.file_ = std::move(file);
   std::array<std::size_t, point_columns.size()> position{};
@@ -156,7 +159,8 @@ PointMap PointMap::parse(std::string_view text, std::string file) {
     if (cells.size() != columns) {
       throw InputError(fmt::format("{}:{}", map.file_, line), fmt::format("{} cells", cells.size()),
                        fmt::format("{} as in the header", columns),
-                       "add the missing commas, quote cells that hold one");
+                       cells.size() > columns ? "write decimal marks as points, quote cells that hold a comma"
+                                              : "add the missing commas");
     }
     if (map.points_.size() == max_points) {
       throw InputError(fmt::format("{}:{}", map.file_, line), fmt::format("more than {} points", max_points),

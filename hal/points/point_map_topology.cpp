@@ -18,6 +18,10 @@ constexpr std::array<SignalKind, 8> map_kinds = {SignalKind::room_temp,    Signa
                                                  SignalKind::outdoor_temp, SignalKind::rain};
 
 [[noreturn]] void refuse_missing_room(const PointMap& map, SignalId id) {
+  if (id.place == 1 && map.find("room_temp_0") != nullptr) {
+    throw InputError(map.file(), "no point \"room_temp_1\", and \"room_temp_0\"", "rooms numbered from 1",
+                     "number all rows of zones, boxes and meters from 1");
+  }
   throw InputError(map.file(), fmt::format("no point \"{}\"", point_name(id)), "a row for it",
                    fmt::format("add the row with its address, type, scale and limits; a zone with several sensors has "
                                "rows {} and {} instead",

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "hal/site/site_file.hpp"
+#include "hal/site/site_keys.hpp"
 
 namespace airside::hal {
 
@@ -144,6 +145,21 @@ std::string example_site_text(const std::string& topology, Objective objective) 
          "\"  # how many VAV boxes, fan coil units, power meters\n"
          "scope = \"Room 301\"              # weight blobs for this scope are taken\n" +
          rest;
+}
+
+std::string sections_of_site_key(std::string_view key) {
+  const std::string text = example_site_text("1vav-0fcu-0power");
+  std::string section, all;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin);
+    std::string_view line = std::string_view(text).substr(begin, end - begin);
+    begin = end + 1;
+    if (line.starts_with("# ")) line.remove_prefix(2);  // keys that a site may leave out
+    if (line.starts_with('[')) section = line.substr(0, line.find(']') + 1);
+    const bool same = line.starts_with(key) && line.substr(key.size()).starts_with(" = ");
+    if (same && !all.ends_with(section)) all += (all.empty() ? "" : " or ") + section;
+  }
+  return all;
 }
 
 }  // namespace airside::hal

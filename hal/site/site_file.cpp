@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -12,10 +13,13 @@
 #include "airside/civil_time.hpp"
 #include "airside/crc32c.hpp"
 #include "airside/topology.hpp"
+#include "hal/site/site_keys.hpp"
 #include "hal/site/site_stand_ins.hpp"
+#include "hal/text/foreign_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/text/text_file.hpp"
 #include "hal/text/toml_section.hpp"
+#include "hal/text/unknown_key.hpp"
 
 namespace airside::hal {
 namespace {
@@ -217,12 +221,42 @@ void read_controller(TomlSection root, SiteFile& out, const SiteRules& rules) {
   root.refuse_unknown_keys();
 }
 
+enum class Address : std::uint8_t { none, loopback, other };
+
+Address kind_of_address(const std::string& text) {
+  in_addr four{};
+  in6_addr six{};
+  if (::inet_pton(AF_INET, text.c_str(), &four) == 1) {
+    return ntohl(four.s_addr) >> 24 == 127 ? Address::loopback : Address::other;
+  }
+  if (::inet_pton(AF_INET6, text.c_str(), &six) != 1) return Address::none;
+  return IN6_IS_ADDR_LOOPBACK(&six) ? Address::loopback : Address::other;
+}
+
+bool is_host_name(const std::string& text) {
+  const bool letters = std::ranges::all_of(
+      text, [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '.'; });
+  return !text.empty() && text.size() <= 253 && letters && text.front() != '.' && text.back() != '.';
+}
+
+/// Whether a device may be called so: an address, or a name that is no number with points.
+bool is_address(const std::string& text) {
+  if (kind_of_address(text) != Address::none) return true;
+  std::string small(text);
+  for (char& c : small) c = c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return is_host_name(small) && small.find_first_not_of("0123456789.") != std::string::npos;
+}
+
 void read_modbus(TomlSection root, SiteFile& out) {
   if (!root.present()) return;
   ModbusSection m;
   m.transport = static_cast<ModbusTransport>(root.choice("transport", {"tcp", "rtu"}, 0));
   const bool tcp = m.transport == ModbusTransport::tcp;
   m.host = tcp ? root.required_text("host", "192.168.1.20") : root.text("host", "");
+  if (tcp && !is_address(m.host)) {
+    throw InputError(root.place("host"), root.found("host"), "an address such as 192.168.1.20, or a host name",
+                     "leave scheme, path and port out; the port goes to port");
+  }
   m.port = static_cast<int>(root.whole("port", m.port, 1, 65535));
   m.device = tcp ? root.text("device", "") : root.required_text("device", "/dev/ttyUSB0");
   m.baud = static_cast<int>(root.whole("baud", m.baud, 1200, 921600));
@@ -282,24 +316,6 @@ void read_folders(TomlSection& root, SiteFile& out) {
   }
 }
 
-enum class Address : std::uint8_t { none, loopback, other };
-
-Address kind_of_address(const std::string& text) {
-  in_addr four{};
-  in6_addr six{};
-  if (::inet_pton(AF_INET, text.c_str(), &four) == 1) {
-    return ntohl(four.s_addr) >> 24 == 127 ? Address::loopback : Address::other;
-  }
-  if (::inet_pton(AF_INET6, text.c_str(), &six) != 1) return Address::none;
-  return IN6_IS_ADDR_LOOPBACK(&six) ? Address::loopback : Address::other;
-}
-
-bool is_host_name(const std::string& text) {
-  const bool letters = std::ranges::all_of(
-      text, [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '.'; });
-  return !text.empty() && text.size() <= 253 && letters && text.front() != '.' && text.back() != '.';
-}
-
 void read_page(TomlSection root, SiteFile& out) {
   PageSection& page = out.page;
   page.listen = root.text("listen", page.listen);
@@ -334,16 +350,7 @@ void read_page(TomlSection root, SiteFile& out) {
   root.refuse_unknown_keys();
 }
 
-}  // namespace
-
-SiteFile parse_site_text(std::string_view text, const std::string& path, const SiteRules& rules) {
-  if (text.find('\0') != std::string_view::npos) {
-    throw InputError(path + ":1:1", "bytes that are not text", "a site file in TOML", "give the site's .toml file");
-  }
-  const toml::table table = parse_toml(text, path);
-  SiteFile out;
-  out.path = path;
-  TomlSection root(&table, "", path);
+void read_sections(TomlSection root, SiteFile& out, const SiteRules& rules) {
   read_site(root.section("site"), out, rules);
   read_target(root.section("target"), out);
   read_ahu(root.section("ahu"), out);
@@ -358,6 +365,25 @@ SiteFile parse_site_text(std::string_view text, const std::string& path, const S
   read_twin(root.section("twin"), out);
   read_mqtt(root.section("mqtt"), out);
   root.refuse_unknown_keys();
+}
+
+}  // namespace
+
+SiteFile parse_site_text(std::string_view text, const std::string& path, const SiteRules& rules) {
+  refuse_foreign_text(text, path + ":1:1", "a site file in TOML");
+  if (text.find('\0') != std::string_view::npos) {
+    throw InputError(path + ":1:1", "bytes that are not text", "a site file in TOML", "give the site's .toml file");
+  }
+  const toml::table table = parse_toml(text, path);
+  SiteFile out;
+  out.path = path;
+  try {
+    read_sections(TomlSection(&table, "", path), out, rules);
+  } catch (const UnknownKey& unknown) {
+    const std::string sections = sections_of_site_key(unknown.key());
+    if (sections.empty() || sections == "[" + unknown.section() + "]") throw;
+    throw InputError(unknown.place(), unknown.found(), unknown.expected(), "move it below " + sections);
+  }
   return out;
 }
 

@@ -6,8 +6,10 @@
 #include <sstream>
 
 #include "hal/text/civil_text.hpp"
+#include "hal/text/foreign_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/text/number_text.hpp"
+#include "hal/text/unknown_key.hpp"
 
 namespace airside::hal {
 namespace {
@@ -70,13 +72,17 @@ std::vector<std::string> near_names(std::string_view name, const std::vector<std
 }
 
 toml::table parse_toml(std::string_view text, const std::string& path) {
+  refuse_foreign_text(text, path + ":1:1", "TOML in UTF-8 text");
   try {
     return toml::parse(text, path);
   } catch (const toml::parse_error& error) {
     const toml::source_position at = error.source().begin;
+    std::string_view line = text;
+    for (toml::source_index i = 1; i < at.line; ++i) line.remove_prefix(std::min(line.find('\n'), line.size() - 1) + 1);
+    line = line.substr(0, line.find('\n'));
     throw InputError(path + ":" + std::to_string(at.line) + ":" + std::to_string(at.column),
                      "text that is not TOML (" + std::string(error.description()) + ")", "lines such as key = value",
-                     "correct the line; texts and times stand in double quotes");
+                     remedy_of_toml(line, error.description()));
   }
 }
 
@@ -248,7 +254,7 @@ void TomlSection::refuse_unknown_keys() const {
     const std::string_view name = key.str();
     if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
     const std::string near = nearest_name(name, known_);
-    throw InputError(place(name), "an unknown key `" + std::string(name) + "`", "one of " + join(known_),
+    throw UnknownKey(place(name), name_, std::string(name), "one of " + join(known_),
                      near.empty() ? "remove it" : "did you mean `" + near + "`?");
   }
 }

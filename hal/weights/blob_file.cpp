@@ -49,6 +49,12 @@ void check_blob_place(const std::string& path) {
     throw InputError(path, "a folder, a pipe or a device, which the new file would replace", "the name of a file",
                      "choose another output path");
   }
+  BlobHeader header;
+  std::ifstream before(path, std::ios::binary);
+  if (before.read(reinterpret_cast<char*>(&header), sizeof header.magic) && header.magic != BlobHeader{}.magic) {
+    throw InputError(path, "another kind of file, which the weights would replace", "a new name, or that of weights",
+                     "choose another output path");
+  }
   const std::string folder = std::filesystem::path(path).parent_path().string();
   if (::access(folder.empty() ? "." : folder.c_str(), W_OK) == 0) return;
   throw InputError(path, fmt::format("a folder that cannot be written: {}", std::strerror(errno)),
@@ -109,7 +115,9 @@ BlobComplaint complaint_of(Fault fault) {
       return {"a rollback that came after it", "a blob that nobody took back", "push it again, if it is to be taken"};
     case Fault::state_invalid:
       return {"no room for a copy of the weights before", "a way back", "make room in the state folder"};
-    default: return {"a length that does not fit", "the topology's number of values", "make the blob again"};
+    default:
+      return {"a length that does not fit", "the topology's number of values",
+              "copy the file again, in binary and not as text, or make the blob again"};
   }
 }
 

@@ -179,15 +179,15 @@ PublicKey read_public_key(const std::string& path) {
 }
 
 SecretKey read_secret_key(const std::string& path) {
+  need_sodium();
+  SecretKey key;
+  key.open.name = read_key(path, secret_word, key.bytes);  // of another kind of file: before its permissions
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0 && (status.st_mode & 077) != 0) {
     throw InputError(path, fmt::format("permissions {:o}", status.st_mode & 0777U),
                      "a file that only its owner may read",
                      "chmod 600 it, and make a new key if somebody else may have read it");
   }
-  need_sodium();
-  SecretKey key;
-  key.open.name = read_key(path, secret_word, key.bytes);
   crypto_sign_ed25519_sk_to_pk(key.open.bytes.data(), key.bytes.data());
   key.open.id = id_of(key.open.bytes);
   return key;

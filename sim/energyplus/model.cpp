@@ -2,6 +2,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <utility>
 
 #include "hal/text/input_error.hpp"
@@ -113,9 +114,20 @@ CivilTime start_of_day_2021(int month, int day) {
   return CivilTime{static_cast<std::int64_t>(sys_days{date}.time_since_epoch().count()) * 86400};
 }
 
+namespace {
+
+/// An IDF begins with a comment or its version, whatever the file is called.
+bool begins_like_an_idf(const std::filesystem::path& file) {
+  std::string word;
+  std::ifstream(file) >> word;
+  return word.starts_with('!') || engine_case(word).starts_with("VERSION,");
+}
+
+}  // namespace
+
 nlohmann::json read_model(const std::filesystem::path& file) {
   const std::string ending = engine_case(file.extension().string());
-  if (ending != ".IDF" && ending != ".IMF") return read_json(file);
+  if (ending != ".IDF" && ending != ".IMF" && !begins_like_an_idf(file)) return read_json(file);
   const std::filesystem::path converted = std::filesystem::path(file.filename()).replace_extension(".epJSON");
   const std::string engine = have_energyplus() ? (find_energyplus().folder / "energyplus").string() : "energyplus";
   throw hal::InputError(file.string(), "an IDF, the engine's older text format", "the same model in epJSON",

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <vector>
 
+#include "hal/text/foreign_text.hpp"
 #include "hal/text/input_error.hpp"
 
 namespace airside::sim {
@@ -62,6 +63,13 @@ std::string reason_of(const nlohmann::json::exception& error) {
   return colon == std::string::npos ? text : text.substr(colon + 2);
 }
 
+/// Whether the text was cut: the parser wanted more, or a text has no end.
+bool ends_early(const nlohmann::json::parse_error& error, const std::string& text) {
+  const std::string_view said = error.what();
+  return said.find("end of input") != std::string_view::npos ||
+         (error.byte >= text.size() && said.find("missing closing quote") != std::string_view::npos);
+}
+
 }  // namespace
 
 void refuse_deep_json(int depth, const std::string& place) {
@@ -75,6 +83,7 @@ void refuse_json_number(const nlohmann::json::out_of_range& error, const std::st
 }
 
 nlohmann::json parse_json(const std::string& text, const std::string& place) {
+  hal::refuse_foreign_text(text, place + ":1", "a JSON object");
   KeyChecker keys;
   nlohmann::json parsed;
   try {
@@ -87,7 +96,9 @@ nlohmann::json parse_json(const std::string& text, const std::string& place) {
   } catch (const nlohmann::json::parse_error& error) {
     const std::size_t byte = error.byte > 0 ? error.byte - 1 : 0;
     throw hal::InputError(place_at(place, text, byte), "text that is not JSON (" + reason_of(error) + ")",
-                          "a JSON object", "correct the syntax there or just before");
+                          "a JSON object",
+                          ends_early(error, text) ? "copy or download the file again, whole: it ends early"
+                                                  : "correct the syntax there or just before");
   }
   if (!keys.twice().empty()) {
     throw hal::InputError(place + ": " + keys.twice(), "this key twice in one object", "each key once",

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hal/text/foreign_text.hpp"
 #include "hal/text/input_error.hpp"
 
 namespace airside::sim {
@@ -116,6 +117,11 @@ class Reader {
     std::string line;
     line_number_ = 0;
     if (!next_line(line)) fail_file("an empty file", "an EPW weather file", "fetch the file again");
+    hal::refuse_foreign_text(line, path_ + ":1", "an EPW weather file");
+    if (line.starts_with("LOCATION;")) {
+      fail("LOCATION", "columns separated by `;`", "columns separated by `,`",
+           "fetch the file again; save no EPW file from a spreadsheet");
+    }
     Columns parts = split(line);
     if (parts[0] != "LOCATION" || parts.size() < 10) {
       fail("LOCATION", "\"" + line.substr(0, 40) + "\"",

@@ -2,9 +2,11 @@
 
 Blocks that begin with ```sh are run, one document in one shell and one empty folder, with the programs of BIN in the
 PATH. ```sh elsewhere: REASON is not run here: its shell grammar, programs, subcommands and options are checked instead,
-as are all commands in backticks (--names). Port 1502 is exchanged for a free one: tests can run side by side."""
+as are all commands in backticks (--names). A block ```output behind one of ```sh is what the commands show: `...` in a
+line stands for anything, and alone for any lines. Port 1502 is exchanged for a free one: tests can run side by side."""
 
 import argparse
+import glob
 import os
 import re
 import shlex
@@ -16,6 +18,7 @@ import tempfile
 
 from documents import blocks, documents, text_of
 
+PORT = "1502"
 PROGRAMS = ("airside", "airsided", "airside-page", "airside-mqtt", "airside-bench")
 
 
@@ -25,35 +28,73 @@ def free_port():
         return str(probe.getsockname()[1])
 
 
-def script_of(document, found):
+def reference_buildings(root):
+    """The folder of EnergyPlus models that other people wrote; empty where tools/setup has not installed them."""
+    venv = os.environ.get("AIRSIDE_VENV", os.path.join(root, "build", "venv"))
+    found = glob.glob(os.path.join(venv, "lib", "python3*", "site-packages", "pyenergyplus", "data", "model"))
+    return os.environ.get("AIRSIDE_FOREIGN_MODELS", found[0] if found else "")
+
+
+def script_of(document, found, port):
     lines = ["set -euo pipefail"]
     for block in found:
         lines.append(f"echo '== {document}:{block.line}'")
         lines.append(block.text)
-    return "\n".join(lines).replace("1502", free_port())
+    return "\n".join(lines).replace(PORT, port)
 
 
-def run(bin_dir, document, found, seconds):
-    """Whether all blocks ended with exit code 0. What they leave running is ended with the folder."""
-    with tempfile.TemporaryDirectory(prefix="airside-docs-") as folder:
+def shown_by(fenced):
+    """The block of output that stands behind a block of commands, by the line of that block."""
+    return {block.line: following for block, following in zip(fenced, fenced[1:])
+            if block.language == "sh" and following.language == "output"}
+
+
+def pattern_of(shown):
+    """`...` stands for anything in its line, and for any lines where it is alone."""
+    lines = ["(?:.*\n)*?" if line == "..." else re.escape(line).replace(r"\.\.\.", ".*") + "\n"
+             for line in shown.rstrip("\n").split("\n")]
+    return "".join(lines)
+
+
+def complaints_of_output(document, output, shown):
+    """Blocks of output that are not what came."""
+    said = dict(re.findall(r"^== %s:(\d+)\n((?:(?!== ).*\n)*)" % re.escape(document), output, re.MULTILINE))
+    for line, block in shown.items():
+        if re.fullmatch(pattern_of(block.text), said.get(str(line), "")) is None:
+            yield f"{document}:{block.line}: the commands above show something else:\n{said.get(str(line), '')[-3000:]}"
+
+
+def run(bin_dir, document, found, shown, seconds):
+    """Whether all blocks ended with exit code 0 and showed what they should. What they leave running is ended."""
+    port = free_port()
+    with tempfile.TemporaryDirectory(prefix="airside-docs-") as top:
+        folder = os.path.join(top, "empty")
+        os.mkdir(folder)
         environment = {**os.environ, "PATH": bin_dir + os.pathsep + os.environ["PATH"], "HOME": folder}
-        shell = subprocess.Popen(["bash", "-c", script_of(document, found)], cwd=folder, env=environment,
-                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True)
-        try:
-            output, _ = shell.communicate(timeout=seconds)
-            ended = f"exit code {shell.returncode}"
-        except subprocess.TimeoutExpired as late:
-            output, ended = (late.stdout or b"").decode(errors="replace"), f"not done after {seconds} s"
-        finally:
+        with open(os.path.join(top, "output"), "w+", encoding="utf-8", errors="replace") as file:
+            shell = subprocess.Popen(["bash", "-c", script_of(document, found, port)], cwd=folder, env=environment,
+                                     stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT,
+                                     start_new_session=True)
             try:
-                os.killpg(shell.pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
-        if shell.returncode == 0:
-            return True
-        print(output[-6000:])
-        print(f"{document}: {ended}; expected 0. The last \"==\" above names the block")
-        return False
+                shell.wait(timeout=seconds)
+                ended = f"exit code {shell.returncode}"
+            except subprocess.TimeoutExpired:
+                ended = f"not done after {seconds} s"
+            finally:
+                try:
+                    os.killpg(shell.pid, signal.SIGKILL)
+                except ProcessLookupError:
+                    pass
+                shell.wait()
+            file.seek(0)
+            output = file.read().replace(port, PORT)
+        if ended != "exit code 0":
+            print(output[-6000:])
+            print(f"{document}: {ended}; expected 0. The last \"==\" above names the block")
+            return False
+        wrong = list(complaints_of_output(document, output, shown))
+        print("\n".join(wrong))
+        return not wrong
 
 
 class Help:
@@ -148,10 +189,19 @@ def main():
             print("\n".join(found) if found else f"{document}: everything that it names exists")
             good = good and not found
             continue
-        shell = [block for block in blocks(text_of(os.path.join(root, document))) if block.language == "sh"]
+        fenced = blocks(text_of(os.path.join(root, document)))
+        shown = shown_by(fenced)
+        shell = [block for block in fenced if block.language == "sh"]
         here = [block for block in shell if not block.info]
-        good = (not here or run(bin_dir, document, here, chosen.seconds)) and good
-        print(f"{document}: {len(here)} blocks run, {len(shell) - len(here)} are run elsewhere")
+        if any("AIRSIDE_FOREIGN_MODELS" in block.text for block in here):
+            models = reference_buildings(root)
+            if not os.path.isdir(models):
+                print(f"{document}: NOT CHECKED: the reference buildings are not installed; run tools/setup --for test")
+                return 77
+            os.environ["AIRSIDE_FOREIGN_MODELS"] = models
+        good = (not here or run(bin_dir, document, here, shown, chosen.seconds)) and good
+        print(f"{document}: {len(here)} blocks run, {len(shown)} shown outputs compared, "
+              f"{len(shell) - len(here)} blocks are run elsewhere")
         for block in shell:
             if block.info:
                 print(f"  line {block.line}, {block.info}")

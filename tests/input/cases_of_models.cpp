@@ -47,7 +47,7 @@ std::vector<Case> models() {
       {"ModelNoJson",
        "check --twin m.epJSON",
        file("m.epJSON", "{\"Zone\": {\n"),
-       {"m.epJSON:2", "not JSON", "JSON object", "correct"}},
+       {"m.epJSON:2", "not JSON", "JSON object", "ends early"}},
       {"ModelIsAnIdf",
        "check --twin m.idf --patch p.json",
        file("m.idf", "Version,25.2;\n"),

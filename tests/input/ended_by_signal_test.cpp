@@ -109,13 +109,13 @@ INSTANTIATE_TEST_SUITE_P(Signals, EndedOnEnergyPlus, testing::Values(SIGINT, SIG
 using EndedInAFile = EndedBySignal;
 
 TEST_P(EndedInAFile, ALogInTheMakingIsRemovedAndTheOneBeforeStays) {
-  std::ofstream(folder_.path() / "y.csv") << "of before\n";
+  std::ofstream(folder_.path() / "y.csv") << "time, of before\n";
   Child run(command("simulate --plant rc --method expert --expert-days 0 --days 300 --log y.csv"), said());
   ASSERT_TRUE(becomes_true([&] { return fs::exists(folder_.path() / "y.csv.part"); })) << run.said();
   run.signal(GetParam());
   EXPECT_EQ(run.wait(patience_s), 128 + GetParam()) << run.said();
   EXPECT_EQ(names_in(folder_.path()), std::set<std::string>{"y.csv"});
-  EXPECT_EQ(text_of_file(folder_.path() / "y.csv"), "of before\n");
+  EXPECT_EQ(text_of_file(folder_.path() / "y.csv"), "time, of before\n");
 }
 
 /// Runs `work` in a child process that cleans up and that `number` ends then; its exit code as a shell shows it.

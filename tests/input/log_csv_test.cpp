@@ -132,7 +132,7 @@ TEST(LogCsv, AppearsOnlyWhenItIsWhole) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "airside_whole_log";
   std::filesystem::create_directories(folder);
   const std::string path = folder / "log.csv";
-  std::ofstream(path) << "of before";
+  std::ofstream(path) << "time, of before";
   const auto text = [&path] {
     std::ifstream file(path);
     return std::string(std::istreambuf_iterator<char>(file), {});
@@ -145,9 +145,9 @@ TEST(LogCsv, AppearsOnlyWhenItIsWhole) {
     LogRow row = make_log_row(three);
     row.value.assign(10, 1.0);
     writer.append(row);
-    EXPECT_EQ(text(), "of before");
+    EXPECT_EQ(text(), "time, of before");
   }
-  EXPECT_EQ(text(), "of before");
+  EXPECT_EQ(text(), "time, of before");
   EXPECT_EQ(files(), 1);
   const std::string link = folder / "link.csv";
   std::filesystem::create_symlink("log.csv", link);

@@ -149,11 +149,11 @@ TEST(LostOutput, IsSeenBeforeALongRun) {
 
 TEST(LostOutput, LeavesNoLogThatIsCut) {
   const Desk desk;
-  desk.write("y.csv", "of before\n");
+  desk.write("y.csv", "time, of before\n");
   const Outcome o = desk.shell(std::string("ulimit -f 50; exec $airside ") + simulated + " --log y.csv");
   EXPECT_EQ(o.code, 1) << o.err;
   expect_said({"y.csv", "cannot be written: File too large", "free space", "make room"}, complaint_in(o.err), o.err);
-  EXPECT_EQ(text_of_file(desk.path("y.csv")), "of before\n");
+  EXPECT_EQ(text_of_file(desk.path("y.csv")), "time, of before\n");
   EXPECT_EQ(names_in(desk.folder()), std::set<std::string>{"y.csv"});
 }
 

@@ -91,9 +91,12 @@ TEST_F(BlobFile, WithoutAFolderInItsNameLandsInThisOne) {
 
 TEST_F(BlobFile, TakesThePlaceOfAFileAndOfNothingElse) {
   const std::vector<std::byte> blob(1000, std::byte{7});
-  const std::string path = file_of(10);
+  const std::string path = folder.file("old.blob").string(), notes = folder.file("site.toml").string();
+  std::ofstream(path) << "AIRSIDEB of before";
   hal::write_blob_file(path, blob);
   EXPECT_EQ(hal::read_blob_file(path), blob);
+  std::ofstream(notes) << "[site]\nname = \"a\"\n";
+  EXPECT_NE(complaint([&] { hal::write_blob_file(notes, blob); }).find("another kind of file"), std::string::npos);
   const std::string pipe = folder.file("pipe").string();
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   for (const std::string& other : {pipe, std::string(folder.c_str())}) {

@@ -2,7 +2,10 @@
 
 #include <csignal>
 #include <cstdio>
+#include <string>
+#include <vector>
 
+#include "hal/text/toml_section.hpp"
 #include "hal/text/unfinished.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/finish_output.hpp"
@@ -54,7 +57,11 @@ int main(int argc, char** argv) {
     return tools::finish_output(e.get_exit_code());
   } catch (const CLI::ParseError& e) {
     if (argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty()) {
-      std::fprintf(stderr, "airside: no command \"%s\"; airside --help lists them\n", argv[1]);
+      std::vector<std::string> known;
+      for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+      const std::string near = hal::nearest_name(argv[1], known);
+      std::fprintf(stderr, "airside: found no command \"%s\"; %sairside --help lists them\n", argv[1],
+                   near.empty() ? "" : ("did you mean " + near + "? ").c_str());
       return 2;
     }
     return tools::finish_output(app.exit(e) == 0 ? 0 : 2);

@@ -175,7 +175,7 @@ void refuse_for_site(const std::string& blob, std::span<const std::byte> bytes, 
     fmt::print(stderr, "airside: {}: {}; whether the box knows the key of {} is not checked\n", site.keys_dir, unread,
                blob);
   } else if (const auto key = hal::verify_blob(bytes, keys); !key) {
-    throw hal::InputError(blob + ": " + key.error().field, text_of(key.error().fault),
+    throw hal::InputError(blob + ": " + key.error().field, hal::complaint_of(key.error().fault).found,
                           "a signature of a key in " + (site.keys_dir.empty() ? "[weights] keys" : site.keys_dir),
                           "sign it with a key that the box knows, or copy the public key there");
   }

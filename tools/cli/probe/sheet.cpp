@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "hal/points/register_codec.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::tools {
 
@@ -101,8 +102,8 @@ std::vector<ProbedPoint> probe_all(const hal::PointMap& map, ProbedDevice& devic
     row.was_asked = got.error().error == hal::LinkError::exception_answer;
     row.verdict = complaint_of(got.error());
     if (got.error().error == hal::LinkError::connect_failed) {
-      throw std::runtime_error(
-          fmt::format("{}: {}; look at host, port or device in {}, and at the cable", address, row.verdict, site_path));
+      throw hal::InputError(address, row.verdict, "a Modbus device that answers",
+                            fmt::format("look at host, port or device in {}, and at the cable", site_path));
     }
   }
   return sheet;

@@ -9,10 +9,12 @@
 #include "airside/topology.hpp"
 #include "hal/points/point_map.hpp"
 #include "hal/points/point_row.hpp"
+#include "hal/site/site_keys.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/text/text_file.hpp"
 #include "hal/text/toml_section.hpp"
+#include "hal/text/unknown_key.hpp"
 
 namespace airside::tools {
 
@@ -134,9 +136,20 @@ const std::vector<std::string>& signal_names() {
   return names;
 }
 
-InitAnswers read_answers(const std::string& path) {
-  const std::string text = hal::read_text_file(path, "answers in TOML");
-  const toml::table table = hal::parse_toml(text, path);
+namespace {
+
+/// Says where a key belongs, and takes a site file for what it is.
+[[noreturn]] void explain(const hal::UnknownKey& unknown) {
+  const std::array<std::string_view, 5> of_site = {"name", "vavs", "fcus", "powers", "objective"};
+  const bool misplaced = unknown.section().empty() && std::ranges::find(of_site, unknown.key()) != of_site.end();
+  const bool site_file = !misplaced && !hal::sections_of_site_key(unknown.key()).empty();
+  if (!misplaced && !site_file) throw unknown;
+  throw hal::InputError(unknown.place(), unknown.found(), unknown.expected(),
+                        misplaced ? "move it below [site]"
+                                  : "give answers, such as `airside init --ask` leaves; this looks like a site file");
+}
+
+InitAnswers read_table(const toml::table& table, const std::string& path) {
   InitAnswers a;
   hal::TomlSection root(&table, "", path);
   hal::TomlSection site = root.section("site"), room = root.section("room");
@@ -169,6 +182,18 @@ InitAnswers read_answers(const std::string& path) {
     }
   }
   return a;
+}
+
+}  // namespace
+
+InitAnswers read_answers(const std::string& path) {
+  const std::string text = hal::read_text_file(path, "answers in TOML");
+  const toml::table table = hal::parse_toml(text, path);
+  try {
+    return read_table(table, path);
+  } catch (const hal::UnknownKey& unknown) {
+    explain(unknown);
+  }
 }
 
 std::string text_of(const InitAnswers& a) {
