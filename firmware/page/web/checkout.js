@@ -17,7 +17,7 @@ function verdict(p) {
   const good = p.verdict === 'plausible' || p.verdict === 'not readable';
   return el('span', `${good ? '✓' : '✗'} ${words}`, { class: good ? 'good' : 'poor' });
 }
-const number = (v, unit) => (known(v) ? `${+v.toFixed(3)} ${unit === 'degC' ? '°C' : unit}` : '–');
+const number = (v, unit) => (known(v) ? `${+v.toFixed(3)} ${/^degc$/i.test(unit) ? '°C' : unit}` : '–');
 const register = (p) => (p.object ? p.object : t('point-register', { fc: p.fc, addr: p.addr, type: p.type }));
 
 function signed(p) {
