@@ -384,6 +384,7 @@ step('every look: light and dark, wide and 360 px, English and 繁體中文', as
     await tab.locator('.span[data-span=week]').click();
     await until('a week is drawn', async () => (await tab.locator('#charts canvas').count()) >= 3);
     same(await tab.evaluate(() => document.documentElement.lang), name.endsWith('zh') ? 'zh-Hant' : 'en', 'language');
+    await picture(tab, name);
     for (const list of ['candidates-h', 'gap-days-h', 'points-list-h']) await tab.locator(`#${list}`).click();
     await pause(500);
     await fits(tab, name);
@@ -393,7 +394,7 @@ step('every look: light and dark, wide and 360 px, English and 繁體中文', as
       const small = await tab.evaluate(() => [...document.querySelectorAll('button, select')].filter((e) => e.offsetParent && e.getBoundingClientRect().height < 40).map((e) => e.id));
       check(small.length === 0, `buttons for thumbs: ${small}`);
     }
-    await picture(tab, name);
+    await picture(tab, `${name}-lists`);
     await tab.context().close();
   }
 });

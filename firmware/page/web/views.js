@@ -122,7 +122,7 @@ function show_setpoint() {
   if (known(site.setpoint_min_degc)) why.push(t('why-limits', { min: deg(site.setpoint_min_degc, 1), max: deg(site.setpoint_max_degc, 1) }));
   say('why', why.join(' '));
   $('confidence-line').hidden = !known(s.confidence);
-  if (known(s.confidence)) { $('confidence').value = s.confidence; say('confidence-said', `${Math.round(100 * s.confidence)} %`); }
+  if (known(s.confidence)) { $('confidence').value = s.confidence; say('confidence-said', `${Math.round(100 * s.confidence)}\u00a0%`); }
 }
 
 const event_words = { 'on trial': 'event.trial', confirmed: 'event.confirmed', 'rolled back': 'event.rolled', refused: 'event.refused', uploaded: 'event.uploaded', 'rollback asked': 'event.asked' };

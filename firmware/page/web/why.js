@@ -70,7 +70,7 @@ function chart(c, { curves, marks }) {
   for (const v of ticks(x0, x1, width < 400 ? 4 : 7)) parts.push(text(x(v), height - bottom + 15, `${v}`, 'middle'));
   parts.push(text((left + width - right) / 2, height - 3, t('why-x'), 'middle'));
   if (known(aim)) parts.push(svg('path', { d: `M${left} ${y(aim)}H${width - right}`, class: 'w-aim' }));
-  for (const [kind, , v] of marks) parts.push(svg('path', { d: `M${x(v).toFixed(1)} ${top}V${height - bottom}`, class: kind }));
+  for (const [kind, , v] of [...marks].reverse()) parts.push(svg('path', { d: `M${x(v).toFixed(1)} ${top}V${height - bottom}`, class: kind }));
   for (const [kind, , values] of curves) parts.push(line(values.map((v, i) => [x(c.setpoints[i]), y(v)]), kind));
   return { picture: svg('svg', { viewBox: `0 0 ${width} ${height}`, width, height, role: 'img', 'aria-label': alternative(c, curves, marks, aim) }, ...parts), aim };
 }
