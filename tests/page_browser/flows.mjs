@@ -353,6 +353,19 @@ step('point checkout: read, signed off by name, kept, withdrawn, exported', asyn
   check(/sign-off room_temp_1 .* asked for by installer/.test(readFileSync(box.path('page.txt'), 'utf8')), 'the log has who signed what');
 });
 
+step('by the real clock points are read between two rows, with a heartbeat', async () => {
+  const other = new Box(bin);
+  try {
+    other.edit((text) => text.replace('source = "plant"', 'source = "system"').replace(/heartbeat_s = [\d.]+/, 'heartbeat_s = 5.0'));
+    await other.serve('--speed', '1');
+    other.daemon();
+    writeFileSync(other.path('site', 'inbox', 'read-points'), '');
+    await until('the daemon has read', () => !existsSync(other.path('site', 'inbox', 'read-points')), 30);
+    const read = JSON.parse(readFileSync(other.path('site', 'state', 'points.json'), 'utf8'));
+    check(read.points.length > 30 && read.points.every((p) => p.raw.length > 0 && (p.fault === 'none' || p.name === 'clock_advance_s')), JSON.stringify(read));
+  } finally { await other.close(false); }
+});
+
 step('signing out, and what a key may do', async () => {
   await view.locator('#sign-out').click();
   await says(view, 'who', 'Not signed in');
