@@ -66,7 +66,7 @@ double scaled(hal::Point point, const std::vector<std::uint16_t>& words) {
 std::string verdict_of(const hal::Point& point, const json& reading, const std::vector<std::uint16_t>& words) {
   if (!point.readable()) return "not readable";
   if (!reading.is_object()) return "not read";
-  const std::string fault = text_in(reading, "fault");
+  std::string fault = text_in(reading, "fault");
   if (words.size() < static_cast<std::size_t>(point.width())) {
     return number_of(reading, "exception") > 0 ? "refused" : "no reading";
   }

@@ -57,7 +57,7 @@ bool takes_gzip(const char* accept_encoding) {
     while (word.starts_with(' ') || word.starts_with('\t')) word.remove_prefix(1);
     if (!word.starts_with("gzip")) continue;
     word.remove_prefix(4);
-    if (word.find_first_not_of(" ") == std::string_view::npos) return true;
+    if (word.find_first_not_of(' ') == std::string_view::npos) return true;
     const std::size_t weight = word.find("q=");
     if (word.front() != ';' && word.front() != ' ') continue;  // another name that begins alike
     return weight == std::string_view::npos || word.find_first_of("123456789", weight) != std::string_view::npos;
