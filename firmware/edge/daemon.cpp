@@ -33,6 +33,7 @@ Daemon<T>::Daemon(const hal::SiteFile& site, const hal::PointMap& points, const 
       state_(site_, hal::counts_of(hal::counts_of(parse_shape(site.topology.c_str())), points, site.stand_ins),
              options.sync, *controller_),
       status_(site_.state_dir),
+      readings_(points, site_.inbox_dir, site_.state_dir),
       crash_loop_(site.state_dir, options.crash_limit, options.sync) {
   hal::refuse_contradiction(site, points);
   if (const std::string warning = hal::warning_of(points); !warning.empty()) say("{}: {}", points.file(), warning);
@@ -97,6 +98,7 @@ bool Daemon<T>::row(CivilTime t, const Expected<Reading<T>>& sensed, const Contr
   last_row_ = t;
   last_sensed_ = sensed;
   write_status();
+  if (readings_.wanted()) readings_.read(link_, t, sensed.has_value());
   service_.tell("WATCHDOG=1");  // only a row that came through every stage is a sign of life
   report_.say_mode(controller.control_mode(t));
   crash_loop_.row();
@@ -148,6 +150,8 @@ void Daemon<T>::beat_between_rows() {
   const double left_s = static_cast<double>(system_clock_.due_ns() - hal::monotonic_ns()) * 1e-9;
   // A wall clock that was set back makes one wait longer than a row, never than two cycles: no sign of a hang.
   if (left_s > row_s) service_.tell("WATCHDOG=1");
+  // A whole map on a slow line takes seconds; the row is not to wait for them.
+  if (left_s > 30 + link_.failure_costs_s() && readings_.wanted()) readings_.read(link_, now(), plant_.in_touch());
   if (!beats_ || state_.release_waits() || left_s < link_.failure_costs_s()) return;
   if (plant_.beat() || plant_.in_touch()) return;
   (void)plant_.sense();

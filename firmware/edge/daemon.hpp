@@ -14,6 +14,7 @@
 #include "firmware/edge/daemon_state.hpp"
 #include "firmware/edge/report/clock_report.hpp"
 #include "firmware/edge/report/plant_clock_report.hpp"
+#include "firmware/edge/report/point_readings.hpp"
 #include "firmware/edge/report/row_report.hpp"
 #include "firmware/edge/report/status_snapshot.hpp"
 #include "hal/modbus/plant.hpp"
@@ -84,6 +85,7 @@ class Daemon final : public AnyDaemon {
   std::unique_ptr<Controller<T>> controller_;
   DaemonState<T> state_;
   StatusFile status_;
+  PointReadings readings_;
   std::array<std::string, static_cast<std::size_t>(Layout<T>::signals)> names_;
   CivilTime next_, last_row_;
   Expected<Reading<T>> last_sensed_ = tl::unexpected(Fault::no_reading);

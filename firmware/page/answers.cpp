@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "firmware/page/data/facts.hpp"
+#include "firmware/page/data/forecast_gap.hpp"
 #include "firmware/page/data/metrics.hpp"
 #include "firmware/page/data/trends.hpp"
 #include "firmware/page/http/response.hpp"
@@ -50,6 +51,13 @@ Answer typed(MHD_Response* response, const char* type) {
   return {MHD_HTTP_OK, response};
 }
 
+Answer csv_of(MHD_Response* response, const char* name) {
+  if (response != nullptr) {
+    MHD_add_response_header(response, "Content-Disposition", fmt::format("attachment; filename=\"{}\"", name).c_str());
+  }
+  return typed(response, "text/csv; charset=utf-8");
+}
+
 }  // namespace
 
 Answers::Answers(const hal::SiteFile& site)
@@ -58,6 +66,7 @@ Answers::Answers(const hal::SiteFile& site)
       of_band_(site.objective == Objective::band),
       status_(site.state_dir),
       ledger_(site.page.dir),
+      checkout_(site),
       store_(site) {}
 
 bool Answers::tick(std::int64_t now_ns) {
@@ -82,6 +91,9 @@ Answer Answers::read(Route route, const char* span) {
       return json_answer({{"given_out", given_out_facts(state_dir_)}, {"events", ledger_.events()}});
     case Route::trends: return trends_json(asked);
     case Route::trends_csv: return trends_csv(asked);
+    case Route::gap: return gap();
+    case Route::points: return json_answer(checkout_.points());
+    case Route::points_csv: return csv_of(response_of(checkout_.csv()), "points.csv");
     case Route::metrics:
       status_.refresh();
       return typed(response_of(metrics_text(status_)), "text/plain; version=0.0.4; charset=utf-8");
@@ -125,6 +137,13 @@ Answer Answers::trends_json(std::string_view span) {
   return {MHD_HTTP_OK, response_of(cached.text)};
 }
 
+Answer Answers::gap() {
+  if (gap_.text.empty() || gap_.count != store_.count() || gap_.reading != store_.is_reading()) {
+    gap_ = {store_.count(), store_.is_reading(), dumped(forecast_gap(store_))};
+  }
+  return {MHD_HTTP_OK, response_of(gap_.text)};
+}
+
 Answer Answers::trends_csv(std::string_view span) const {
   const auto rows = rows_of_span(span);
   if (!rows) return {400, json_of(400, "span is day, week or month")};
@@ -139,8 +158,7 @@ Answer Answers::trends_csv(std::string_view span) const {
     free_stream(stream);
     return {};
   }
-  MHD_add_response_header(response, "Content-Disposition", "attachment; filename=\"trends.csv\"");
-  return typed(response, "text/csv; charset=utf-8");
+  return csv_of(response, "trends.csv");
 }
 
 }  // namespace airside::page

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "firmware/page/data/checkout.hpp"
 #include "firmware/page/data/ledger.hpp"
 #include "firmware/page/data/state_folder.hpp"
 #include "firmware/page/data/trend_store.hpp"
@@ -31,6 +32,7 @@ class Answers {
   /// Answer of a route that reads. `span`: of the query, may be null.
   Answer read(Route route, const char* span);
   Ledger& ledger() { return ledger_; }
+  Checkout& checkout() { return checkout_; }
 
  private:
   struct Cached {
@@ -42,13 +44,16 @@ class Answers {
   Answer weights() const;
   Answer trends_json(std::string_view span);
   Answer trends_csv(std::string_view span) const;
+  Answer gap();
 
   std::string state_dir_, site_text_;
   bool of_band_;
   StatusReader status_;
   Ledger ledger_;
+  Checkout checkout_;
   TrendStore store_;
   std::array<Cached, 3> cached_;  ///< day, week, month
+  Cached gap_;
   std::int64_t looked_ns_ = 0;
   bool more_ = true;
 };

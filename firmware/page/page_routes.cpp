@@ -33,9 +33,19 @@ const char* name_of(Route order) {
   switch (order) {
     case Route::release: return "release";
     case Route::hand_back: return "hand-back";
+    case Route::points_read: return "reading of points";
+    case Route::points_sign: return "sign-off";
+    case Route::points_withdraw: return "withdrawal of a sign-off";
     case Route::rollback: return "rollback";
     default: return "alarm seen";
   }
+}
+
+/// A body as part of a line of the log.
+std::string one_line(std::string_view body) {
+  std::string line;
+  for (const char c : body) line += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? ' ' : c;
+  return line;
 }
 
 /// The number of an alarm, 0 for all of them.
@@ -79,7 +89,10 @@ MHD_Result PageServer::begin(MHD_Connection* c, Connection& connection, const ch
     case Route::alarm_seen:
     case Route::release:
     case Route::hand_back:
-    case Route::rollback: return begin_body(c, connection, verdict.upload_bytes);
+    case Route::rollback:
+    case Route::points_read:
+    case Route::points_sign:
+    case Route::points_withdraw: return begin_body(c, connection, verdict.upload_bytes);
     default: break;
   }
   const Answer said = answers_.read(verdict.route, MHD_lookup_connection_value(c, MHD_GET_ARGUMENT_KIND, "span"));
@@ -88,7 +101,8 @@ MHD_Result PageServer::begin(MHD_Connection* c, Connection& connection, const ch
 
 MHD_Result PageServer::send_asset(MHD_Connection* c, Connection& connection, const StaticFile& file) {
   int status = MHD_HTTP_OK;
-  Response* response = asset_of(file, MHD_lookup_connection_value(c, MHD_HEADER_KIND, "If-None-Match"), status);
+  const auto line = [c](const char* name) { return MHD_lookup_connection_value(c, MHD_HEADER_KIND, name); };
+  Response* response = asset_of(file, line("If-None-Match"), line("Accept-Encoding"), status);
   return answer(c, connection, status, response);
 }
 
@@ -162,6 +176,19 @@ MHD_Result PageServer::do_order(MHD_Connection* c, Connection& connection, std::
       if (body.empty()) said = ask_rollback(inbox_dir_);
       if (said.status == 202) answers_.ledger().note("rollback asked", "", connection.who);
       break;
+    case Route::points_read:
+      if (body.empty()) said = ask_readings(inbox_dir_);
+      break;
+    case Route::points_sign: {
+      const auto done = answers_.checkout().sign(body, connection.who);
+      said = {done.status, done.text};
+      break;
+    }
+    case Route::points_withdraw: {
+      const auto done = answers_.checkout().withdraw(body);
+      said = {done.status, done.text};
+      break;
+    }
     case Route::alarm_seen: {
       const auto id = alarm_of(body);
       if (!id) said = {400, "expected the number of an alarm, or all"};
@@ -179,7 +206,7 @@ MHD_Result PageServer::do_order(MHD_Connection* c, Connection& connection, std::
     default: return MHD_NO;
   }
   if (said.status < 300) {
-    log_.say(fmt::format("{} {} asked for by {} from {}", name_of(connection.route), body, connection.who,
+    log_.say(fmt::format("{} {} asked for by {} from {}", name_of(connection.route), one_line(body), connection.who,
                          connection.peer.text));
   } else {
     log_.refusal(fmt::format("{} from {} refused: {} {}", name_of(connection.route), connection.peer.text, said.status,

@@ -26,9 +26,11 @@ void expect_no_heap(const std::string& name, std::size_t rows, const char* more_
                .expert_days = 1,
                .days = 3,
                .more_site = more_site});
+  std::filesystem::create_directories(bench.file("inbox"));
   DaemonHere here(bench, rows);
   here.daemon().start();
   here.settle(4);
+  std::ofstream(bench.file("inbox") / "read-points").close();
   const std::size_t before = bench.logged_rows();
   const std::uint64_t pushed = here.daemon().transitions();
   AllocationGuard guard("the daemon's rows");
@@ -41,6 +43,8 @@ void expect_no_heap(const std::string& name, std::size_t rows, const char* more_
   EXPECT_GT(here.daemon().transitions(), pushed + 100) << "nothing was learned";
   EXPECT_TRUE(std::filesystem::exists(bench.file("state") / "status.json"));
   EXPECT_TRUE(std::filesystem::exists(bench.file("state") / "weights.blob")) << "none were given out";
+  EXPECT_TRUE(std::filesystem::exists(bench.file("state") / "points.json")) << "no points were read";
+  EXPECT_FALSE(std::filesystem::exists(bench.file("inbox") / "read-points"));
   std::printf("%s: %zu rows without a heap event\n", T::name, rows - before);
   closed_loop::LogText log = bench.log();
   closed_loop::LogText expected = bench.expected();

@@ -6,6 +6,7 @@ import { chmodSync, existsSync, mkdirSync, readFileSync, writeFileSync } from 'n
 import { createRequire } from 'node:module';
 import { join, resolve } from 'node:path';
 import { Box, pause, until } from './box.mjs';
+import { close_to, gap_of_logs } from './logs.mjs';
 
 const [bin, modules] = process.argv.slice(2).map((p) => resolve(p));
 const pictures = process.env.AIRSIDE_PAGE_PICTURES;
@@ -39,7 +40,7 @@ async function open(options = {}) {
   tab.on('console', (m) => { if (['error', 'warning'].includes(m.type()) && !tab.expected.some((e) => m.text().includes(e))) problems.push(`console: ${m.text()} at ${m.location().url}`); });
   tab.on('pageerror', (e) => problems.push(`page error: ${e.message}`));
   tab.on('request', (r) => { if (!r.url().startsWith(box.address) && !r.url().startsWith('data:') && !r.url().startsWith('blob:')) problems.push(`request to ${r.url()}`); });
-  tab.on('response', (r) => tab.bodies.push(r.body().then((b) => [new URL(r.url()).pathname, b.length], () => ['', 0])));
+  tab.on('requestfinished', (r) => tab.bodies.push(r.sizes().then((s) => [new URL(r.url()).pathname, s.responseBodySize + s.responseHeadersSize], () => ['', 0])));
   await tab.goto(box.address, { waitUntil: 'load' });
   await ready(tab);
   return tab;
@@ -104,6 +105,38 @@ step('what it shows is what airside status says', async () => {
   check((await view.locator('#proposals li').count()) >= 4, 'proposals for the setpoint');
   same(await view.locator('#orders').isVisible(), false, 'orders without a password');
   same(await view.locator('#sign-in').isVisible(), false, 'sign-in without a password');
+});
+
+step('why this setpoint: candidates, shares, forecast, and what schedule and Guideline 36 would set', async () => {
+  const s = box.status(), c = s.candidates, n = c?.network_score_k?.length ?? 0;
+  check(n === 61 && c.network_held_degc.length === n, `candidates of the action range: ${JSON.stringify(c)}`);
+  const best = c.network_score_k.indexOf(Math.max(...c.network_score_k));
+  close_to(c.from_degc + best * c.step_k, s.network_setpoint_degc, c.step_k + 1e-3, 'the highest score is the network’s choice');
+  const head = (a) => c.head_from_degc + c.head_gain * (a - c.from_degc);
+  if (s.head_setpoint_degc > 20.01 && s.head_setpoint_degc < 25.99) close_to(head(s.head_setpoint_degc), c.head_aim_degc, 0.005, 'the head chooses where its line meets its aim');
+  const own = c.head_share * s.head_setpoint_degc + (1 - c.head_share) * s.network_setpoint_degc;
+  close_to(c.proposed_degc, c.schedule_share * s.expert_setpoint_degc + (1 - c.schedule_share) * own, 0.01, 'the shares make the proposal');
+  const label = await view.locator('#why-chart svg').getAttribute('aria-label');
+  for (const words of ['Room head expects', 'Network expects', 'Schedule would set', 'Guideline 36 would set', 'Command']) check(label.includes(words), `the text of the chart has "${words}": ${label}`);
+  same(await view.locator('#why-chart svg path[d^="M"]:not(.grid)').count(), 8, 'two curves, the aim, five marks');
+  await says(view, 'why-shares', `the command is ${c.commanded_degc.toFixed(2)} °C`);
+  await view.locator('#candidates-h').press('Enter');
+  check((await view.locator('#candidates tbody tr').count()) >= 12, 'a dozen candidates in the table');
+  for (const words of ['Room head proposes', 'Network proposes', 'Command']) await says(view, 'candidates', words);
+});
+
+step('how far forecasts were from each room, by day', async () => {
+  const gap = await (await fetch(`${box.address}/gap.json`)).json();
+  const site = await (await fetch(`${box.address}/site.json`)).json();
+  const own = gap_of_logs(box.path('site', 'log'), site, 5);
+  same(gap.n, own.n, 'forecasts whose end was measured');
+  gap.bias_k.forEach((v, i) => close_to(v, own.bias_k[i], 0.002, `bias ${i}`));
+  gap.rms_k.forEach((v, i) => close_to(v, own.rms_k[i], 0.002, `RMS ${i}`));
+  same(await view.locator('#gap tbody tr').count(), 6, 'the held value and five rooms');
+  await says(view, 'gap-said', 'are not clearly larger than those of the 5 days before');
+  same(await view.locator('#gap-do').isVisible(), false, 'nothing to do is claimed');
+  await view.locator('#gap-days-h').press('Enter');
+  same(await view.locator('#gap-days tbody tr').count(), gap.days.length, 'days');
 });
 
 step('trends of day, week and month, a table beside them, and CSV', async () => {
@@ -259,6 +292,80 @@ step('weights: sent by the installer, on trial, rolled back, and kept in the his
   for (const words of ['sent by this page', 'taken on trial', 'rollback asked for', 'rolled back']) await says(view, 'history', words);
 });
 
+step('point checkout: read, signed off by name, kept, withdrawn, exported', async () => {
+  const facts = async () => (await fetch(`${box.address}/points.json`)).json();
+  const map = Object.fromEntries(readFileSync(box.path('site', 'points.csv'), 'utf8').trim().split('\n').filter((l) => !l.startsWith('#')).slice(1).map((l) => [l.split(',')[0], l.split(',')]));
+  await says(view, 'points-count', `0 of ${Object.keys(map).length} points`);
+  await view.locator('#points-list-h').press('Enter');
+  same(await view.locator('#points [data-act=point-sign]').count(), 0, 'nothing to sign before it was read');
+  await view.locator('#points-read').press('Enter');
+  await until('the daemon has read', async () => (await facts()).time !== '');
+  await says(view, 'points-time', 'Read at 2021-08');
+  const read = await facts();
+  same(read.points.length, Object.keys(map).length, 'points');
+  const room = read.points.find((p) => p.name === 'room_temp_1'), row = map.room_temp_1;
+  check(room.raw.length === 1 && room.verdict === 'plausible', JSON.stringify(room));
+  const head = readFileSync(box.path('site', 'points.csv'), 'utf8').split('\n').find((l) => l.startsWith('name,')).split(',');
+  close_to(room.value, room.raw[0] * Number(row[head.indexOf('scale')]) + Number(row[head.indexOf('offset')] || 0), 1e-6, 'the value of its register');
+  close_to(room.value, box.status().room_temp_degc[0], 1.5, 'the room');
+  check(!existsSync(box.path('site', 'inbox', 'read-points')), 'the wish is gone');
+  const button = (act) => view.locator(`#points [data-act=${act}][data-point=room_temp_1]`);
+  await button('point-sign').press('Enter');
+  await says(view, 'points-said', 'Enter your name');
+  same(await view.evaluate(() => document.activeElement.id), 'points-name', 'the focus goes where something is missing');
+  await view.locator('#points-name').fill('=Ann "the" Fitter');
+  await button('point-sign').press('Enter');
+  await says(view, 'points-count', '1 of ');
+  await says(view, 'points-said', 'room_temp_1 is signed off by');
+  same(await view.evaluate(() => document.activeElement.dataset.act), 'point-withdraw', 'the focus stays at the point');
+  await accessible(view, 'the checkout');
+  await picture(view, 'checkout', false);
+  const waiting = view.waitForEvent('download');
+  await view.locator('a[href="/points.csv"]').click();
+  const csv = readFileSync(await (await waiting).path(), 'utf8').trim().split('\n');
+  same(csv.length, read.points.length + 1, 'lines of the CSV');
+  check(csv.some((l) => l.startsWith('"room_temp_1"') && l.includes('"\'=Ann ""the"" Fitter","installer"') && l.endsWith(',1')), `no formula, quoted: ${csv[1]}`);
+  const sign = (headers, body) => fetch(`${box.address}/points/sign`, { method: 'POST', headers, body }).then((r) => r.status);
+  const key = box.run('airside-page', '--site', box.site(), '--new-key', 'installer', '--key-name', 'tablet').trim();
+  const bearer = { Authorization: `Bearer ${key}` };
+  same(await sign({}, `room_temp_2\nBob\n${read.time}`), 401, 'by nobody');
+  same(await sign(bearer, 'room_temp_2\nBob\n2021-01-01T00:00:00'), 409, 'of another reading');
+  same(await sign(bearer, `room_temp_99\nBob\n${read.time}`), 404, 'of no point');
+  same(await sign(bearer, 'room_temp_2'), 400, 'of no person');
+  await box.end(box.page);
+  const points = readFileSync(box.path('site', 'points.csv'), 'utf8');
+  await box.open_page();
+  same((await facts()).signed, 1, 'kept over a restart');
+  await box.end(box.page);
+  writeFileSync(box.path('site', 'points.csv'), points.replace(row.join(','), row.map((v, i) => (i === head.indexOf('scale') ? '0.02' : v)).join(',')));
+  await box.open_page();
+  const changed = (await facts()).points.find((p) => p.name === 'room_temp_1');
+  check((await facts()).signed === 0 && changed.signed.valid === false, `a row that has changed is to be signed again: ${JSON.stringify(changed)}`);
+  await box.end(box.page);
+  writeFileSync(box.path('site', 'points.csv'), points);
+  await box.open_page();
+  view = await reopen(view);
+  await sign_in(view, 'installer', password.installer);
+  await says(view, 'who', 'installer');
+  await view.locator('#points-list-h').press('Enter');
+  await button('point-withdraw').press('Enter');
+  await says(view, 'points-count', '0 of ');
+  check(/sign-off room_temp_1 .* asked for by installer/.test(readFileSync(box.path('page.txt'), 'utf8')), 'the log has who signed what');
+});
+
+step('by the real clock points are read between two rows, with a heartbeat', async () => {
+  const other = new Box(bin);
+  try {
+    other.edit((text) => text.replace('source = "plant"', 'source = "system"').replace(/heartbeat_s = [\d.]+/, 'heartbeat_s = 5.0'));
+    await other.serve('--speed', '1');
+    other.daemon();
+    writeFileSync(other.path('site', 'inbox', 'read-points'), '');
+    await until('the daemon has read', () => !existsSync(other.path('site', 'inbox', 'read-points')), 30);
+    const read = JSON.parse(readFileSync(other.path('site', 'state', 'points.json'), 'utf8'));
+    check(read.points.length > 30 && read.points.every((p) => p.raw.length > 0 && (p.fault === 'none' || p.name === 'clock_advance_s')), JSON.stringify(read));
+  } finally { await other.close(false); }
+});
+
 step('signing out, and what a key may do', async () => {
   await view.locator('#sign-out').click();
   await says(view, 'who', 'Not signed in');
@@ -290,6 +397,8 @@ step('every look: light and dark, wide and 360 px, English and 繁體中文', as
     await tab.locator('.span[data-span=week]').click();
     await until('a week is drawn', async () => (await tab.locator('#charts canvas').count()) >= 3);
     same(await tab.evaluate(() => document.documentElement.lang), name.endsWith('zh') ? 'zh-Hant' : 'en', 'language');
+    await picture(tab, name);
+    for (const list of ['candidates-h', 'gap-days-h', 'points-list-h']) await tab.locator(`#${list}`).click();
     await pause(500);
     await fits(tab, name);
     const lesser = await accessible(tab, name);
@@ -298,7 +407,7 @@ step('every look: light and dark, wide and 360 px, English and 繁體中文', as
       const small = await tab.evaluate(() => [...document.querySelectorAll('button, select')].filter((e) => e.offsetParent && e.getBoundingClientRect().height < 40).map((e) => e.id));
       check(small.length === 0, `buttons for thumbs: ${small}`);
     }
-    await picture(tab, name);
+    await picture(tab, `${name}-lists`);
     await tab.context().close();
   }
 });

@@ -31,7 +31,7 @@ for (const [, name, why, out] of rows) {
 }
 
 let asked = 0;
-for (const file of ['app.js', 'views.js', 'charts.js', 'index.html']) {
+for (const file of ['app.js', 'views.js', 'why.js', 'checkout.js', 'charts.js', 'index.html']) {
   const source = readFileSync(join(web, file), 'utf8');
   for (const m of source.matchAll(/\bt\('([^'`$]+)'|data-t="([^"]+)"/g)) {
     ++asked;

@@ -148,6 +148,12 @@ TEST(RequestCheck, GivesEachRoleItsRightsAndNoMore) {
                                             {"POST", "/hand-back", false, false, true, true},
                                             {"POST", "/rollback", false, false, true, true},
                                             {"POST", "/alarms/seen", false, false, true, true},
+                                            {"GET", "/gap.json", false, true, true, true},
+                                            {"GET", "/points.json", false, true, true, true},
+                                            {"GET", "/points.csv", false, true, true, true},
+                                            {"POST", "/points/read", false, false, true, true},
+                                            {"POST", "/points/sign", false, false, false, true},
+                                            {"POST", "/points/withdraw", false, false, false, true},
                                             {"POST", "/weights", false, false, false, true}})) {
     const auto may = [&](Role role) {
       const Caller caller{.rights = rights_of(role), .token = {}, .has_key = false};
@@ -160,6 +166,7 @@ TEST(RequestCheck, GivesEachRoleItsRightsAndNoMore) {
     EXPECT_EQ(may(Role::operator_), row.operator_) << row.path;
     EXPECT_EQ(may(Role::installer), row.installer) << row.path;
   }
+  EXPECT_EQ(status_for(anybody, "POST", "/points/sign", with_token), 401) << "without any password nobody signs";
 }
 
 TEST(RequestCheck, WantsTheTokenOfTheSessionWhereThereIsOne) {

@@ -1,6 +1,7 @@
 // The law of the score (docs/method.md 6.1): what it prefers follows from its two weights alone; and the rule for ties.
 
 #include "airside/forecast/scores.hpp"
+#include "airside/forecast/candidate_record.hpp"
 #include "airside/presets.hpp"
 
 #include <gtest/gtest.h>
@@ -90,6 +91,22 @@ TEST(TieRule, LeavesOutWhatIsNoNumber) {
   EXPECT_EQ(best_candidate(s, std::vector<double>{HUGE_VAL, -3.0, -4.0}, candidates, 20), 1);
   EXPECT_EQ(best_candidate(s, std::vector<double>{nan, nan, -HUGE_VAL}, candidates, 20), -1);
   EXPECT_EQ(best_candidate(s, {}, {}, 20), -1);
+}
+
+TEST(CandidateRecord, TakesAGridWholeAndAFinerOneInStrides) {
+  CandidateRecord record;
+  EXPECT_EQ(record.take_grid(20, 0.1, 61), 1);
+  EXPECT_EQ(record.count, 61);
+  EXPECT_EQ(record.take_grid(20, 0.05, 121), 2);
+  EXPECT_EQ(record.count, 61);
+  EXPECT_DOUBLE_EQ(record.from_degc + record.step_k * (record.count - 1), 26.0);
+  for (int n = 0; n <= 401; ++n) {
+    const int stride = record.take_grid(20, 0.05, n);
+    ASSERT_LE(record.count, CandidateRecord::most) << n;
+    if (n > 0) {
+      ASSERT_LT((record.count - 1) * stride, n) << "beyond the grid's end";
+    }
+  }
 }
 
 }  // namespace

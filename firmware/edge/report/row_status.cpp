@@ -51,6 +51,7 @@ StatusSnapshot row_status(CivilTime t, const Expected<Reading<T>>& sensed, const
   s.mode_arbiter = &controller.cycle().mode_arbiter;
   s.ours_error_k = controller.cycle().shadow.ours_k();
   s.schedule_error_k = controller.cycle().shadow.schedule_k();
+  s.candidates = &controller.candidates();
   add_band<T>(s, sensed, controller);
   return s;
 }

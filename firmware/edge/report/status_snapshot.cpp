@@ -1,7 +1,6 @@
 #include "firmware/edge/report/status_snapshot.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -9,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "firmware/edge/report/fixed_text.hpp"
 #include "firmware/edge/report/say.hpp"
 #include "hal/storage/storage_file.hpp"
 #include "hal/text/civil_text.hpp"
@@ -16,40 +16,6 @@
 namespace airside::edge {
 
 namespace {
-
-/// Appends to a fixed buffer; what does not fit is cut and noticed.
-class FixedText {
- public:
-  explicit FixedText(std::span<char> out) : out_(out) {}
-  template <class... Args>
-  void add(fmt::format_string<Args...> format, Args&&... args) {
-    const auto r = fmt::format_to_n(out_.data() + used_, out_.size() - used_, format, std::forward<Args>(args)...);
-    fits_ = fits_ && r.size <= out_.size() - used_;
-    used_ = fits_ ? used_ + r.size : out_.size();
-  }
-  /// A JSON number, null where there is none.
-  void number(const char* name, double value) {
-    if (std::isfinite(value)) {
-      add(",\"{}\":{:.6g}", name, value);
-    } else {
-      add(",\"{}\":null", name);
-    }
-  }
-  /// A JSON string; control characters, quotes and backslashes become spaces.
-  void string(const char* name, std::string_view value) {
-    add(",\"{}\":\"", name);
-    for (const char c : value) add("{}", static_cast<unsigned char>(c) < 0x20 || c == '"' || c == '\\' ? ' ' : c);
-    add("\"");
-  }
-  void count(const char* name, std::uint64_t value) { add(",\"{}\":{}", name, value); }
-  bool fits() const { return fits_; }
-  std::size_t size() const { return used_; }
-
- private:
-  std::span<char> out_;
-  std::size_t used_ = 0;
-  bool fits_ = true;
-};
 
 /// `"alarms":[{"reason":"sensor drifts","since":"2026-..."}]`, gravest numbers last.
 void add_alarms(FixedText& text, CivilTime now, const ModeArbiter* mode_arbiter) {
@@ -77,6 +43,48 @@ void add_rooms(FixedText& text, std::span<const double> room_temp_degc) {
     }
   }
   text.add("]");
+}
+
+/// `,"name":[25.31,...]`
+void add_values(FixedText& text, const char* name, const CandidateRecord& record,
+                const CandidateRecord::Values& values) {
+  text.add(",\"{}\":[", name);
+  for (int i = 0; i < record.count; ++i) {
+    const auto value = static_cast<double>(values[static_cast<std::size_t>(i)]);
+    text.add("{}", i == 0 ? "" : ",");
+    if (std::isfinite(value)) {
+      text.add("{:.5g}", value);
+    } else {
+      text.add("null");
+    }
+  }
+  text.add("]");
+}
+
+/// `"candidates":{...}`, null where nothing was decided since the start.
+void add_candidates(FixedText& text, const CandidateRecord* record, const Decision& decision) {
+  if (record == nullptr || record->time.seconds == 0 || decision.time.seconds != record->time.seconds) {
+    text.add(",\"candidates\":null");
+    return;
+  }
+  std::array<char, hal::civil_text_size> time{};
+  hal::write_civil_text(time.data(), record->time);
+  text.add(",\"candidates\":{{\"time\":\"{}\"", std::string_view(time.data(), time.size()));
+  text.number("from_degc", record->from_degc);
+  text.number("step_k", record->step_k);
+  if (record->has_network) {
+    add_values(text, "network_held_degc", *record, record->network_degc);
+    add_values(text, "network_score_k", *record, record->score);
+  }
+  if (record->has_cost) add_values(text, "cost_kw", *record, record->cost_kw);
+  text.number("head_from_degc", record->head_from_degc);
+  text.number("head_gain", record->head_gain);
+  text.number("head_aim_degc", record->head_aim_degc);
+  text.number("head_share", decision.head_share);
+  text.number("schedule_share", record->schedule_share);
+  text.number("proposed_degc", record->proposed_degc);
+  text.number("commanded_degc", decision.command.setpoint_degc());
+  text.add("}}");
 }
 
 }  // namespace
@@ -129,6 +137,7 @@ std::size_t StatusFile::format(CivilTime now, const StatusSnapshot& s) {
     text.number("warmest_zone_above_setpoint_k", s.warmest_above_k);
     text.number("most_open_damper", s.most_open_damper);
   }
+  add_candidates(text, s.candidates, s.decision);
   text.number("confidence", s.decision.confidence);
   text.number("expected_held_degc", s.decision.expected_degc);
   text.number("expected_room_mean_degc", s.hold == HoldRule::mean ? s.decision.expected_degc : Decision::none);

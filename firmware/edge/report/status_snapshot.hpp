@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "airside/controller/decision.hpp"
+#include "airside/forecast/candidate_record.hpp"
 #include "airside/held_rooms.hpp"
 #include "airside/supervision/mode_arbiter.hpp"
 #include "hal/storage/store_error.hpp"
@@ -48,6 +49,7 @@ struct StatusSnapshot {
   std::uint64_t band_cycles = 0, band_ready_cycles = 0;  ///< learned, and needed before its choice counts
   double warmest_above_k = Decision::none;               ///< most that a zone is above its own setpoint
   double most_open_damper = Decision::none;              ///< 0..1
+  const CandidateRecord* candidates = nullptr;           ///< of the last decision; nullptr, or of none: not shown
 };
 
 /// Writes `status.json` into a folder, replacing it atomically. A link, a pipe or a device in its place, or in that of
@@ -75,7 +77,7 @@ class StatusFile {
   static hal::StoreResult<void> stage(int dir, const char* name, std::span<const std::byte> bytes);
 
   std::string path_;
-  std::array<char, 4608> text_{};
+  std::array<char, 6656> text_{};
   bool cleared_ = false;
   hal::StoreFault failure_ = hal::StoreFault::none;
 };

@@ -176,6 +176,7 @@ void TrendStore::add(const hal::LogRow& from) {
   row.schedule_degc = static_cast<float>(from.controller.a_expert_degc);
   row.g36_degc = static_cast<float>(from.controller.a_g36_degc);
   row.confidence = static_cast<float>(from.controller.confidence);
+  row.expected_degc = static_cast<float>(from.controller.expected_held_degc);
   row.mode = mode_of(from.controller.mode);
   row.reason = reason_of(from.controller.reason);
   row.working_hours = in_working_hours(settings_, from.time);

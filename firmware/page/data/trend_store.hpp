@@ -23,6 +23,7 @@ struct TrendRow {
   float held_degc = none, low_degc = none, high_degc = none;
   float setpoint_degc = none, supply_degc = none, outdoor_degc = none;
   float schedule_degc = none, g36_degc = none, confidence = none, power_kw = none;
+  float expected_degc = none;  ///< held value, forecast for the end of the cycle that begins here
   std::int8_t mode = -1;       ///< number of ControlMode; -1: not known
   std::uint8_t reason = 0;     ///< number of Reason
   bool working_hours = false;  ///< of people's clocks
@@ -50,6 +51,8 @@ class TrendStore {
   /// First row that is not before t.
   std::uint64_t from(CivilTime t) const;
   int vavs() const { return counts_.vavs; }
+  /// Of a control cycle.
+  int cycle_rows() const { return control_cycle(settings_).rows; }
   bool has_meters() const { return has_meters_; }
   bool is_reading() const { return is_reading_; }
   const std::string& trouble() const { return trouble_; }

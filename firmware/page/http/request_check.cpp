@@ -16,7 +16,7 @@ bool same_word(std::string_view a, std::string_view b) {
   return std::ranges::equal(a, b, {}, small_letter, small_letter);
 }
 
-enum class Right : std::uint8_t { anybody, see, operate, install };
+enum class Right : std::uint8_t { anybody, see, operate, install, sign_off };
 
 /// All routes there are but the page's own files. No part of a request ever names a file.
 struct Entry {
@@ -31,6 +31,9 @@ constexpr auto routes = std::to_array<Entry>({
     {"/weights.json", Route::weights_facts, Right::see},
     {"/trends.json", Route::trends, Right::see},
     {"/trends.csv", Route::trends_csv, Right::see},
+    {"/gap.json", Route::gap, Right::see},
+    {"/points.json", Route::points, Right::see},
+    {"/points.csv", Route::points_csv, Right::see},
     {"/metrics", Route::metrics, Right::see},
     {"/weights.blob", Route::weights, Right::see},
     {"/session.json", Route::session, Right::anybody},
@@ -42,6 +45,9 @@ constexpr auto routes = std::to_array<Entry>({
     {"/release", Route::release, Right::operate},
     {"/hand-back", Route::hand_back, Right::operate},
     {"/rollback", Route::rollback, Right::operate},
+    {"/points/read", Route::points_read, Right::operate},
+    {"/points/sign", Route::points_sign, Right::sign_off},
+    {"/points/withdraw", Route::points_withdraw, Right::sign_off},
 });
 
 constexpr bool changes_something(Route route) { return route >= Route::upload; }
@@ -139,6 +145,8 @@ const char* missing_right(Right right, const Rights& rights) {
     case Right::anybody: return nullptr;
     case Right::see: return rights.see ? nullptr : "sign in as viewer first";
     case Right::operate: return rights.operate ? nullptr : "sign in as operator first";
+    case Right::sign_off:  // without a password everybody may send what is signed, and do nothing else
+      return rights.operate && rights.install ? nullptr : "sign in as installer first";
     case Right::install: return rights.install ? nullptr : "sign in as installer first";
   }
   return "nobody may";  // uncovered: the switch is complete

@@ -23,6 +23,9 @@ enum class Route : std::uint8_t {
   weights_facts,
   trends,
   trends_csv,
+  gap,
+  points,
+  points_csv,
   metrics,
   weights,
   session,
@@ -34,6 +37,9 @@ enum class Route : std::uint8_t {
   release,
   hand_back,
   rollback,
+  points_read,
+  points_sign,
+  points_withdraw,
 };
 
 struct HeaderLine {

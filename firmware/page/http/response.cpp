@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace airside::page {
 
 std::string without_markup(std::string_view json) {
@@ -44,16 +46,42 @@ void add_common_lines(MHD_Response* response) {
   for (const auto& [name, value] : always) MHD_add_response_header(response, name, value);
 }
 
-MHD_Response* asset_of(const StaticFile& file, const char* if_none_match, int& status) {
+namespace {
+
+/// Whether a line Accept-Encoding takes gzip: named, and not with a weight of 0.
+bool takes_gzip(const char* accept_encoding) {
+  std::string_view rest = accept_encoding == nullptr ? std::string_view() : std::string_view(accept_encoding);
+  while (!rest.empty()) {
+    std::string_view word = rest.substr(0, rest.find(','));
+    rest.remove_prefix(std::min(rest.size(), word.size() + 1));
+    while (word.starts_with(' ') || word.starts_with('\t')) word.remove_prefix(1);
+    if (!word.starts_with("gzip")) continue;
+    word.remove_prefix(4);
+    if (word.find_first_not_of(' ') == std::string_view::npos) return true;
+    const std::size_t weight = word.find("q=");
+    if (word.front() != ';' && word.front() != ' ') continue;  // another name that begins alike
+    return weight == std::string_view::npos || word.find_first_of("123456789", weight) != std::string_view::npos;
+  }
+  return false;
+}
+
+}  // namespace
+
+MHD_Response* asset_of(const StaticFile& file, const char* if_none_match, const char* accept_encoding, int& status) {
+  const bool packs = takes_gzip(accept_encoding);
+  const char* etag = packs ? file.packed_etag : file.etag;
+  const auto bytes = packs ? file.packed : file.bytes;
   const bool is_known =
-      if_none_match != nullptr && std::string_view(if_none_match).find(file.etag) != std::string_view::npos;
+      if_none_match != nullptr && std::string_view(if_none_match).find(etag) != std::string_view::npos;
   status = is_known ? MHD_HTTP_NOT_MODIFIED : MHD_HTTP_OK;
   // The library takes a void* that it does not write to.
   MHD_Response* response = MHD_create_response_from_buffer(
-      is_known ? 0 : file.bytes.size(), const_cast<unsigned char*>(file.bytes.data()), MHD_RESPMEM_PERSISTENT);
+      is_known ? 0 : bytes.size(), const_cast<unsigned char*>(bytes.data()), MHD_RESPMEM_PERSISTENT);
   if (response == nullptr) return nullptr;
   MHD_add_response_header(response, "Content-Type", file.type);
-  MHD_add_response_header(response, "ETag", file.etag);
+  MHD_add_response_header(response, "ETag", etag);
+  MHD_add_response_header(response, "Vary", "Accept-Encoding");
+  if (packs) MHD_add_response_header(response, "Content-Encoding", "gzip");
   MHD_add_response_header(response, "Cache-Control", "no-cache");
   MHD_add_response_header(response, "Content-Security-Policy",
                           "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; "

@@ -24,7 +24,8 @@ MHD_Response* json_of(int status, std::string_view reason);
 void add_common_lines(MHD_Response* response);
 
 /// A file of the page, which may run its own scripts and nothing else; where the browser has it already
-/// (`if_none_match` names its ETag) only that is said: `status` becomes 304.
-MHD_Response* asset_of(const StaticFile& file, const char* if_none_match, int& status);
+/// (`if_none_match` names its ETag) only that is said: `status` becomes 304. Packed where `accept_encoding` has gzip
+/// without a weight of 0.
+MHD_Response* asset_of(const StaticFile& file, const char* if_none_match, const char* accept_encoding, int& status);
 
 }  // namespace airside::page

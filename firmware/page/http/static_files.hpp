@@ -12,6 +12,8 @@ struct StaticFile {
   const char* type;       ///< of Content-Type
   const char* etag;       ///< changes with the content
   std::span<const unsigned char> bytes;
+  const char* packed_etag;
+  std::span<const unsigned char> packed;  ///< the same by gzip
 };
 
 /// All of them; made by embed.cmake.

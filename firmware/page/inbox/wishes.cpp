@@ -40,4 +40,8 @@ WishAnswer ask_rollback(const std::string& inbox_dir) {
               "the daemon rolls back to the weights before the last push within 6 min");
 }
 
+WishAnswer ask_readings(const std::string& inbox_dir) {
+  return drop(inbox_dir, "read-points", "", "the daemon reads every point with its next heartbeat or row");
+}
+
 }  // namespace airside::page

@@ -15,5 +15,7 @@ struct WishAnswer {
 WishAnswer ask_release(const std::string& inbox_dir, std::string_view body);
 WishAnswer ask_hand_back(const std::string& inbox_dir);
 WishAnswer ask_rollback(const std::string& inbox_dir);
+/// The daemon reads every point of the map and says in points.json what it found.
+WishAnswer ask_readings(const std::string& inbox_dir);
 
 }  // namespace airside::page

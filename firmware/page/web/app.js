@@ -2,7 +2,7 @@
 // the box gives few sockets to one address.
 
 const $ = (id) => document.getElementById(id);
-export const page = { texts: {}, session: {}, site: {}, status: null, age: 0, alarms: [], weights: {}, trends: null, span: 'day' };
+export const page = { texts: {}, session: {}, site: {}, status: null, age: 0, alarms: [], weights: {}, trends: null, gap: null, span_text: String, span: 'day' };
 
 export const t = (key, values = {}) =>
   (page.texts[key] ?? key).replace(/\{(\w+)\}/g, (_, name) => values[name] ?? '');
@@ -52,7 +52,7 @@ async function post(path, body = '') {
   try { said = await answer.json(); } catch { /* an answer without a text */ }
   return { status: answer.status, reason: said.reason ?? '', wait: Number(answer.headers.get('Retry-After') ?? 0) };
 }
-async function post_and_tell(place, path, body, ok) {
+export async function post_and_tell(place, path, body, ok) {
   let said;
   try { said = await post(path, body); } catch { said = { status: 0, reason: t('no-answer') }; }
   const good = said.status >= 200 && said.status < 300;
@@ -77,7 +77,7 @@ function wished_language() {
   return navigator.languages.some((l) => /^zh\b/i.test(l)) && !/^en\b/i.test(navigator.language) ? 'zh-Hant' : 'en';
 }
 
-let views = null;
+let views = null, checkout = null;
 async function load_session() {
   page.session = (await get('/session.json')).json;
   const s = page.session;
@@ -87,6 +87,7 @@ async function load_session() {
   $('orders').hidden = !s.operate;
   $('rollback').hidden = !s.operate;
   $('upload').hidden = !s.install;
+  checkout?.show();
   say('trouble', s.trouble ? t('access-trouble') : s.see ? '' : t('see-needs-sign-in'));
   $('trouble').hidden = !s.trouble && s.see;
   $('role').replaceChildren(...s.roles.map((r) => el('option', t(`role.${r}`), { value: r })));
@@ -116,6 +117,7 @@ async function refresh_trends() {
   if (!page.session.see) return;
   for (let again = true; again;) {
     page.trends = (await get(`/trends.json?span=${page.span}`)).json;
+    if (!page.trends.reading) page.gap = (await get('/gap.json')).json;
     await views.show_trends();
     again = page.trends.reading;
     if (again) await pause(500);
@@ -147,6 +149,7 @@ function listen() {
     await load_session();
     views.show();
     if (page.trends) await views.show_trends();
+    checkout.show();
   };
   $('sign-in').onclick = () => { say('sign-in-said', ''); $('sign-in-d').showModal(); $('password').focus(); };
   for (const b of document.querySelectorAll('[data-close]')) b.onclick = () => b.closest('dialog').close();
@@ -163,6 +166,7 @@ function listen() {
     await load_session();
     await refresh_state();
     if (!page.trends) await refresh_trends();
+    await checkout.load();
     $('sign-out').focus();
   };
   $('sign-out').onclick = async () => { await post('/logout'); await load_session(); $('sign-in').focus(); if (page.status) views.show(); };
@@ -199,24 +203,27 @@ function listen() {
   }
   matchMedia('(prefers-color-scheme: dark)').onchange = () => { if (page.trends) views.show_trends(); };
   let width = innerWidth;
-  addEventListener('resize', () => { if (page.trends && innerWidth !== width) { width = innerWidth; views.show_trends(); } });
+  addEventListener('resize', () => { if (page.trends && innerWidth !== width) { width = innerWidth; views.show(); views.show_trends(); } });
 }
 
 async function start() {
   try { await load_texts(wished_language()); } catch { await load_texts('en'); }
   views = await import('/views.js');
+  checkout = await import('/checkout.js');
   await load_session();
   listen();
+  checkout.listen();
   if (page.session.see) page.site = (await get('/site.json')).json;
   await refresh_state();
   await refresh_trends();
+  await checkout.load();
   let since = 0;
   setInterval(async () => {
     if (document.hidden) return;
     if (page.session.see && !page.site.site) page.site = (await get('/site.json')).json;
     await quietly(refresh_state());
     since += 1;
-    if (since % 12 === 0) await quietly(refresh_trends());
+    if (since % 12 === 0) await quietly(refresh_trends().then(checkout.load));
   }, 15000);
 }
 quietly(start()).finally(() => { document.documentElement.dataset.ready = 'yes'; });

@@ -1,6 +1,7 @@
 // What is shown of state, alarms, rooms, setpoint, balance and weights.
 
 import { acknowledge, el, has, page, say, t } from '/app.js';
+import { show_gap, show_why, table } from '/why.js';
 
 const $ = (id) => document.getElementById(id);
 const known = (v) => typeof v === 'number' && Number.isFinite(v);
@@ -32,6 +33,8 @@ function span_text(seconds) {
   if (seconds < 7200) return t('minutes', { n: Math.round(seconds / 60) });
   return seconds < 172800 ? t('hours', { n: Math.round(seconds / 3600) }) : t('days', { n: Math.round(seconds / 86400) });
 }
+
+page.span_text = span_text;
 
 function show_state() {
   const c = condition(), s = page.status;
@@ -115,12 +118,11 @@ function show_setpoint() {
   else if (s.objective === 'band') why.push(t(s.band_cycles < s.band_ready_cycles ? 'why-band-young' : 'why-band', { n: s.band_cycles, needed: s.band_ready_cycles }));
   else if (known(s.head_setpoint_degc)) why.push(t('why-head', { at: deg(s.head_setpoint_degc) }));
   else if (known(s.network_setpoint_degc)) why.push(t('why-network', { at: deg(s.network_setpoint_degc) }));
-  if (s.state !== 'release' && s.state !== 'expert' && s.objective !== 'band' && known(s.confidence) && s.confidence < 0.9) why.push(t('why-blend', { p: Math.round(100 * (1 - s.confidence)) }));
   if (known(s.expected_held_degc)) why.push(t('why-expected', { at: deg(s.expected_held_degc), target: deg(s.target_degc) }));
   if (known(site.setpoint_min_degc)) why.push(t('why-limits', { min: deg(site.setpoint_min_degc, 1), max: deg(site.setpoint_max_degc, 1) }));
   say('why', why.join(' '));
   $('confidence-line').hidden = !known(s.confidence);
-  if (known(s.confidence)) { $('confidence').value = s.confidence; say('confidence-said', `${Math.round(100 * s.confidence)} %`); }
+  if (known(s.confidence)) { $('confidence').value = s.confidence; say('confidence-said', `${Math.round(100 * s.confidence)}\u00a0%`); }
 }
 
 const event_words = { 'on trial': 'event.trial', confirmed: 'event.confirmed', 'rolled back': 'event.rolled', refused: 'event.refused', uploaded: 'event.uploaded', 'rollback asked': 'event.asked' };
@@ -155,15 +157,11 @@ export function show() {
   show_alarms();
   show_rooms();
   show_setpoint();
+  show_why();
   show_weights();
   show_box();
 }
 
-function table(id, caption, heads, rows) {
-  const head = el('tr', '', {}, ...heads.map((h) => el('th', h, { scope: 'col' })));
-  const lines = rows.map((r) => el('tr', '', {}, ...r.map((c, i) => (i === 0 ? el('th', c, { scope: 'row' }) : el('td', c)))));
-  $(id).replaceChildren(el('caption', caption), el('thead', '', {}, head), el('tbody', '', {}, ...lines));
-}
 function show_balance() {
   const d = page.trends, s = page.status;
   const said = [];
@@ -179,6 +177,7 @@ export async function show_trends() {
   say('trends-said', d.reading ? t('trends-reading') : d.points === 0 ? t('trends-none') : d.trouble ? t('trends-trouble', { what: d.trouble }) : '');
   if (!d.points) return;
   show_balance();
+  show_gap();
   table('days', t('days-caption'), [t('date'), t('energy-kwh'), t('degree-hours'), t('distance-k'), t('badge.learn'), t('badge.run'), t('badge.expert'), t('badge.release')],
     [...d.days].reverse().map((x) => [x.date, number(x.energy_kwh, 1, ''), number(x.degree_hours_kh, 2, ''), number(x.mean_distance_k, 3, ''), ...['learn_h', 'run_h', 'expert_h', 'release_h'].map((k) => number(x[k], 1, ' h'))]));
   table('spells', t('spells-caption'), [t('from'), t('to'), t('mode'), t('reason')],

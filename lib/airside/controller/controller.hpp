@@ -60,6 +60,7 @@ class Controller : public ControllerMemory<T, Scalar> {
     supervisor.begin_cycle(t, sensed, resumed_, decision_.mode);
     resumed_ = false;
     const double expert = supervisor.expert_degc(t);
+    proposer_.record().begin(t);
     Pending pending = CycleRecord<T, Scalar>(settings_, cycle_).begin(t, expert, limit(expert, expert));
     const ActiveMode found = sensed ? choose(*sensed, supervisor, pending) : no_reading(sensed.error(), pending);
     const ActiveMode on = supervisor.settle(found.mode, found.reason, t);
@@ -88,6 +89,9 @@ class Controller : public ControllerMemory<T, Scalar> {
     record.finish(pending, outcome);
     ++learning_.cycles;
   }
+
+  /// What the last decision weighed; nothing before the first one of this process.
+  const CandidateRecord& candidates() const { return proposer_.record(); }
 
   /// The control mode at t: that of the last decision, or a graver one that was asked for since.
   ActiveMode control_mode(CivilTime t) const {
@@ -123,7 +127,8 @@ class Controller : public ControllerMemory<T, Scalar> {
     pending.is_usable = valid->learnable();
     if (!pending.is_usable) supervisor.name_held_signal(pending);
     const Proposal proposal =
-        serves_band() ? BandChooser<T>(settings_, cycle_).propose(sensed, *valid, pending.flows, pending.expert_degc)
+        serves_band() ? BandChooser<T>(settings_, cycle_)
+                            .propose(sensed, *valid, pending.flows, pending.expert_degc, &proposer_.record())
                       : propose(pending);
     if (proposal.missing != Reason::none) return {ControlMode::expert, proposal.missing};
     pending.command = limit(supervisor.worth_a_write(proposal.setpoint_degc), pending.expert_degc);

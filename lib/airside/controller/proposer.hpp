@@ -7,6 +7,7 @@
 
 #include "airside/civil_time.hpp"
 #include "airside/controller/pending_cycle.hpp"
+#include "airside/forecast/candidate_record.hpp"
 #include "airside/forecast/candidate_search.hpp"
 #include "airside/forecast/head_features.hpp"
 #include "airside/forecast/residual_features.hpp"
@@ -34,6 +35,8 @@ class Proposer {
 
   void configure(const ControllerSettings& settings) { search_.configure(settings); }
   CandidateSearch<T, Scalar>& search() { return search_; }
+  CandidateRecord& record() { return record_; }
+  const CandidateRecord& record() const { return record_; }
 
   /// The regressors of now.
   static void take_features(const ControllerSettings& s, const CycleState<T>& cycle, const Scaler<T>& scaler,
@@ -43,12 +46,13 @@ class Proposer {
     at.has_features = true;
   }
 
-  /// Fills in both choices and returns the setpoint made of them and the schedule's, degC.
+  /// Fills in both choices, and in record() what they were made of; returns the setpoint made of them and the
+  /// schedule's, degC.
   /// Errors: NaN if neither network nor head gives a number.
   double propose(const ControllerSettings& s, const LearningState<T, Scalar>& learning, const CycleState<T>& cycle,
                  NetworkScratch<T, Scalar>& scratch, Pending& at) {
     const ForecastModel<T, Scalar> model{learning.scaler, scratch.packed, scratch};
-    at.network_degc = search_.best_degc(s, model, at.now, cycle.last_setpoint_degc);
+    at.network_degc = search_.best_degc(s, model, at.now, cycle.last_setpoint_degc, &record_);
     at.head_degc = head_choice(s, learning.head, cycle.last_setpoint_degc, 0.0, at);
     if (std::isfinite(at.head_degc)) correct(s, learning, cycle, at);
     double chosen = at.network_degc;
@@ -61,7 +65,11 @@ class Proposer {
       chosen = std::isfinite(chosen) ? at.head_share * at.head_degc + (1.0 - at.head_share) * chosen : at.head_degc;
     }
     if (!std::isfinite(chosen)) return unknown;
-    return fuse(effective_confidence(s, cycle.confidence), chosen, at.expert_degc);
+    const double trust = effective_confidence(s, cycle.confidence);
+    if (std::isfinite(at.head_degc)) note_head(s, learning.head, cycle.last_setpoint_degc, at);
+    record_.schedule_share = 1.0 - trust;
+    record_.proposed_degc = fuse(trust, chosen, at.expert_degc);
+    return record_.proposed_degc;
   }
 
   /// What network and head expect of the cycle that begins now, at the setpoint that was really applied, NaN: none.
@@ -132,9 +140,19 @@ class Proposer {
     return std::clamp(ideal, s.action_min_degc, s.action_max_degc);
   }
 
+  /// The head's forecast is a line over the candidates.
+  void note_head(const ControllerSettings& s, const RoomHead<T>& head, double last_degc, const Pending& at) {
+    const double now = held(s, at.now);
+    record_.head_gain = head.gain(s);
+    record_.head_from_degc = now + head.drift_k(s, at.time, at.features) + used_residual_k(at) +
+                             record_.head_gain * (record_.from_degc - last_degc);
+    record_.head_aim_degc = now + s.head_correction * (s.target_degc - now);
+  }
+
   static double held(const ControllerSettings& s, const Vector& v) { return held_degc<T>(s.held, s.shape, v); }
 
   CandidateSearch<T, Scalar> search_;
+  CandidateRecord record_;  ///< of the last decision
 };
 
 }  // namespace airside

@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 
+#include "airside/forecast/candidate_record.hpp"
 #include "airside/forecast/scores.hpp"
 #include "airside/held_rooms.hpp"
 #include "airside/network/forward.hpp"
@@ -44,13 +45,14 @@ class CandidateSearch {
     }
   }
 
-  /// The network's choice in state `now`, degC. Errors: NaN if no forecast is a number.
+  /// The network's choice in state `now`, degC; `record` keeps the first pass. Errors: NaN if no forecast is a number.
   double best_degc(const ControllerSettings& s, const ForecastModel<T, Scalar>& model, const Vector& now,
-                   double last_degc) {
+                   double last_degc, CandidateRecord* record = nullptr) {
     scaled_ = model.scaler.template signals<Scalar>(now);
     boxes_ = now.segment(L::vav_on, L::rooms);
     const double room = held_degc<T>(s.held, site_, now);
     const int best = choose(s, model, {candidates_.data(), static_cast<std::size_t>(count_)}, room, last_degc);
+    if (record != nullptr) note(s, model.scaler, *record);
     if (best < 0) return unknown;
     const double coarse = candidates_[static_cast<std::size_t>(best)];
     if (s.refine_step_k <= 0) return coarse;
@@ -87,6 +89,17 @@ class CandidateSearch {
       scores_[i] = setpoint_score(s, room_degc, later_degc, move);
     }
     return best_candidate(s, {scores_.data(), candidates_degc.size()}, candidates_degc, last_degc);
+  }
+
+  /// Of the first pass, before the second takes its place.
+  void note(const ControllerSettings& s, const Scaler<T>& scaler, CandidateRecord& record) const {
+    const int stride = record.take_grid(s.action_min_degc, s.action_step_k, count_);
+    for (int i = 0; i < record.count; ++i) {
+      const auto to = static_cast<std::size_t>(i), from = static_cast<std::size_t>(i * stride);
+      record.network_degc[to] = static_cast<float>(predicted(s, scaler, from, s.long_term != 0));
+      record.score[to] = static_cast<float>(scores_[from]);
+    }
+    record.has_network = true;
   }
 
   void forecast(const ForecastModel<T, Scalar>& model, std::span<const double> candidates_degc) {

@@ -1,0 +1,90 @@
+// Point checkout: what the daemon read of each point, and who has signed it off.
+
+import { el, get, has, page, post_and_tell, say, t } from '/app.js';
+import { table } from '/why.js';
+
+const $ = (id) => document.getElementById(id);
+const known = (v) => typeof v === 'number' && Number.isFinite(v);
+const pause = (ms) => new Promise((done) => setTimeout(done, ms));
+const moment = (text) => text.replace('T', ' ').slice(0, 16);
+const may_sign = () => page.session.operate && page.session.install;
+let points = null;
+let filled_in = false;
+
+function verdict(p) {
+  const key = `point.${p.verdict}`;
+  const words = has(key) ? t(key) : has(`fault.${p.verdict}`) ? t(`fault.${p.verdict}`) : p.verdict;
+  const good = p.verdict === 'plausible' || p.verdict === 'not readable';
+  return el('span', `${good ? '✓' : '✗'} ${words}`, { class: good ? 'good' : 'poor' });
+}
+const number = (v, unit) => (known(v) ? `${+v.toFixed(3)} ${/^degc$/i.test(unit) ? '°C' : unit}` : '–');
+const register = (p) => (p.object ? p.object : t('point-register', { fc: p.fc, addr: p.addr, type: p.type }));
+
+function signed(p) {
+  const s = p.signed, place = el('span');
+  if (s) {
+    place.append(el('span', t(s.valid ? 'point-signed' : 'point-void', { by: s.by, at: moment(s.at), value: s.value || '–' }), { class: s.valid ? 'good' : 'poor' }), ' ');
+  } else if (!may_sign()) place.textContent = '–';
+  if (!may_sign()) return place;
+  const act = (key, work) => {
+    const b = el('button', t(key), { type: 'button', 'aria-label': `${t(key)}: ${p.name}`, 'data-point': p.name, 'data-act': key });
+    b.onclick = work;
+    place.append(b);
+  };
+  if (s?.valid) act('point-withdraw', () => change('/points/withdraw', p.name, t('point-withdrawn', { name: p.name }), p.name));
+  else if (p.verdict === 'plausible' || p.verdict === 'not readable') act('point-sign', () => sign(p));
+  return place;
+}
+async function sign(p) {
+  const person = $('points-name').value.trim();
+  if (!person) {
+    say('points-said', t('point-name-needed'));
+    return $('points-name').focus();
+  }
+  await change('/points/sign', `${p.name}\n${person}\n${points.time}`, t('point-sign-done', { name: p.name, by: person }), p.name);
+}
+async function change(path, body, done, name) {
+  await post_and_tell('points-said', path, body, done);
+  await load();
+  $('points').querySelector(`[data-point="${CSS.escape(name)}"]`)?.focus();
+}
+
+export function show() {
+  if (!points) return;
+  const p = points;
+  say('points-count', p.total === 0 ? t('points-none', { why: p.trouble }) : t('points-count', { n: p.signed, m: p.total }));
+  $('points-progress').max = Math.max(1, p.total);
+  $('points-progress').value = p.signed;
+  $('points-read').hidden = !page.session.operate;
+  $('points-sign').hidden = !may_sign();
+  $('points-needs').hidden = may_sign();
+  say('points-time', p.waiting ? t('points-waiting') : p.time ? t('points-time', { at: moment(p.time), age: page.span_text(p.age_s) }) : t('points-never'));
+  say('points-trouble', [p.trouble && p.total ? p.trouble : '', p.kept ? '' : t('points-not-kept')].filter(Boolean).join(' '));
+  if (!filled_in) return;
+  table('points', t('points-caption'), [t('point'), t('point-value'), t('point-verdict'), t('point-sign-off'), t('point-raw'), t('point-limits'), t('point-where')],
+    p.points.map((q) => [q.name, number(q.value, q.unit), verdict(q), signed(q), q.raw.length ? q.raw.join(' ') : '–', `${q.min} – ${q.max}`, register(q)]));
+}
+export async function load() {
+  if (!page.session.see) return;
+  points = (await get('/points.json')).json;
+  show();
+}
+/** Until the daemon has read: it looks with each heartbeat and each row. */
+async function follow(before) {
+  for (let i = 0; i < 150; ++i) {
+    await load();
+    if (!points.waiting && points.time !== before) return say('points-said', t('points-read-done', { at: moment(points.time) }));
+    if (!points.waiting && i > 3) return say('points-said', '');
+    await pause(i < 20 ? 500 : 3000);
+  }
+}
+export function listen() {
+  $('points-d').ontoggle = () => { filled_in = $('points-d').open; show(); };
+  $('points-read').onclick = async () => {
+    const before = points?.time;
+    $('points-read').disabled = true;
+    try {
+      if (await post_and_tell('points-said', '/points/read', '', t('points-asked'))) await follow(before);
+    } finally { $('points-read').disabled = false; }
+  };
+}
