@@ -4,7 +4,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(CURL REQUIRED)
 file(GLOB_RECURSE AIRSIDE_TOOLS_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
-list(FILTER AIRSIDE_TOOLS_SOURCES EXCLUDE REGEX "/tools/(cli|chaos|bench|box|gap_bound)/")
+list(FILTER AIRSIDE_TOOLS_SOURCES EXCLUDE REGEX "/tools/(cli|chaos|bench|box|gap_bound|python)/")
 # What several subcommands share, and tests ask for.
 list(TRANSFORM AIRSIDE_CLI_SHARED PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/cli/ OUTPUT_VARIABLE cli_shared)
 list(APPEND AIRSIDE_TOOLS_SOURCES ${cli_shared})

@@ -1,5 +1,8 @@
 #include "sim/energyplus/install.hpp"
 
+#include <dlfcn.h>
+#include <link.h>
+
 #include <cstdlib>
 #include <optional>
 #include <vector>
@@ -17,11 +20,23 @@ std::optional<fs::path> from_environment(const char* name) {
   return fs::path(text);
 }
 
+/// Of this code: of the program or, in Python, of the extension that it is a part of.
 fs::path program_folder() {
+  static const char here = 0;
+  Dl_info part{};
+  void* extra = nullptr;
+  if (dladdr1(&here, &part, &extra, RTLD_DL_LINKMAP) != 0) {
+    const char* name = static_cast<const link_map*>(extra)->l_name;  // "" of a program
+    if (name != nullptr && *name != '\0') return fs::absolute(name).parent_path();
+  }
   std::error_code failed;
   const fs::path self = fs::read_symlink("/proc/self/exe", failed);
   return failed ? fs::path(".") : self.parent_path();
 }
+
+/// Whether the build folder is none from which the sources are found: only then they are named in the program, which
+/// else can be moved or given away as it is.
+constexpr bool elsewhere() { return *AIRSIDE_SIM_SOURCE_DIR != '\0'; }
 
 bool present(const fs::path& path) {
   std::error_code failed;
@@ -52,7 +67,7 @@ std::vector<fs::path> engine_folders() {
   for (const fs::path& up : {here.parent_path(), here.parent_path().parent_path()}) {
     if (present(up / "venv")) add(up / "venv");
   }
-  add(fs::path(AIRSIDE_SIM_SOURCE_DIR) / "build" / "venv");
+  if (elsewhere()) add(fs::path(AIRSIDE_SIM_SOURCE_DIR) / "build" / "venv");
   return folders;
 }
 
@@ -123,10 +138,10 @@ fs::path find_models() {
                           "unset it, or point it at sim/models");
   }
   const fs::path here = program_folder();
-  std::vector<fs::path> places = {here.parent_path() / "share" / "airside" / "models",
-                                  here.parent_path().parent_path() / "sim" / "models",
-                                  here.parent_path().parent_path().parent_path() / "sim" / "models",
-                                  fs::path(AIRSIDE_SIM_SOURCE_DIR) / "sim" / "models"};
+  std::vector<fs::path> places = {
+      here.parent_path() / "share" / "airside" / "models", here.parent_path().parent_path() / "sim" / "models",
+      here.parent_path().parent_path().parent_path() / "sim" / "models", here / "models"};  // in Python's package
+  if (elsewhere()) places.push_back(fs::path(AIRSIDE_SIM_SOURCE_DIR) / "sim" / "models");
   for (const auto& place : places) {
     if (present(place / "twin.epJSON")) return place;
   }
@@ -141,10 +156,10 @@ fs::path find_energyplus_worker() {
                           "the program airside-energyplus", "unset it, or correct it");
   }
   const fs::path here = program_folder();
-  const std::vector<fs::path> places = {here / "airside-energyplus", here.parent_path() / "bin" / "airside-energyplus",
-                                        here.parent_path().parent_path() / "bin" / "airside-energyplus",
-                                        here.parent_path().parent_path().parent_path() / "bin" / "airside-energyplus",
-                                        fs::path(AIRSIDE_SIM_BIN_DIR) / "airside-energyplus"};
+  std::vector<fs::path> places = {here / "airside-energyplus", here.parent_path() / "bin" / "airside-energyplus",
+                                  here.parent_path().parent_path() / "bin" / "airside-energyplus",
+                                  here.parent_path().parent_path().parent_path() / "bin" / "airside-energyplus"};
+  if (elsewhere()) places.push_back(fs::path(AIRSIDE_SIM_BIN_DIR) / "airside-energyplus");
   if (const auto found = first_of(places)) return *found;
   throw hal::InputError("program airside-energyplus", "nothing at " + list_of(places),
                         "the worker program beside this one", "build the target airside-energyplus");

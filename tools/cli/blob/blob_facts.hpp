@@ -3,9 +3,11 @@
 // build. For people to look at; what controls goes through BlobCodec::decode.
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "airside/controller/blob.hpp"
@@ -53,6 +55,16 @@ struct BlobFacts {
 BlobFacts read_blob_facts(const std::string& path);
 /// The same for bytes that came from `place`.
 BlobFacts facts_of_blob(std::span<const std::byte> file, const std::string& place);
+
+/// Those of one layer.
+std::span<const float> weights_of(const BlobFacts& facts, const BlobLayer& layer);
+
+/// Header fields as name and text, in the file's order.
+std::vector<std::pair<const char*, std::string>> header_fields(const BlobFacts& facts);
+/// The field's name as docs/formats.md writes it.
+std::string key_of(std::string name);
+/// What `airside blob inspect --json` prints.
+nlohmann::json json_of(const BlobFacts& facts);
 
 /// The header's text fields.
 std::string scope_text(const BlobHeader& header);  ///< "any site" where there is none

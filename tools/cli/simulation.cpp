@@ -1,0 +1,126 @@
+#include "tools/cli/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "hal/log/log_csv.hpp"
+#include "hal/text/input_error.hpp"
+#include "sim/rc/modulating_room.hpp"
+#include "sim/weather/epw.hpp"
+#include "tools/run/log_weather.hpp"
+
+namespace airside::tools {
+
+namespace {
+
+/// Weekdays of a written weather file are those of the simulated year.
+constexpr int weather_year = 2021;
+
+/// A log that may not have been asked for. Its place is tried before the run that is to fill it.
+class AskedLog {
+ public:
+  AskedLog(const std::string& path, const Site& site) {
+    if (!path.empty()) writer_.emplace(path, site.counts, true);
+  }
+  void write(const std::vector<hal::LogRow>& rows) {
+    if (!writer_) return;
+    for (const hal::LogRow& row : rows) writer_->append(row);
+    writer_->close();
+  }
+
+ private:
+  std::optional<hal::LogWriter> writer_;
+};
+
+}  // namespace
+
+/// The made-up year of a simulated log is in no file: it goes beside the log, for what reads weather and log.
+std::string Simulation::weather_to_write(const Site& s) const {
+  if (log.empty() || !plant.weather.empty() || !plant.environment.empty() || is_energyplus(plant, s)) return "";
+  const std::string path = weather_beside(log);
+  return path == log ? "" : path;
+}
+
+/// What ours starts from: weights, but nothing for the objective band, which learns on the box from what boxes show.
+void Simulation::check_start(Objective objective, bool engine) const {
+  if (objective != Objective::band) {
+    if (!weights.empty() || transfer) return;
+    throw hal::InputError(
+        "--weights", "no weights", "a blob for the controller",
+        "give --weights (airside pretrain makes one), --transfer alone to train from scratch, or another --method");
+  }
+  if (transfer) {
+    throw hal::InputError("--transfer", "given with objective = \"band\"",
+                          "no weights: band learns from dampers and meters on the box", "leave it out");
+  }
+  if (engine || sim::modulating_name(plant.room)) return;
+  throw hal::InputError("--room " + plant.room, "a room whose boxes do not modulate, and objective = \"band\"",
+                        "modulating-humid, modulating-mild, modulating-reheat or modulating-duct",
+                        "choose one of these rooms, or objective = \"mean\" in the site file");
+}
+
+Simulation::Ready Simulation::make_ready(const Site& chosen, const std::vector<std::string>& compare) const {
+  Trial trial{chosen, plant, expert_days, days};
+  trial.site.file.seed = plant.seed;
+  if (!faults.empty()) trial.faults = sim::read_fault_script(faults, trial.site.counts);
+  if (site.path.empty()) trial.site.file.name = "Room " + plant.room;  // "built-in" says nothing in a report
+  const bool engine = is_energyplus(plant, trial.site);
+  bool ours = method == "ours";
+  if (!ours) check_method("--method", method, engine);
+  for (const std::string& name : compare) {
+    if (name != "ours") check_method("--compare", name, engine);
+    ours = ours || name == "ours";
+  }
+  check_room(plant, trial.site);
+  RunFacts facts = run_facts(plant, trial.site);
+  BlobBytes blob;
+  if (ours) {
+    check_start(trial.site.settings.objective, engine);
+    if (!weights.empty()) blob = read_blob(weights, trial.site);
+  }
+  return {std::move(trial), std::move(facts), std::move(blob)};
+}
+
+SimulatedRun Simulation::run(const Ready& ready, const std::string& name, const OnProgress& progress) const {
+  const Trial& trial = ready.trial;
+  Prepared prepared = prepare(trial);
+  if (!history.empty()) prepared.history = hal::read_log(history, trial.site.counts).rows;
+  SimulatedRun out;
+  out.history = prepared.history;
+  out.plant = prepared.model->description();
+  out.control = name == "ours" ? run_ours(trial, prepared, {ready.blob, transfer, steps}, progress)
+                               : run_method(trial, prepared, name, progress);
+  return out;
+}
+
+Simulation::Recorded Simulation::run_recorded(const Ready& ready, const std::function<OnProgress()>& begin) const {
+  const Site& s = ready.trial.site;
+  AskedLog rows_out(log, s), past_out(history_log, s);
+  Recorded out{{}, weather_to_write(s)};
+  out.run = run(ready, method, begin());
+  rows_out.write(out.run.control.rows);
+  past_out.write(out.run.history);
+  if (!out.weather.empty()) sim::write_epw(out.weather, *made_up_weather(plant), weather_year);
+  out.run.metrics = metrics_of(s, out.run.control);
+  return out;
+}
+
+nlohmann::json Simulation::json_of(const Ready& ready, const SimulatedRun& run) const {
+  nlohmann::json j = tools::json_of(run.metrics);
+  j["plant"] = run.plant;
+  add_to(j, ready.facts);
+  j["method"] = method;
+  j["hold"] = text_of(ready.trial.site.settings.held.rule);
+  j["room"] = plant.room;
+  j["seeds"] = {plant.seed};
+  j["days"] = days;
+  j["digest"] = ready.blob.empty() ? "" : digest_text(ready.blob);
+  j["rejected_updates"] = run.control.rejected_updates;
+  std::vector<double> setpoints;
+  for (const CycleSample& c : run.control.cycles) setpoints.push_back(c.setpoint_degc);
+  j["setpoint_degc"] = setpoints;
+  return j;
+}
+
+}  // namespace airside::tools
