@@ -169,7 +169,7 @@ std::size_t format_log_row(std::span<char> out, const LogRow& row, bool controll
 namespace {
 
 /// `path`, unless what is there is no log: a log that replaces a site file is a slip of the hand.
-const std::string& in_place_of_a_log(const std::string& path) {
+std::string in_place_of_a_log(const std::string& path) {
   std::error_code ignored;
   std::string begin(7, '\0');
   std::ifstream file;

@@ -18,6 +18,7 @@
 #include "airside/controller/supervisor.hpp"
 #include "airside/demand_settings.hpp"
 #include "airside/fault.hpp"
+#include "airside/forecast/candidate_record.hpp"
 #include "airside/held_rooms.hpp"
 #include "airside/presets.hpp"
 #include "airside/reading.hpp"
