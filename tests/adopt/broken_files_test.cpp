@@ -30,7 +30,7 @@ std::vector<FileCase> files() {
   return {
       {"Empty", "m.idf", "", {"m.idf", "an empty file", "EnergyPlus model", "copy is whole"}},
       {"OnlyBlanks", "m.epJSON", " \n\t\n", {"m.epJSON", "an empty file", "EnergyPlus model", "copy is whole"}},
-      {"NoJson", "m.epJSON", "{\"Zone\": {\n", {"m.epJSON:2", "not JSON", "JSON object", "syntax"}},
+      {"NoJson", "m.epJSON", "{\"Zone\": {\n", {"m.epJSON:2", "not JSON", "JSON object", "ends early"}},
       {"IdfNamedEpjson", "m.epJSON", "Version,25.2;\n", {"m.epJSON:1", "not JSON", "", ""}},
       {"JsonNamedIdf", "m.idf", "[1]", {"m.idf", "array", "object types", ""}},
       {"Prose", "m.idf", "Dear all\n", {"m.idf", "neither JSON nor an IDF", ".epJSON", "right file"}},

@@ -45,8 +45,9 @@ class Installed:
     def __init__(self):
         self.folder = Path(tempfile.mkdtemp(prefix="airside-wheel-"))
         ran([sys.executable, "-m", "pip", "wheel", ROOT / "tools" / "python", "-w", self.folder, "--no-deps",
-             "--no-build-isolation", "--disable-pip-version-check", "-C", f"build-dir={self.folder / 'built'}",
-             "-C", f"cmake.define.AIRSIDE_BUILD={BIN.parent}"])
+             "--no-build-isolation", "--disable-pip-version-check",
+             "--config-settings", f"build-dir={self.folder / 'built'}",
+             "--config-settings", f"cmake.define.AIRSIDE_BUILD={BIN.parent}"])
         self.wheel = next(self.folder.glob("*.whl"))
         environment = self.folder / "fresh"
         ran([sys.executable, "-m", "venv", environment])

@@ -164,10 +164,10 @@ function listen() {
     }
     $('sign-in-d').close();
     await load_session();
+    $('sign-out').focus();  // now, and not from under the hands of whoever has gone on meanwhile
     await refresh_state();
     if (!page.trends) await refresh_trends();
     await checkout.load();
-    $('sign-out').focus();
   };
   $('sign-out').onclick = async () => { await post('/logout'); await load_session(); $('sign-in').focus(); if (page.status) views.show(); };
   $('release').onclick = async () => {

@@ -1,6 +1,7 @@
 // airside init: a site file and a point map to start from, complete and already in order.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <iostream>
@@ -44,6 +45,19 @@ struct InitCommand {
     return text;
   }
 
+  /// Signals of the point map whose place nobody has said.
+  static std::vector<std::string> made_up_signals(const InitAnswers& a, const std::string& points_text) {
+    std::vector<std::string> names;
+    for (const std::string& name : signal_names()) {
+      const auto said = a.signals.find(name);
+      if (said != a.signals.end() && (said->second.addr || said->second.is_absent)) continue;
+      const bool is_there = points_text.find("\n" + name + ",") != std::string::npos ||
+                            points_text.find("\n" + name + "_1,") != std::string::npos;
+      if (is_there) names.push_back(name);
+    }
+    return names;
+  }
+
   /// Site file and point map from a person's answers; checked whole before a byte is written.
   void write_answered() {
     const InitAnswers a = ask ? ask_answers(std::cin, std::cerr) : read_answers(answers);
@@ -57,14 +71,22 @@ struct InitCommand {
     write(site, site_text);
     write(points, points_text);
     write(kept, text_of(a));
+    const std::vector<std::string> made_up = made_up_signals(a, points_text);
     if (json) {
       fmt::print(
           "{}\n",
-          nlohmann::json{{"site", site.string()}, {"points", points.string()}, {"answers", kept.string()}}.dump());
+          nlohmann::json{
+              {"site", site.string()}, {"points", points.string()}, {"answers", kept.string()}, {"made_up", made_up}}
+              .dump());
       return;
     }
-    fmt::print("wrote {}, {} and {}\nNext, none of them writes to the AHU:\n", site.string(), points.string(),
-               kept.string());
+    fmt::print("wrote {}, {} and {}\n", site.string(), points.string(), kept.string());
+    if (!made_up.empty()) {
+      fmt::print(
+          "Not in the answers, so at registers of the simulated AHU: {}.\n  Say where each is, or absent = true.\n",
+          fmt::join(made_up, ", "));
+    }
+    fmt::print("Next, none of them writes to the AHU:\n");
     for (const char* command : {"check", "doctor", "probe"})
       fmt::print("  airside {} {}\n", command, hal::shell_word(site.string()));
   }
