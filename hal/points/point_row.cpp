@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "hal/points/bacnet_row.hpp"
+#include "hal/points/point_type_names.hpp"
 #include "hal/points/register_codec.hpp"
 
 namespace airside::hal {
@@ -67,15 +68,8 @@ void parse_name(const PointRow& row, Point& p) {
 
 void parse_address(const PointRow& row, Point& p) {
   static constexpr std::array<std::pair<const char*, int>, 4> functions{{{"1", 1}, {"2", 2}, {"3", 3}, {"4", 4}}};
-  static constexpr std::array<std::pair<const char*, PointType>, 7> types{{{"coil", PointType::coil},
-                                                                           {"discrete", PointType::discrete},
-                                                                           {"int16", PointType::int16},
-                                                                           {"uint16", PointType::uint16},
-                                                                           {"int32", PointType::int32},
-                                                                           {"uint32", PointType::uint32},
-                                                                           {"float32", PointType::float32}}};
   p.fc = choice(row, "fc", functions);
-  p.type = choice(row, "type", types);
+  p.type = choice(row, "type", point_type_names);
   if ((p.fc == 1) != (p.type == PointType::coil) || (p.fc == 2) != (p.type == PointType::discrete)) {
     row.complain("type", cell_text(row["type"]),
                  p.fc == 1   ? "coil, which is what function 1 reads"

@@ -1,5 +1,6 @@
 """Without Ray: each job once, stopped campaigns go on, failures stay where they are and are named."""
 
+import fcntl
 import json
 import os
 import signal
@@ -112,21 +113,15 @@ class Serial(unittest.TestCase):
 
     def test_one_campaign_at_a_time(self):
         desk = Desk(self)
-        desk.write(MANY)
-        child = subprocess.Popen(
-            desk.words("--serial"), env=desk.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
-        try:
-            deadline = time.monotonic() + 30
-            while not (desk.folder / "runs" / "jobs").is_dir() and time.monotonic() < deadline:
-                time.sleep(0.02)
-            time.sleep(0.2)
-            second = desk.run("--serial")
-            if child.poll() is None:
-                self.assertEqual(second.returncode, 1)
-                self.assertIn("a campaign that runs in it", second.stderr)
-        finally:
-            child.wait()
+        desk.write(CHAIN)
+        (desk.folder / "runs").mkdir()
+        with open(desk.folder / "runs" / ".lock", "w", encoding="utf-8") as other:
+            fcntl.flock(other, fcntl.LOCK_EX)
+            refused = desk.run("--serial")
+            self.assertEqual(refused.returncode, 1)
+            self.assertIn("a campaign that runs in it", refused.stderr)
+            self.assertEqual(desk.files(), {})
+        self.assertEqual(desk.run("--serial").returncode, 0, "the lock goes with whoever held it")
 
     @unittest.skipUnless(os.geteuid() == 0, "a full disk takes root, who mounts a small one")
     def test_a_full_disk_leaves_nothing_half_written(self):

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <ctime>
 #include <limits>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "firmware/page/data/state_folder.hpp"
+#include "hal/points/point_type_names.hpp"
 #include "hal/points/register_codec.hpp"
 #include "hal/points/word_order.hpp"
 #include "hal/storage/atomic_file.hpp"
@@ -27,13 +27,9 @@ constexpr const char* readings_name = "points.json";  ///< of the daemon's folde
 constexpr const char* wish_name = "read-points";      ///< of its inbox
 constexpr std::uint64_t max_readings_bytes = 262144;
 
-constexpr std::array<const char*, 7> type_names{"coil", "discrete", "int16", "uint16", "int32", "uint32", "float32"};
-
-std::string type_of(const hal::Point& point) { return type_names[static_cast<std::size_t>(point.type)]; }
-
 /// What makes a number of the registers of a point: where it changes, a sign-off is of something else.
 std::string row_text(const hal::Point& p) {
-  return fmt::format("{} {} {} {}{} {} {} {} {}", p.fc, p.addr, type_of(p), static_cast<int>(p.byte_order),
+  return fmt::format("{} {} {} {}{} {} {} {} {}", p.fc, p.addr, hal::name_of(p.type), static_cast<int>(p.byte_order),
                      static_cast<int>(p.word_order), p.scale, p.offset, p.unit, p.object);
 }
 
@@ -119,9 +115,7 @@ void Checkout::load() {
   std::uint64_t size = 0;
   const hal::StorageFile file = open_in(dir_, file_name, max_bytes, size);
   if (!file.is_open()) return;
-  std::string text(static_cast<std::size_t>(size), '\0');
-  const auto got = file.read_at(std::as_writable_bytes(std::span(text)), 0, "read sign-offs");
-  const json all = got && *got == size ? json::parse(text, nullptr, false) : json();
+  const json all = json_in(file, size);
   if (!all.is_object()) {
     trouble_ = fmt::format("{}/{} is damaged; every point is to be signed off again", dir_, file_name);
     return;
@@ -150,9 +144,7 @@ json Checkout::latest() const {
   std::uint64_t size = 0;
   const hal::StorageFile file = open_in(state_dir_, readings_name, max_readings_bytes, size);
   if (!file.is_open()) return nullptr;
-  std::string text(static_cast<std::size_t>(size), '\0');
-  const auto got = file.read_at(std::as_writable_bytes(std::span(text)), 0, "read points");
-  json found = got && *got == size ? json::parse(text, nullptr, false) : json();
+  json found = json_in(file, size);
   if (!found.is_object() || !found.contains("points") || !found["points"].is_array()) return nullptr;
   struct stat status {};
   const double age_s = ::fstat(file.descriptor(), &status) == 0
@@ -168,7 +160,7 @@ json Checkout::fact(const hal::Point& point, const json& reading) const {
            {"unit", point.unit},
            {"fc", point.fc},
            {"addr", point.addr},
-           {"type", type_of(point)},
+           {"type", hal::name_of(point.type)},
            {"min", thousandths(point.min)},
            {"max", thousandths(point.max)},
            {"writable", point.writable()},

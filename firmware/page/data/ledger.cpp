@@ -17,9 +17,7 @@ void Ledger::load() {
   std::uint64_t size = 0;
   const hal::StorageFile file = open_in(dir_, file_name, max_bytes, size);
   if (!file.is_open()) return;
-  std::string text(static_cast<std::size_t>(size), '\0');
-  const auto got = file.read_at(std::as_writable_bytes(std::span(text)), 0, "read ledger");
-  const json all = got && *got == size ? json::parse(text, nullptr, false) : json();
+  const json all = json_in(file, size);
   if (!all.is_object()) return;  // begun anew, as at the first start
   weights_ = text_in(all, "weights");
   refusal_ = text_in(all, "refusal");

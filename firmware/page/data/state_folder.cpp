@@ -18,6 +18,12 @@ hal::StorageFile open_in(const std::string& folder, const char* name, std::uint6
   return file;
 }
 
+nlohmann::json json_in(const hal::StorageFile& file, std::uint64_t bytes) {
+  std::string text(static_cast<std::size_t>(bytes), '\0');
+  const auto got = file.read_at(std::as_writable_bytes(std::span(text)), 0, "read a file of the page");
+  return got && *got == bytes ? nlohmann::json::parse(text, nullptr, false) : nlohmann::json();
+}
+
 bool StatusReader::refresh() {
   struct stat status {};
   const std::string path = dir_ + "/status.json";

@@ -15,6 +15,9 @@ constexpr std::uint64_t max_status_bytes = 65536;
 /// A regular file of at most `max_bytes`, and how long it is. Not open where there is none.
 hal::StorageFile open_in(const std::string& folder, const char* name, std::uint64_t max_bytes, std::uint64_t& bytes);
 
+/// What `file` of `bytes` holds; null or discarded where it is not whole or no JSON.
+nlohmann::json json_in(const hal::StorageFile& file, std::uint64_t bytes);
+
 /// status.json, read again where it has changed.
 class StatusReader {
  public:

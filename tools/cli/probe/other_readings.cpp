@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "hal/points/point_names.hpp"
+#include "hal/points/point_type_names.hpp"
 #include "hal/points/register_codec.hpp"
 
 namespace airside::tools {
@@ -34,8 +35,6 @@ constexpr std::array<UsualValues, 8> usual_values = {{{"room_temp", 12, 35},
 constexpr std::array<std::string_view, 10> not_judged = {
     "vav_on",  "fcu_on",          "rain",      "ahu_on",           "occupied",
     "clock_s", "clock_advance_s", "heartbeat", "device_heartbeat", "map_fingerprint"};
-
-constexpr std::array<const char*, 7> type_names = {"coil", "discrete", "int16", "uint16", "int32", "uint32", "float32"};
 
 std::string cell_number(double value) { return fmt::format("{:.10g}", value); }
 /// As points.csv will hold it, so that file and sheet agree to the bit.
@@ -225,7 +224,7 @@ std::vector<std::pair<std::string, std::string>> changed_cells(const Point& stat
   if (other.fc != stated.fc) cells.emplace_back("fc", std::to_string(other.fc));
   if (other.addr != stated.addr) cells.emplace_back("addr", std::to_string(other.addr));
   if (other.type != stated.type) {
-    cells.emplace_back("type", type_names[static_cast<std::size_t>(other.type)]);
+    cells.emplace_back("type", hal::name_of(other.type));
     if (stated.sentinels > 0) cells.emplace_back("sentinel", "");
   }
   if (other.byte_order != stated.byte_order) cells.emplace_back("byte_order", order(other.byte_order));
