@@ -52,16 +52,30 @@ void bootstrap_tile(const BatchView<T, Scalar>& batch, int first, int rows, doub
   }
 }
 
-/// bias += column sums of rows 0..n-1.
+/// bias += column sums of rows 0..n-1; sixteen sums at a time stay in registers.
 template <class Scalar>
 void add_column_sums(int n, int width, const Scalar* rows, int stride, Scalar* bias) {
-  for (int r = 0; r < n; ++r)
-    for (int i = 0; i < width; ++i) bias[i] += rows[r * stride + i];
+  constexpr int at_once = 16;
+  for (int left = width; left > 0; left -= at_once, rows += at_once, bias += at_once) {
+    if (left < at_once) {
+      for (int r = 0; r < n; ++r)
+        for (int i = 0; i < left; ++i) bias[i] += rows[r * stride + i];
+      break;
+    }
+    std::array<Scalar, at_once> sum;
+    std::copy_n(bias, at_once, sum.data());
+    for (int r = 0; r < n; ++r) {
+      const Scalar* const row = rows + r * stride;
+      for (int i = 0; i < at_once; ++i) sum[static_cast<std::size_t>(i)] += row[i];
+    }
+    std::copy_n(sum.data(), at_once, bias);
+  }
 }
 
-/// Adds one tile's weight gradients to scratch.gradient (the input layers' to gradient_s, gradient_a).
+/// Adds the weight gradients of one tile, n samples and the m that violate the constraint, to scratch.gradient (the
+/// input layers' to gradient_s, gradient_a).
 template <Topology T, class Scalar>
-void accumulate_gradient(int n, NetworkScratch<T, Scalar>& s) {
+void accumulate_gradient(int n, int m, NetworkScratch<T, Scalar>& s) {
   const Kernels<Scalar>& k = s.kernels;
   const auto& d = s.delta;
   const auto& a = s.act;
@@ -72,11 +86,11 @@ void accumulate_gradient(int n, NetworkScratch<T, Scalar>& s) {
     add_column_sums(n, outputs, dz.row(0) + column, dz.width, g.bias_of(layer));
   };
   const auto add_both = [&](Layer layer, const auto& dz, int column, const auto& x) {
-    add(layer, 2 * n, dz, column, x, g.weight_of(layer), layer_shape<T>(layer).inputs);
+    add(layer, n + m, dz, column, x, g.weight_of(layer), layer_shape<T>(layer).inputs);
   };
-  add(Layer::enc_s_0, 2 * n, d.enc_s, 0, a.input_s, s.gradient_s.row(0), s.gradient_s.width);
+  add(Layer::enc_s_0, n + m, d.enc_s, 0, a.input_s, s.gradient_s.row(0), s.gradient_s.width);
   add_both(Layer::enc_s_1, d.joint, 0, a.enc_s);
-  add(Layer::enc_a_0, 2 * n, d.enc_a, 0, a.input_a, s.gradient_a.row(0), s.gradient_a.width);
+  add(Layer::enc_a_0, n + m, d.enc_a, 0, a.input_a, s.gradient_a.row(0), s.gradient_a.width);
   add_both(Layer::enc_a_1, d.joint, encoder_width, a.enc_a);
   add_both(Layer::share_0, d.share_0, 0, a.joint);
   add_both(Layer::share_1, d.share_1, 0, a.share_0);
@@ -96,7 +110,7 @@ void accumulate_gradient(int n, NetworkScratch<T, Scalar>& s) {
   add_column_sums(n, rooms, s.d_short_term.row(0), width, g.bias_of(Layer::dec));
   add_column_sums(n, rooms, s.d_reconstruction.row(0), width, g.bias_of(Layer::dec));
   std::array<Scalar, latent_width> tangent_sum{};
-  add_column_sums(n, latent_width, a.strb_1.row(n), latent_width, tangent_sum.data());
+  add_column_sums(m, latent_width, a.strb_1.row(n), latent_width, tangent_sum.data());
   for (int o = 0; o < rooms; ++o)
     for (int i = 0; i < latent_width; ++i) dec[o * latent_width + i] += tangent_sum[static_cast<std::size_t>(i)];
 }
@@ -128,8 +142,9 @@ void begin_group(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<
 }
 
 /// Forward pass, targets and losses of one tile; F included. Tiles come in order, from 0 by tile_samples.
+/// Returns how many samples violate the gradient constraint.
 template <Topology T, class Scalar>
-void tile_losses(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<T, Scalar>& target,
+int tile_losses(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<T, Scalar>& target,
                  const BatchView<T, Scalar>& batch, int first, int rows, const LossSettings<T>& settings,
                  NetworkScratch<T, Scalar>& s, LossTerms& sum) {
   if (first % group_samples == 0) begin_group(weights, target, batch, first, settings.gamma, s);
@@ -140,7 +155,7 @@ void tile_losses(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<
   layer_forward(s.kernels, s.packed, Layer::dec, rows, s.act.joint.row(0), share_width, s.reconstruction.row(0), width);
   output_losses(batch, first, rows, settings.weights, s, sum);
   constraint_reverse(weights, rows, s);
-  constraint_loss(rows, batch.size, settings, s, sum);
+  return constraint_loss(rows, batch.size, settings, s, sum);
 }
 
 /// Losses of the batch, no gradient.
@@ -151,7 +166,7 @@ LossTerms batch_losses(const NetworkWeights<T, Scalar>& weights, const NetworkWe
   LossTerms sum;
   begin_batch(weights, s);
   for (int first = 0; first < batch.size; first += tile_samples)
-    tile_losses(weights, target, batch, first, std::min(tile_samples, batch.size - first), settings, s, sum);
+    (void)tile_losses(weights, target, batch, first, std::min(tile_samples, batch.size - first), settings, s, sum);
   return mean_losses(sum, batch.size, s.rooms(), settings.weights);
 }
 
@@ -169,10 +184,10 @@ LossTerms batch_gradient(const NetworkWeights<T, Scalar>& weights, const Network
   s.gradient_a.values.fill(0);
   for (int first = 0; first < batch.size; first += tile_samples) {
     const int rows = std::min(tile_samples, batch.size - first);
-    tile_losses(weights, target, batch, first, rows, settings, s, sum);
+    const int violating = tile_losses(weights, target, batch, first, rows, settings, s, sum);
     losses_reverse(weights, rows, s);
-    constraint_tangent(rows, s);
-    accumulate_gradient(rows, s);
+    constraint_tangent(rows, violating, s);
+    accumulate_gradient(rows, violating, s);
   }
   for (int o = 0; o < encoder_width; ++o) {
     std::copy_n(s.gradient_s.row(o), L::signals, s.gradient.weight_of(Layer::enc_s_0) + o * L::signals);

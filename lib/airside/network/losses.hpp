@@ -97,15 +97,16 @@ void output_losses(const BatchView<T, Scalar>& batch, int first, int rows, const
 
 /// The gradient constraint of one tile: L_GC = sum_j max(0, -L_j F_j), and the tangents v that its weight gradient
 /// starts from, v_j = -L_j w_gc / N where it is violated, else 0.
-/// Shape: F = slope_s on [S E] plus slope_a on [E A]; v restricted to each encoder goes to rows rows..2rows-1 of
-/// its inputs.  Source: docs/method.md 4.4, step 3.
+/// Shape: F = slope_s on [S E] plus slope_a on [E A]; the m samples whose v is not 0 go to scratch.violating, and v
+/// restricted to each encoder to rows rows..rows+m-1 of its inputs. Returns m.  Source: docs/method.md 4.4, step 3.
 template <Topology T, class Scalar>
-void constraint_loss(int rows, int batch_size, const LossSettings<T>& settings, NetworkScratch<T, Scalar>& scratch,
+int constraint_loss(int rows, int batch_size, const LossSettings<T>& settings, NetworkScratch<T, Scalar>& scratch,
                      LossTerms& sum) {
   using L = Layout<T>;
   std::array<Scalar, L::inputs> label, slope, seed;
   std::array<Scalar, L::inputs> tangent;
   const double rate = settings.weights.gc / batch_size;
+  int violating = 0;
   for (std::size_t j = 0; j < L::inputs; ++j) {
     label[j] = static_cast<Scalar>(-settings.labels[j]);
     seed[j] = static_cast<Scalar>(-settings.labels[j] * rate);
@@ -122,12 +123,15 @@ void constraint_loss(int rows, int batch_size, const LossSettings<T>& settings, 
       against += wrong > 0 ? wrong : Scalar(0);
       tangent[j] = wrong > 0 ? seed[j] : Scalar(0);
     }
+    if (!(against > 0)) continue;
     sum.gc += static_cast<double>(against);
-    Scalar* const u_s = scratch.act.input_s.row(rows + r);
-    Scalar* const u_a = scratch.act.input_a.row(rows + r);
+    Scalar* const u_s = scratch.act.input_s.row(rows + violating);
+    Scalar* const u_a = scratch.act.input_a.row(rows + violating);
     for (std::size_t j = 0; j < L::signals; ++j) u_s[j] = tangent[j];
     for (std::size_t j = 0; j <= L::exogenous; ++j) u_a[j] = tangent[L::rooms + j];
+    scratch.violating[static_cast<std::size_t>(violating++)] = r;
   }
+  return violating;
 }
 
 /// Sums to means, and the weighted total.

@@ -2,7 +2,8 @@
 // The reverse and tangent passes of one tile, by hand. LeakyReLU networks are piecewise linear, so the gradient
 // constraint needs no second derivative (docs/method.md 4.4):
 //   delta_l = d(sum S')/d(pre-activation l), u_l = tangent of v after layer l:  dL_GC/dW_l = delta_l u_{l-1}^T.
-// Rows 0..n-1 carry the losses' own gradient, rows n..2n-1 the constraint's: one product sums both.
+// Rows 0..n-1 carry the losses' own gradient, rows n..n+m-1 that of the constraint, for the m samples that violate it:
+// one product sums both.
 
 #include <algorithm>
 #include <array>
@@ -91,16 +92,44 @@ void losses_reverse(const NetworkWeights<T, Scalar>& w, int n, NetworkScratch<T,
   back(Layer::enc_a_1, d.joint, encoder_width, d.enc_a, a.enc_a.row(0), false);
 }
 
-/// Tangent pass u_l = phi' (W_l u_{l-1}) from the seeds in rows n..2n-1 of the inputs.
+/// Moves the deltas of the m violating samples, and copies their activations, to rows n..n+m-1, where both are wanted:
+/// the activations are the gates of the tangent pass until its results take their place.
+/// Cost: copies of 840 numbers a sample; none where all violate.
+template <Topology T, class Scalar>
+void gather_violating(int n, int m, NetworkScratch<T, Scalar>& s) {
+  const auto pick = [&](auto& rows, int from) {
+    for (int i = 0; i < m; ++i) {
+      const Scalar* const row = rows.row(from + s.violating[static_cast<std::size_t>(i)]);
+      if (row != rows.row(n + i)) std::copy_n(row, rows.width, rows.row(n + i));
+    }
+  };
+  const auto pick_all = [&](auto& of, int from) {
+    pick(of.enc_s, from);
+    pick(of.enc_a, from);
+    pick(of.joint, from);
+    pick(of.share_0, from);
+    pick(of.share_1, from);
+    pick(of.share_2, from);
+    pick(of.strb_0, from);
+    pick(of.strb_1, from);
+  };
+  pick_all(s.delta, n);
+  pick_all(s.act, 0);
+}
+
+/// Tangent pass u_l = phi' (W_l u_{l-1}) from the m seeds in rows n..n+m-1 of the inputs.
 /// Source: docs/method.md 4.4, step 4.
 template <Topology T, class Scalar>
-void constraint_tangent(int n, NetworkScratch<T, Scalar>& s) {
+void constraint_tangent(int n, int m, NetworkScratch<T, Scalar>& s) {
+  if (m == 0) return;
+  const int gates = m < n ? n : 0;
+  if (m < n) gather_violating(n, m, s);
   auto& a = s.act;
   const auto along = [&](Layer layer, const auto& x, auto& out, int column) {
     const LayerShape shape = layer_shape<T>(layer);
     ProductArgs<Scalar> p{x.row(n),  x.width, s.packed.weight(layer), shape.outputs, out.row(n) + column,
-                          out.width, n,       shape.inputs,           shape.outputs};
-    p.gate = out.row(0) + column;
+                          out.width, m,       shape.inputs,           shape.outputs};
+    p.gate = out.row(gates) + column;
     p.gate_stride = out.width;
     s.kernels.product(p);
   };

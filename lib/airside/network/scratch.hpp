@@ -47,9 +47,9 @@ struct TileRows {
   const Scalar* row(int r) const { return values.data() + r * Width; }
 };
 
-/// Activations of one forward pass. Rows 0..n-1 hold values; where Rows is twice a tile, rows n..2n-1 hold the
-/// tangents of the gradient constraint (docs/method.md 4.4, step 4), so that one kernel call sums both weight
-/// gradients.
+/// Activations of one forward pass. Rows 0..n-1 hold values; where Rows is twice a tile, rows n..n+m-1 hold the
+/// tangents of the m samples that violate the gradient constraint (docs/method.md 4.4, step 4), so that one kernel call
+/// sums both weight gradients.
 template <Topology T, class Scalar, int Rows>
 struct TileActivations {
   static constexpr int signals_width = padded_columns(Layout<T>::signals);
@@ -67,7 +67,7 @@ struct TileActivations {
 };
 
 /// Signals of the reverse pass, derivative with respect to pre-activations. Rows 0..n-1 of the loss, rows n..2n-1
-/// of the sum of S' (docs/method.md 4.4, step 2).
+/// of the sum of S' (docs/method.md 4.4, step 2); then rows n..n+m-1 those of the samples that violate the constraint.
 template <class Scalar>
 struct TileDeltas {
   static constexpr int rows = 2 * tile_samples;
@@ -110,6 +110,8 @@ struct NetworkScratch {
   TileOutputs<T, Scalar> d_short_term, d_deviation, d_reconstruction;
   /// Y of a group's samples. Shape: group_samples x rooms.
   std::array<Scalar, static_cast<std::size_t>(group_samples) * static_cast<std::size_t>(Layout<T>::rooms)> bootstrap;
+  /// Samples of the tile that violate the gradient constraint, in order.
+  std::array<int, tile_samples> violating;
   /// dF by the two encoders' inputs.
   TileRows<Scalar, tile_samples, Activations::signals_width> slope_s;
   TileRows<Scalar, tile_samples, Activations::exogenous_width> slope_a;

@@ -28,7 +28,7 @@ struct ProductArgs {
   const Scalar* bias = nullptr;  ///< row of cols, start of every sum
   bool accumulate = false;       ///< start from out instead
   bool leaky = false;            ///< end: y > 0 ? y : slope y
-  const Scalar* gate = nullptr;  ///< end: y times phi' of the activation gate(r, c): > 0 ? 1 : slope
+  const Scalar* gate = nullptr;  ///< end: y times phi' of the activation gate(r, c): > 0 ? 1 : slope; may be out
   int gate_stride = 0;
 };
 

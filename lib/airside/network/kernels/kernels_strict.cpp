@@ -78,11 +78,12 @@ void product_rows(const ProductArgs<Scalar>& p, int r, int c) {
   for (int k = 0; k < p.depth; ++k, ++x, w += p.w_stride) sums.add(x, p.x_stride, w);
   for (int j = 0; j < R; ++j) {
     Scalar* const y = out + j * p.out_stride;
+    Scalar gate[std::uint32_t{block<Scalar>}];
+    if (p.gate != nullptr) std::memcpy(gate, p.gate + (r + j) * p.gate_stride + c, sizeof(gate));
     sums.store(j, y);
     if (p.leaky) {
       for (int i = 0; i < block<Scalar>; ++i) y[i] = y[i] > 0 ? y[i] : slope * y[i];
     } else if (p.gate != nullptr) {
-      const Scalar* const gate = p.gate + (r + j) * p.gate_stride + c;
       for (int i = 0; i < block<Scalar>; ++i) y[i] = gate[i] > 0 ? y[i] : slope * y[i];
     }
   }
