@@ -36,8 +36,8 @@ constexpr auto footprint_ledger() {
       {"head", "room head: regressors, profile, covariance", sizeof(RoomHead<T>), 240 * kb},
       {"replay", "remembered transitions", sizeof(ReplayRing<T, float>), 3200 * kb},
       {"shadow", "network in training", net, 160 * kb},
-      {"scratch", "activations of one tile, gradients, the network that runs", sizeof(NetworkScratch<T, float>),
-       1024 * kb},
+      {"scratch", "activations of one tile, gradients, the network that runs, targets that are known",
+       sizeof(NetworkScratch<T, float>), 1280 * kb},
       {"cycle", "validator, the last two readings, demand of boxes that modulate", sizeof(CycleState<T>), 16 * kb},
       {"controller", "everything above and the candidates", sizeof(C), 5120 * kb},
   });

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 
 #include "airside/memory_size.hpp"
 #include "airside/network/forward.hpp"
@@ -13,30 +16,35 @@
 #include "airside/network/network.hpp"
 #include "airside/network/reverse_pass.hpp"
 #include "airside/network/scratch.hpp"
+#include "airside/network/target_cache.hpp"
 #include "airside/topology.hpp"
 
 namespace airside {
 
-/// Loads samples first .. first+rows-1 as network inputs: [S E], [E A], or the successor's [S1 E1], [E1 A].
+/// Loads samples first .. first+rows-1 as network inputs: [S E], [E A].
 template <Topology T, class Scalar>
-void load_tile(const BatchView<T, Scalar>& batch, int first, int rows, bool successor, NetworkScratch<T, Scalar>& s) {
+void load_tile(const BatchView<T, Scalar>& batch, int first, int rows, NetworkScratch<T, Scalar>& s) {
   using L = Layout<T>;
   for (int r = 0; r < rows; ++r) {
     const Scalar* const sample = batch.row(first + r);
-    const Scalar* const signals = successor ? sample + L::inputs : sample;
-    std::copy_n(signals, L::signals, s.act.input_s.row(r));
-    std::copy_n(signals + L::rooms, L::exogenous, s.act.input_a.row(r));
-    s.act.input_a.row(r)[L::exogenous] = sample[L::signals];
+    std::copy_n(sample, L::signals, s.act.input_s.row(r));
+    std::copy_n(sample + L::rooms, L::exogenous + 1, s.act.input_a.row(r));
   }
 }
 
 /// Y = g (F_TDB + F_STRB - S1) with the target network, which is the one packed, on (S1, E1, A): Dec(f_res + f_short)
-/// is both. Source: docs/method.md 4, term 2.
+/// is both. Shape: of the batch's samples `samples`, at most a tile.  Source: docs/method.md 4, term 2.
 template <Topology T, class Scalar>
-void bootstrap_tile(const BatchView<T, Scalar>& batch, int first, int rows, double gamma,
+void bootstrap_tile(const BatchView<T, Scalar>& batch, std::span<const int> samples, double gamma,
                     NetworkScratch<T, Scalar>& s) {
   using L = Layout<T>;
-  load_tile(batch, first, rows, true, s);
+  const int rows = static_cast<int>(samples.size());
+  for (int r = 0; r < rows; ++r) {
+    const Scalar* const sample = batch.row(samples[static_cast<std::size_t>(r)]);
+    std::copy_n(sample + L::inputs, L::signals, s.act.input_s.row(r));
+    std::copy_n(sample + L::inputs + L::rooms, L::exogenous, s.act.input_a.row(r));
+    s.act.input_a.row(r)[L::exogenous] = sample[L::signals];
+  }
   tile_forward(s.kernels, s.packed, rows, s.act);
   Scalar* const f_long = s.act.strb_1.row(0);
   const Scalar* const f_res = s.act.tdb_1.row(0);
@@ -45,9 +53,10 @@ void bootstrap_tile(const BatchView<T, Scalar>& batch, int first, int rows, doub
   layer_forward(s.kernels, s.packed, Layer::dec, rows, f_long, latent_width, s.short_term.row(0), width);
   const Scalar g = static_cast<Scalar>(gamma);
   for (int r = 0; r < rows; ++r) {
-    const Scalar* const s1 = batch.row(first + r) + L::inputs;
+    const int sample = samples[static_cast<std::size_t>(r)];
+    const Scalar* const s1 = batch.row(sample) + L::inputs;
     const Scalar* const later = s.short_term.row(r);
-    Scalar* const y = s.bootstrap_of(first + r);
+    Scalar* const y = s.bootstrap_of(sample);
     for (int i = 0; i < L::rooms; ++i) y[i] = g * (later[i] - s1[i]);
   }
 }
@@ -129,15 +138,44 @@ void begin_batch(const NetworkWeights<T, Scalar>& weights, NetworkScratch<T, Sca
   }
 }
 
+/// What the target of one sample depends on beside the target network: its A, S1 and E1.
+template <Topology T, class Scalar>
+std::uint64_t target_key(const Scalar* sample, std::uint64_t seed) {
+  using L = Layout<T>;
+  return fingerprint(std::span<const Scalar>(sample + L::signals, static_cast<std::size_t>(L::signals) + 1), seed);
+}
+
 /// Targets of the group that starts at sample `first`; then the network itself is packed. One after the other, so that
-/// only one packed network is ever needed.
+/// only one packed network is ever needed. Of samples that lie in a memory, targets that are still known are taken.
 template <Topology T, class Scalar>
 void begin_group(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<T, Scalar>& target,
                  const BatchView<T, Scalar>& batch, int first, double gamma, NetworkScratch<T, Scalar>& s) {
-  pack(target, s.kernels, s.packed);
+  const bool may_know = batch.index != nullptr && s.targets.slots > 0;
+  const std::uint64_t rest = std::bit_cast<std::uint64_t>(gamma) + static_cast<std::uint64_t>(s.kernels.kind);
+  const std::uint64_t seed = may_know ? fingerprint(std::span<const Scalar>(target.values), rest) : 0;
+  std::array<int, tile_samples> wanted;
+  std::size_t waiting = 0;
+  bool packed = false;
+  const auto work_off = [&] {
+    if (!packed) pack(target, s.kernels, s.packed);
+    packed = true;
+    bootstrap_tile(batch, std::span<const int>(wanted).first(waiting), gamma, s);
+    for (std::size_t i = 0; may_know && i < waiting; ++i)
+      s.targets.keep(batch.index[wanted[i]], target_key<T>(batch.row(wanted[i]), seed), s.bootstrap_of(wanted[i]));
+    waiting = 0;
+  };
   const int end = std::min(batch.size, first + group_samples);
-  for (int at = first; at < end; at += tile_samples)
-    bootstrap_tile(batch, at, std::min(tile_samples, end - at), gamma, s);
+  for (int at = first; at < end; ++at) {
+    const Scalar* const known =
+        may_know ? s.targets.find(batch.index[at], target_key<T>(batch.row(at), seed)) : nullptr;
+    if (known != nullptr) {
+      std::copy_n(known, Layout<T>::rooms, s.bootstrap_of(at));
+      continue;
+    }
+    wanted[waiting++] = at;
+    if (waiting == wanted.size()) work_off();
+  }
+  if (waiting > 0) work_off();
   pack(weights, s.kernels, s.packed);
 }
 
@@ -145,10 +183,10 @@ void begin_group(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<
 /// Returns how many samples violate the gradient constraint.
 template <Topology T, class Scalar>
 int tile_losses(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<T, Scalar>& target,
-                 const BatchView<T, Scalar>& batch, int first, int rows, const LossSettings<T>& settings,
-                 NetworkScratch<T, Scalar>& s, LossTerms& sum) {
+                const BatchView<T, Scalar>& batch, int first, int rows, const LossSettings<T>& settings,
+                NetworkScratch<T, Scalar>& s, LossTerms& sum) {
   if (first % group_samples == 0) begin_group(weights, target, batch, first, settings.gamma, s);
-  load_tile(batch, first, rows, false, s);
+  load_tile(batch, first, rows, s);
   tile_forward(s.kernels, s.packed, rows, s.act);
   decode(s.kernels, s.packed, rows, s.act, s.short_term, s.deviation);
   constexpr int width = TileOutputs<T, Scalar>::width;

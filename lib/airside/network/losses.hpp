@@ -101,7 +101,7 @@ void output_losses(const BatchView<T, Scalar>& batch, int first, int rows, const
 /// restricted to each encoder to rows rows..rows+m-1 of its inputs. Returns m.  Source: docs/method.md 4.4, step 3.
 template <Topology T, class Scalar>
 int constraint_loss(int rows, int batch_size, const LossSettings<T>& settings, NetworkScratch<T, Scalar>& scratch,
-                     LossTerms& sum) {
+                    LossTerms& sum) {
   using L = Layout<T>;
   std::array<Scalar, L::inputs> label, slope, seed;
   std::array<Scalar, L::inputs> tangent;

@@ -1,6 +1,6 @@
 #pragma once
 // Working memory of the network: one tile of samples with all its activations, and packed copies of weights.
-// Owned by the caller, never saved; what it holds between calls does not matter.
+// Owned by the caller, never saved; what it holds between calls changes no result.
 
 #include <array>
 #include <cstddef>
@@ -8,6 +8,7 @@
 #include "airside/memory_size.hpp"
 #include "airside/network/kernels/kernels.hpp"
 #include "airside/network/network.hpp"
+#include "airside/network/target_cache.hpp"
 #include "airside/topology.hpp"
 
 namespace airside {
@@ -110,6 +111,8 @@ struct NetworkScratch {
   TileOutputs<T, Scalar> d_short_term, d_deviation, d_reconstruction;
   /// Y of a group's samples. Shape: group_samples x rooms.
   std::array<Scalar, static_cast<std::size_t>(group_samples) * static_cast<std::size_t>(Layout<T>::rooms)> bootstrap;
+  /// Y of the replay's slots, as far as it is still known.
+  TargetCache<Scalar, Layout<T>::rooms, cached_targets> targets;
   /// Samples of the tile that violate the gradient constraint, in order.
   std::array<int, tile_samples> violating;
   /// dF by the two encoders' inputs.
