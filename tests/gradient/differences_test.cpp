@@ -46,8 +46,11 @@ class Differences {
     add(a.enc_s), add(a.enc_a), add(a.joint), add(a.share_0), add(a.share_1), add(a.share_2);
     add(a.strb_0), add(a.strb_1), add(a.tdb_0), add(a.tdb_1);
     for (int r = 0; r < samples; ++r) {
-      for (int j = 0; j < L::signals; ++j) out.push_back(a.input_s.row(samples + r)[j] != 0);
-      out.push_back(a.input_a.row(samples + r)[L::exogenous] != 0);
+      for (int j = 0; j < L::inputs; ++j) {
+        const double by_s = j < L::signals ? scratch->slope_s.row(r)[j] : 0;
+        const double by_a = j >= L::rooms ? scratch->slope_a.row(r)[j - L::rooms] : 0;
+        out.push_back(by_s + by_a > 0);
+      }
       for (int i = 0; i < L::rooms; ++i) out.push_back(scratch->deviation.row(r)[i] > 0);
     }
     return out;

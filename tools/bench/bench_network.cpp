@@ -75,14 +75,27 @@ struct Bench {
     });
   }
 
+  /// All work: weights as they were drawn, which violate the constraint nearly everywhere and do not move, and samples
+  /// that are in no memory.
   void step(const Stopwatch& watch, const std::string& prefix, int batch) {
-    std::vector<std::uint32_t> index(static_cast<std::size_t>(batch));
-    ring->sample(generator, index);
-    const LearnerSettings<Topo> settings;
+    LearnerSettings<Topo> settings;
+    settings.adam.learning_rate = 0;
     const double flops = std::is_same_v<Topo, FiveZone> ? batch * 2.0 * 178368 : 0;
-    watch.measure(of(prefix + "/step", batch, flops), [&] {
+    const BatchView<Topo, float> rows{ring->slot(0).data(), nullptr, batch};
+    watch.measure(of(prefix + "/step", batch, flops),
+                  [&] { sink = static_cast<float>(learner->step(*weights, rows, settings, *scratch).total); });
+  }
+
+  /// As on the box: weights that have learned, and samples drawn from the replay, whose targets are mostly known.
+  void learned_step(const Stopwatch& watch, const std::string& prefix, int batch) {
+    std::vector<std::uint32_t> index(static_cast<std::size_t>(batch));
+    const LearnerSettings<Topo> settings;
+    const auto one = [&] {
+      ring->sample(generator, index);
       sink = static_cast<float>(learner->step(*weights, ring->view(index), settings, *scratch).total);
-    });
+    };
+    for (int i = 0; i < 300; ++i) one();
+    watch.measure(of(prefix + "/learned-step", batch), one);
   }
 
   void parts(const Stopwatch& watch, const std::string& prefix) {
@@ -141,6 +154,7 @@ int main(int argc, char** argv) {
     const std::string prefix = "airside_" + name;
     for (const int candidates : {1, 46, 61}) bench->decide(watch, prefix, candidates);
     for (const int batch : {32, 128, 1000}) bench->step(watch, prefix, batch);
+    for (const int batch : {32, 128, 1000}) bench->learned_step(watch, prefix, batch);
     if (with_parts) bench->parts(watch, prefix);
     measure_classes(watch, float_kernels(kind), prefix);
     measure_cycles(watch, float_kernels(kind), prefix);

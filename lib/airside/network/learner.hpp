@@ -43,7 +43,7 @@ class Learner {
 
   /// One Adam step on `weights`; after every sync_every-th step theta- <- theta. An empty batch changes nothing.
   /// Returns the losses before the update.
-  /// Cost: 2.5-4 us a sample with AVX-512; stack < 4 KB.
+  /// Cost: see batch_gradient(); stack < 4 KB.
   LossTerms step(Weights& weights, const Batch& batch, const LearnerSettings<T>& settings, Scratch& scratch) {
     if (batch.size <= 0) return {};
     const LossTerms losses = batch_gradient(weights, target_, batch, settings.loss, scratch);
