@@ -150,7 +150,7 @@ std::uint64_t target_key(const Scalar* sample, std::uint64_t seed) {
 template <Topology T, class Scalar>
 void begin_group(const NetworkWeights<T, Scalar>& weights, const NetworkWeights<T, Scalar>& target,
                  const BatchView<T, Scalar>& batch, int first, double gamma, NetworkScratch<T, Scalar>& s) {
-  const bool may_know = batch.index != nullptr && s.targets.slots > 0;
+  const bool may_know = cached_targets > 0 && batch.index != nullptr;
   const std::uint64_t rest = std::bit_cast<std::uint64_t>(gamma) + static_cast<std::uint64_t>(s.kernels.kind);
   const std::uint64_t seed = may_know ? fingerprint(std::span<const Scalar>(target.values), rest) : 0;
   std::array<int, tile_samples> wanted;
