@@ -98,7 +98,7 @@ bool Daemon<T>::row(CivilTime t, const Expected<Reading<T>>& sensed, const Contr
   last_row_ = t;
   last_sensed_ = sensed;
   write_status();
-  if (readings_.wanted()) readings_.read(link_, t, sensed.has_value());
+  if (readings_.wanted()) read_points(t, sensed.has_value());
   service_.tell("WATCHDOG=1");  // only a row that came through every stage is a sign of life
   report_.say_mode(controller.control_mode(t));
   crash_loop_.row();
@@ -151,11 +151,25 @@ void Daemon<T>::beat_between_rows() {
   // A wall clock that was set back makes one wait longer than a row, never than two cycles: no sign of a hang.
   if (left_s > row_s) service_.tell("WATCHDOG=1");
   // A whole map on a slow line takes seconds; the row is not to wait for them.
-  if (left_s > 30 + link_.failure_costs_s() && readings_.wanted()) readings_.read(link_, now(), plant_.in_touch());
+  if (left_s > 30 + link_.failure_costs_s() && readings_.wanted()) read_points(now(), plant_.in_touch());
   if (!beats_ || state_.release_waits() || left_s < link_.failure_costs_s()) return;
   if (plant_.beat() || plant_.in_touch()) return;
   (void)plant_.sense();
   (void)plant_.beat();
+}
+
+/// For whoever checks the points. A write is tried where the box is in control alone, and between what it may write.
+template <Topology T>
+void Daemon<T>::read_points(CivilTime now, bool answers) {
+  if (readings_.write_wanted()) {
+    const ControllerSettings& s = controller_->settings();
+    const bool may_write = beats_ && !state_.taken_over() && !state_.release_waits();
+    const double step_k = std::min(0.5, s.limit_change_k);
+    readings_.note(may_write ? plant_.check_write(step_k, s.limit_min_degc, s.limit_max_degc)
+                             : hal::WriteCheck{.fault = Fault::released},
+                   now);
+  }
+  readings_.read(link_, now, answers);
 }
 
 /// Until the plant answers once: a clock that was never read must not decide where to begin. False: a stop came first.

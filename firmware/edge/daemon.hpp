@@ -68,6 +68,7 @@ class Daemon final : public AnyDaemon {
   bool report_clock(CivilTime t);
   void report_bus(CivilTime t);
   void beat_between_rows();
+  void read_points(CivilTime now, bool answers);
   bool wait_for_plant();
   void write_status(CivilTime stopped_at = {});
 

@@ -34,6 +34,7 @@ const char* name_of(Route order) {
     case Route::release: return "release";
     case Route::hand_back: return "hand-back";
     case Route::points_read: return "reading of points";
+    case Route::points_write: return "trial of a write";
     case Route::points_sign: return "sign-off";
     case Route::points_withdraw: return "withdrawal of a sign-off";
     case Route::rollback: return "rollback";
@@ -91,6 +92,7 @@ MHD_Result PageServer::begin(MHD_Connection* c, Connection& connection, const ch
     case Route::hand_back:
     case Route::rollback:
     case Route::points_read:
+    case Route::points_write:
     case Route::points_sign:
     case Route::points_withdraw: return begin_body(c, connection, verdict.upload_bytes);
     default: break;
@@ -178,6 +180,9 @@ MHD_Result PageServer::do_order(MHD_Connection* c, Connection& connection, std::
       break;
     case Route::points_read:
       if (body.empty()) said = ask_readings(inbox_dir_);
+      break;
+    case Route::points_write:
+      if (body.empty()) said = ask_write_check(inbox_dir_);
       break;
     case Route::points_sign: {
       const auto done = answers_.checkout().sign(body, connection.who);

@@ -114,6 +114,14 @@ class ModbusPlant {
     return Applied{*taken};
   }
 
+  /// For the checkout of points: the setpoint one step aside of what stands there, and back, each read back.
+  /// Errors: in the result: as sense() and ModbusSetpoint::check().  Cost: sense(), and at most 8 exchanges; no heap.
+  WriteCheck check_write(double step, double min, double max) {
+    const Expected<Reading<T>> sensed = sense();
+    if (!sensed) return {.fault = sensed.error()};
+    return setpoint_.check(*link_, sensed->setpoint_degc, step, min, max, identified_generation_);
+  }
+
   /// Counts the heartbeat up where the map has a writable one; without it the AHU takes over by itself.
   /// False: it could not be written. Cost: at most 3 exchanges.
   bool beat() {

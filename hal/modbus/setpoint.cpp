@@ -87,6 +87,32 @@ Expected<double> ModbusSetpoint::write(ModbusLink& link, double value, std::uint
   return taken;
 }
 
+WriteCheck ModbusSetpoint::check(ModbusLink& link, double standing, double step, double min, double max,
+                                 std::uint64_t generation) {
+  WriteCheck check;
+  check.before = standing;
+  if (!same(standing, sent_)) {
+    check.fault = Fault::released;
+    return check;
+  }
+  const double moved_k = std::max(step, 2 * half_step(point_));
+  check.sent = standing + moved_k <= max ? standing + moved_k : standing - moved_k;
+  if (!(check.sent >= min && check.sent <= max)) {
+    check.fault = Fault::out_of_range;
+    return check;
+  }
+  const Expected<double> taken = write(link, check.sent, generation);
+  // After a write without an answer too: it may have arrived.
+  const Expected<double> restored = write(link, standing, generation);
+  if (restored) check.restored = *restored;
+  if (!restored) check.fault = restored.error();
+  if (restored && !same(*restored, standing)) check.fault = Fault::not_applied;
+  if (taken) check.taken = *taken;
+  if (taken && !same(*taken, check.sent)) check.fault = Fault::not_applied;
+  if (!taken) check.fault = taken.error();
+  return check;
+}
+
 Expected<double> ModbusSetpoint::try_to_write(ModbusLink& link, double value, std::uint64_t generation) {
   const auto refused = tl::unexpected(Fault::not_applied);
   Expected<Registers> registers = encode(point_, value);

@@ -12,6 +12,7 @@
 #include "hal/weights/signature.hpp"
 #include "support/allocation_guard.hpp"
 #include "support/default_cycle.hpp"
+#include "support/program.hpp"
 
 namespace airside::footprint {
 namespace {
@@ -31,6 +32,7 @@ void expect_no_heap(const std::string& name, std::size_t rows, const char* more_
   here.daemon().start();
   here.settle(4);
   std::ofstream(bench.file("inbox") / "read-points").close();
+  std::ofstream(bench.file("inbox") / "check-write").close();
   const std::size_t before = bench.logged_rows();
   const std::uint64_t pushed = here.daemon().transitions();
   AllocationGuard guard("the daemon's rows");
@@ -45,6 +47,10 @@ void expect_no_heap(const std::string& name, std::size_t rows, const char* more_
   EXPECT_TRUE(std::filesystem::exists(bench.file("state") / "weights.blob")) << "none were given out";
   EXPECT_TRUE(std::filesystem::exists(bench.file("state") / "points.json")) << "no points were read";
   EXPECT_FALSE(std::filesystem::exists(bench.file("inbox") / "read-points"));
+  EXPECT_FALSE(std::filesystem::exists(bench.file("inbox") / "check-write"));
+  const std::string points = text_of_file(bench.file("state") / "points.json");
+  EXPECT_NE(points.find("\"write\":{\"time\":"), std::string::npos) << points;
+  EXPECT_NE(points.find("\"fault\":\"none\",\"before\":"), std::string::npos) << points;
   std::printf("%s: %zu rows without a heap event\n", T::name, rows - before);
   closed_loop::LogText log = bench.log();
   closed_loop::LogText expected = bench.expected();

@@ -318,6 +318,14 @@ step('point checkout: read, signed off by name, kept, withdrawn, exported', asyn
   await says(view, 'points-count', '1 of ');
   await says(view, 'points-said', 'room_temp_1 is signed off by');
   same(await view.evaluate(() => document.activeElement.dataset.act), 'point-withdraw', 'the focus stays at the point');
+  await says(view, 'points-write-why', 'half a kelvin');
+  await view.locator('#points-write').press('Enter');
+  await until('the write was tried', async () => (await facts()).write !== null);
+  const tried = (await facts()).write;
+  same(tried.fault, 'none', 'the trial of a write');
+  check(Math.abs(Math.abs(tried.sent - tried.before) - 0.5) < 1e-9 && tried.taken === tried.sent && tried.restored === tried.before, JSON.stringify(tried));
+  await says(view, 'points-written', 'The setpoint can be written');
+  check(!existsSync(box.path('site', 'inbox', 'check-write')), 'that wish is gone too');
   await accessible(view, 'the checkout');
   await picture(view, 'checkout', false);
   const waiting = view.waitForEvent('download');

@@ -156,6 +156,23 @@ TEST_F(PagePoints, WhatWasNotReadOrIsNotPlausibleIsNotSigned) {
   EXPECT_EQ(c.points()["kept"], false);
 }
 
+TEST_F(PagePoints, WhatBecameOfAWriteIsGivenOn) {
+  EXPECT_EQ(checkout().points()["write"], nullptr);
+  for (const char* none : {R"({"time":"x","points":[],"write":[1]})", R"({"time":"x","points":[]})"}) {
+    write("state/points.json", none);
+    EXPECT_EQ(checkout().points()["write"], nullptr) << none;
+  }
+  write("state/points.json",
+        R"({"time":"2021-07-01T10:00:00","points":[],"write":{"time":"2021-07-01T09:59:00","fault":"write refused",)"
+        R"("before":20.5,"sent":21,"taken":null,"restored":20.5,"more":"not given on"}})");
+  const json tried = checkout().points()["write"];
+  EXPECT_EQ(tried, json::parse(R"({"time":"2021-07-01T09:59:00","fault":"write refused","before":20.5,"sent":21.0,)"
+                               R"("taken":null,"restored":20.5})"));
+  fs::create_directories(folder / "inbox");
+  write("inbox/check-write", "");
+  EXPECT_EQ(checkout().points()["waiting"], true);
+}
+
 TEST_F(PagePoints, ASignOffEndsWithItsRowOfTheMap) {
   write_reading("2021-07-01T10:00:00", 2531);
   ASSERT_EQ(checkout().sign("room_temp_1\nAnn\n2021-07-01T10:00:00", "installer").status, 200);

@@ -152,6 +152,7 @@ TEST(RequestCheck, GivesEachRoleItsRightsAndNoMore) {
                                             {"GET", "/points.json", false, true, true, true},
                                             {"GET", "/points.csv", false, true, true, true},
                                             {"POST", "/points/read", false, false, true, true},
+                                            {"POST", "/points/write", false, false, false, true},
                                             {"POST", "/points/sign", false, false, false, true},
                                             {"POST", "/points/withdraw", false, false, false, true},
                                             {"POST", "/weights", false, false, false, true}})) {

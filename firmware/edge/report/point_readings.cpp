@@ -29,7 +29,7 @@ std::vector<hal::Point> readable(const hal::PointMap& map) {
   return points;
 }
 
-constexpr std::size_t head_bytes = 96, bytes_a_point = 128;  ///< beside the name
+constexpr std::size_t head_bytes = 320, bytes_a_point = 128;  ///< beside the name
 
 std::size_t most_bytes(const std::vector<hal::Point>& points) {
   std::size_t bytes = head_bytes;
@@ -46,12 +46,20 @@ PointReadings::PointReadings(const hal::PointMap& map, std::string inbox_dir, st
       readings_(points_.size()),
       text_(most_bytes(points_)) {}
 
-bool PointReadings::wanted() const {
+bool PointReadings::lies_in_inbox(const char* name) const {
   if (inbox_dir_.empty() || state_dir_.empty()) return false;
   const auto inbox = hal::StorageFile::open_existing_dir(inbox_dir_.c_str(), hal::FolderLink::refused);
   struct stat status {};
-  return inbox && ::fstatat(inbox->descriptor(), wish_name, &status, AT_SYMLINK_NOFOLLOW) == 0 &&
-         S_ISREG(status.st_mode);
+  return inbox && ::fstatat(inbox->descriptor(), name, &status, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(status.st_mode);
+}
+
+bool PointReadings::wanted() const { return lies_in_inbox(wish_name) || lies_in_inbox(write_wish_name); }
+
+bool PointReadings::write_wanted() const { return lies_in_inbox(write_wish_name); }
+
+void PointReadings::note(const hal::WriteCheck& check, CivilTime now) {
+  check_ = check;
+  checked_ = now;
 }
 
 /// False: the link gave no answer.
@@ -86,7 +94,18 @@ std::size_t PointReadings::format(CivilTime now) {
     text.count("exception", reading.exception);
     text.add("}}");
   }
-  text.add("]}}\n");
+  text.add("]");
+  if (check_) {
+    hal::write_civil_text(time.data(), checked_);
+    text.add(",\"write\":{{\"time\":\"{}\"", std::string_view(time.data(), time.size()));
+    text.string("fault", text_of(check_->fault));
+    text.number("before", check_->before);
+    text.number("sent", check_->sent);
+    text.number("taken", check_->taken);
+    text.number("restored", check_->restored);
+    text.add("}}");
+  }
+  text.add("}}\n");
   return text.fits() ? text.size() : 0;
 }
 
@@ -110,6 +129,7 @@ void PointReadings::read(hal::ModbusLink& link, CivilTime now, bool answers) {
   said_ = !written;
   if (const auto inbox = hal::StorageFile::open_existing_dir(inbox_dir_.c_str(), hal::FolderLink::refused)) {
     (void)::unlinkat(inbox->descriptor(), wish_name, 0);
+    (void)::unlinkat(inbox->descriptor(), write_wish_name, 0);
   }
 }
 

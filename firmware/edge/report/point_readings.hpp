@@ -1,24 +1,27 @@
 #pragma once
 // Every point of the map as the device shows it now, for whoever checks the points of a site: read when a wish lies in
-// the inbox, by the one who has the bus.
+// the inbox, by the one who has the bus. Another wish has the setpoint written once, and put back.
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "airside/civil_time.hpp"
 #include "airside/fault.hpp"
 #include "hal/modbus/link.hpp"
+#include "hal/modbus/setpoint.hpp"
 #include "hal/points/point_map.hpp"
 
 namespace airside::edge {
 
-/// Reads nothing until it is asked, and changes nothing that control reads.
+/// Reads nothing until it is asked, and changes nothing that control reads. Writes nothing itself.
 class PointReadings {
  public:
   static constexpr const char* wish_name = "read-points";
+  static constexpr const char* write_wish_name = "check-write";
   static constexpr const char* file_name = "points.json";
 
   /// Empty folders: nothing is ever wanted.
@@ -26,9 +29,13 @@ class PointReadings {
 
   /// Whether the wish lies in the inbox. Cost: a few system calls.
   bool wanted() const;
+  /// Whether the wish for a write does. Cost: as wanted().
+  bool write_wanted() const;
+  /// What became of that write: stands in points.json from the next read() on, with the time `now` of the site.
+  void note(const hal::WriteCheck& check, CivilTime now);
   /// Reads every readable point in a request of its own, writes points.json with the time `now` of the site, and takes
-  /// the wish away, also where the file could not be written: who waits sees the old one. After an exchange that failed
-  /// without an answer the points behind it are without a reading; with `answers` false all are.
+  /// the wishes away, also where the file could not be written: who waits sees the old one. After an exchange that
+  /// failed without an answer the points behind it are without a reading; with `answers` false all are.
   /// Errors: none here; a file that cannot be written is said once.  Cost: one exchange a point; no heap.
   void read(hal::ModbusLink& link, CivilTime now, bool answers);
 
@@ -39,6 +46,7 @@ class PointReadings {
     std::uint8_t exception = 0;  ///< of the device
     bool has_raw = false;
   };
+  bool lies_in_inbox(const char* name) const;
   bool read_one(hal::ModbusLink& link, std::size_t i);
   std::size_t format(CivilTime now);
   bool write(std::size_t bytes) const;
@@ -47,6 +55,8 @@ class PointReadings {
   std::vector<hal::Point> points_;
   std::vector<Reading> readings_;
   std::vector<char> text_;
+  std::optional<hal::WriteCheck> check_;
+  CivilTime checked_;
   bool said_ = false;
 };
 

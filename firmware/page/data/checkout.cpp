@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
 #include <limits>
@@ -24,7 +25,8 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* readings_name = "points.json";  ///< of the daemon's folder
-constexpr const char* wish_name = "read-points";      ///< of its inbox
+/// Of its inbox: readings, and a write.
+constexpr std::array<const char*, 2> wish_names = {"read-points", "check-write"};
 constexpr std::uint64_t max_readings_bytes = 262144;
 
 /// What makes a number of the registers of a point: where it changes, a sign-off is of something else.
@@ -68,6 +70,15 @@ std::string verdict_of(const hal::Point& point, const json& reading, const std::
   }
   if (fault != "none") return fault;
   return hal::fits_other_order_only(point, words) ? "word order" : "plausible";
+}
+
+/// What became of the last write that was asked for; null without one.
+json write_of(const json& found) {
+  const auto write = found.is_object() ? found.find("write") : found.end();
+  if (!found.is_object() || write == found.end() || !write->is_object()) return nullptr;
+  json out{{"time", text_in(*write, "time")}, {"fault", text_in(*write, "fault")}};
+  for (const char* name : {"before", "sent", "taken", "restored"}) out[name] = thousandths(number_of(*write, name));
+  return out;
 }
 
 std::string now_text() { return hal::civil_text({std::int64_t{std::time(nullptr)}}) + "Z"; }
@@ -199,10 +210,14 @@ json Checkout::points() const {
       if (s.is_object() && s["valid"].get<bool>()) ++done;
     }
   }
-  struct stat status {};
+  const auto waits = [this](const char* name) {
+    struct stat status {};
+    return ::lstat((inbox_dir_ + "/" + name).c_str(), &status) == 0;
+  };
   return {{"time", found.is_object() ? text_in(found, "time") : ""},
           {"age_s", found.is_object() ? found["age_s"] : json()},
-          {"waiting", ::lstat((inbox_dir_ + "/" + wish_name).c_str(), &status) == 0},
+          {"waiting", std::ranges::any_of(wish_names, waits)},
+          {"write", write_of(found)},
           {"trouble", trouble_},
           {"kept", kept_},
           {"total", total},

@@ -46,6 +46,7 @@ constexpr auto routes = std::to_array<Entry>({
     {"/hand-back", Route::hand_back, Right::operate},
     {"/rollback", Route::rollback, Right::operate},
     {"/points/read", Route::points_read, Right::operate},
+    {"/points/write", Route::points_write, Right::sign_off},
     {"/points/sign", Route::points_sign, Right::sign_off},
     {"/points/withdraw", Route::points_withdraw, Right::sign_off},
 });

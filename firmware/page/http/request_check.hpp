@@ -38,6 +38,7 @@ enum class Route : std::uint8_t {
   hand_back,
   rollback,
   points_read,
+  points_write,
   points_sign,
   points_withdraw,
 };

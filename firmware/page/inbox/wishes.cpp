@@ -44,4 +44,9 @@ WishAnswer ask_readings(const std::string& inbox_dir) {
   return drop(inbox_dir, "read-points", "", "the daemon reads every point with its next heartbeat or row");
 }
 
+WishAnswer ask_write_check(const std::string& inbox_dir) {
+  return drop(inbox_dir, "check-write", "",
+              "the daemon moves the setpoint by half a kelvin and back with its next heartbeat or row");
+}
+
 }  // namespace airside::page

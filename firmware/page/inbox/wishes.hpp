@@ -17,5 +17,7 @@ WishAnswer ask_hand_back(const std::string& inbox_dir);
 WishAnswer ask_rollback(const std::string& inbox_dir);
 /// The daemon reads every point of the map and says in points.json what it found.
 WishAnswer ask_readings(const std::string& inbox_dir);
+/// One write of the setpoint, and back; every point is read too.
+WishAnswer ask_write_check(const std::string& inbox_dir);
 
 }  // namespace airside::page

@@ -49,6 +49,17 @@ async function change(path, body, done, name) {
   $('points').querySelector(`[data-point="${CSS.escape(name)}"]`)?.focus();
 }
 
+/** What became of the last write that was tried. */
+function show_write(w) {
+  $('points-written').hidden = !w;
+  if (!w) return;
+  const degc = (v) => number(v, 'degC'), good = w.fault === 'none';
+  const key = good ? 'write-good' : w.fault === 'released' ? 'write-not-ours' : w.fault === 'out of range' ? 'write-no-room' : known(w.sent) ? 'write-poor' : 'write-unread';
+  const why = has(`fault.${w.fault}`) ? t(`fault.${w.fault}`) : w.fault;
+  $('points-written').className = good ? 'good' : 'poor';
+  $('points-written').textContent = `${good ? '✓' : '✗'} ${t(key, { at: moment(w.time), before: degc(w.before), sent: degc(w.sent), taken: degc(w.taken), restored: degc(w.restored), why })}`;
+}
+
 export function show() {
   if (!points) return;
   const p = points;
@@ -56,10 +67,11 @@ export function show() {
   $('points-progress').max = Math.max(1, p.total);
   $('points-progress').value = p.signed;
   $('points-read').hidden = !page.session.operate;
-  $('points-sign').hidden = !may_sign();
+  for (const id of ['points-sign', 'points-write', 'points-write-why']) $(id).hidden = !may_sign();
   $('points-needs').hidden = may_sign();
   say('points-time', p.waiting ? t('points-waiting') : p.time ? t('points-time', { at: moment(p.time), age: page.span_text(p.age_s) }) : t('points-never'));
   say('points-trouble', [p.trouble && p.total ? p.trouble : '', p.kept ? '' : t('points-not-kept')].filter(Boolean).join(' '));
+  show_write(p.write);
   if (!filled_in) return;
   table('points', t('points-caption'), [t('point'), t('point-value'), t('point-verdict'), t('point-sign-off'), t('point-raw'), t('point-limits'), t('point-where')],
     p.points.map((q) => [q.name, number(q.value, q.unit), verdict(q), signed(q), q.raw.length ? q.raw.join(' ') : '–', `${q.min} – ${q.max}`, register(q)]));
@@ -70,21 +82,25 @@ export async function load() {
   show();
 }
 /** Until the daemon has read: it looks with each heartbeat and each row. */
-async function follow(before) {
+async function follow(before, done) {
   for (let i = 0; i < 150; ++i) {
     await load();
-    if (!points.waiting && points.time !== before) return say('points-said', t('points-read-done', { at: moment(points.time) }));
+    if (!points.waiting && points.time !== before) return say('points-said', t(done, { at: moment(points.time) }));
     if (!points.waiting && i > 3) return say('points-said', '');
     await pause(i < 20 ? 500 : 3000);
   }
 }
 export function listen() {
   $('points-d').ontoggle = () => { filled_in = $('points-d').open; show(); };
-  $('points-read').onclick = async () => {
-    const before = points?.time;
-    $('points-read').disabled = true;
-    try {
-      if (await post_and_tell('points-said', '/points/read', '', t('points-asked'))) await follow(before);
-    } finally { $('points-read').disabled = false; }
+  const ask = (id, path, asked, done) => {
+    $(id).onclick = async () => {
+      const before = points?.time;
+      $(id).disabled = true;
+      try {
+        if (await post_and_tell('points-said', path, '', t(asked))) await follow(before, done);
+      } finally { $(id).disabled = false; }
+    };
   };
+  ask('points-read', '/points/read', 'points-asked', 'points-read-done');
+  ask('points-write', '/points/write', 'points-write-asked', 'points-write-done');
 }
