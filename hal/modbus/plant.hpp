@@ -114,7 +114,7 @@ class ModbusPlant {
     return Applied{*taken};
   }
 
-  /// For the checkout of points: the setpoint one step aside of what stands there, and back, each read back.
+  /// For the checkout of points: the setpoint one step aside of its current value, and back, each read back.
   /// Errors: in the result: as sense() and ModbusSetpoint::check().  Cost: sense(), and at most 8 exchanges; no heap.
   WriteCheck check_write(double step, double min, double max) {
     const Expected<Reading<T>> sensed = sense();

@@ -9,7 +9,7 @@
 
 namespace airside::hal {
 
-/// What became of a write that a person asked for, and of putting back what stood there; NaN: not reached.
+/// What became of a write that a person asked for, and of putting the value before it back; NaN: not reached.
 struct WriteCheck {
   static constexpr double not_reached = std::numeric_limits<double>::quiet_NaN();
   double before = not_reached, sent = not_reached, taken = not_reached, restored = not_reached;
@@ -34,10 +34,11 @@ class ModbusSetpoint {
   /// cannot hold or that is outside its limits, a lost link, or a read-back that is no number.
   /// Cost: at most 4 exchanges and settle_s; no heap.
   Expected<double> write(ModbusLink& link, double value, std::uint64_t generation);
-  /// Moves the value `standing` by `step`, or by the register's resolution where that is more, and puts it back;
-  /// upwards, or downwards where it would leave min or max. What stands there must have been sent by write() of this
-  /// run: no person's value, and none from before the start, is ever sent back. Errors: in the result: released where
-  /// another value stands there, out_of_range where no step fits, else as write(). Cost: two write().
+  /// Moves the current value `standing` by `step`, or by the register's resolution where that is more, and puts it back;
+  /// upwards, or downwards where it would leave min or max. It must have been sent by write() of this run: no person's
+  /// value, and none from before the start, is ever sent back.
+  /// Errors: in the result: released where another's value is there, out_of_range where no step fits, else as write().
+  /// Cost: two write().
   WriteCheck check(ModbusLink& link, double standing, double step, double min, double max, std::uint64_t generation);
   /// What a reading has shown to stand there; NaN where it did not.
   void saw(double standing);
