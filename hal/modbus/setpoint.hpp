@@ -34,9 +34,9 @@ class ModbusSetpoint {
   /// cannot hold or that is outside its limits, a lost link, or a read-back that is no number.
   /// Cost: at most 4 exchanges and settle_s; no heap.
   Expected<double> write(ModbusLink& link, double value, std::uint64_t generation);
-  /// Moves the current value `standing` by `step`, or by the register's resolution where that is more, and puts it back;
-  /// upwards, or downwards where it would leave min or max. It must have been sent by write() of this run: no person's
-  /// value, and none from before the start, is ever sent back.
+  /// Moves the current value `standing` by `step`, or by the register's resolution where that is more, and puts it
+  /// back; upwards, or downwards where it would leave min or max. It must have been sent by write() of this run: no
+  /// person's value, and none from before the start, is ever sent back.
   /// Errors: in the result: released where another's value is there, out_of_range where no step fits, else as write().
   /// Cost: two write().
   WriteCheck check(ModbusLink& link, double standing, double step, double min, double max, std::uint64_t generation);
