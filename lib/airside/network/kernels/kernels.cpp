@@ -4,9 +4,12 @@
 
 namespace airside {
 
+Kernels<float> portable_strict_kernels();
 #if defined(__x86_64__) || defined(__i386__)
 Kernels<float> avx2_kernels();
 Kernels<float> avx512_kernels();
+Kernels<float> avx2_strict_kernels();
+Kernels<float> avx512_strict_kernels();
 #endif
 
 const char* text_of(KernelKind kind) {
@@ -30,6 +33,14 @@ bool cpu_has(KernelKind kind) {
 #endif
 }
 
+Kernels<float> strict_kernels_by(KernelKind width) {
+#if defined(__x86_64__) || defined(__i386__)
+  if (cpu_has(width) && width == KernelKind::avx512) return avx512_strict_kernels();
+  if (cpu_has(width) && width == KernelKind::avx2) return avx2_strict_kernels();
+#endif
+  return portable_strict_kernels();
+}
+
 Kernels<float> float_kernels(KernelKind kind) {
   if (!cpu_has(kind)) return strict_kernels<float>();
   switch (kind) {
@@ -43,6 +54,12 @@ Kernels<float> float_kernels(KernelKind kind) {
 #endif
   }
   return strict_kernels<float>();
+}
+
+template <>
+Kernels<float> strict_kernels<float>() {
+  if (cpu_has(KernelKind::avx512)) return strict_kernels_by(KernelKind::avx512);
+  return strict_kernels_by(KernelKind::avx2);
 }
 
 template <>

@@ -1,7 +1,8 @@
 #pragma once
 // The four inner loops that all network time is spent in, as a table of function pointers that is chosen once at
 // start and handed around; there is no global. `strict` sums in one fixed order without fused multiply-add, so it
-// gives the same bits on every architecture; avx2 and avx512 are faster and round differently.
+// gives the same bits on every architecture, also by wider vectors: each output has a sum of its own. avx2 and avx512
+// are faster and round differently.
 // This header is included by files compiled for newer CPUs: it must not define any inline function.
 
 #include <cstdint>
@@ -84,9 +85,12 @@ const char* text_of(KernelKind kind);
 /// Whether this CPU and this build can run `kind`.
 bool cpu_has(KernelKind kind);
 
-/// Fixed order of summation, no FMA: the same bits everywhere.
+/// Fixed order of summation, no FMA: the same bits everywhere; by the widest vectors of this CPU.
 template <class Scalar>
 Kernels<Scalar> strict_kernels();
+
+/// The strict kernels by the vectors of `width`, by those that every CPU has where this one lacks them.
+Kernels<float> strict_kernels_by(KernelKind width);
 
 /// The float kernels of `kind`, strict where the CPU has it not.
 Kernels<float> float_kernels(KernelKind kind);

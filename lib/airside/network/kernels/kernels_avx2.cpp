@@ -7,6 +7,7 @@
 namespace airside {
 
 Kernels<float> avx2_kernels();
+Kernels<float> avx2_strict_kernels();
 
 namespace {
 
@@ -31,6 +32,11 @@ struct Avx2 {
   }
 };
 
+/// Rounds each product, as every CPU can.
+struct StrictAvx2 : Avx2 {
+  static Vector fma(Vector a, Vector b, Vector c) { return _mm256_add_ps(_mm256_mul_ps(a, b), c); }
+};
+
 void product(const ProductArgs<float>& p) {
   for (int c = 0; c < p.cols; c += 16) product_panel<Avx2, 6, 2>(p, c);
 }
@@ -39,9 +45,21 @@ void outer(const OuterArgs<float>& p) {
   for (int c = 0; c < p.cols; c += 16) outer_panel<Avx2, 6, 2>(p, c);
 }
 
+void strict_product(const ProductArgs<float>& p) {
+  for (int c = 0; c < p.cols; c += 16) product_panel<StrictAvx2, 4, 2>(p, c);
+}
+
+void strict_outer(const OuterArgs<float>& p) {
+  for (int c = 0; c < p.cols; c += 16) outer_panel<StrictAvx2, 4, 2>(p, c);
+}
+
 }  // namespace
 
 Kernels<float> avx2_kernels() { return {product, outer, transpose_blocks, adam_vectors<Avx2>, KernelKind::avx2}; }
+
+Kernels<float> avx2_strict_kernels() {
+  return {strict_product, strict_outer, transpose_blocks, adam_vectors<StrictAvx2>, KernelKind::strict};
+}
 
 }  // namespace airside
 

@@ -7,6 +7,7 @@
 namespace airside {
 
 Kernels<float> avx512_kernels();
+Kernels<float> avx512_strict_kernels();
 
 namespace {
 
@@ -42,6 +43,14 @@ struct Avx512 {
   }
 };
 
+/// Rounds each product, as every CPU can; divides and takes roots exactly.
+struct StrictAvx512 : Avx512 {
+  static Vector fma(Vector a, Vector b, Vector c) { return _mm512_add_ps(_mm512_mul_ps(a, b), c); }
+  static Vector adam_ratio(Vector m, Vector v, Vector epsilon) {
+    return _mm512_div_ps(m, _mm512_add_ps(_mm512_maskz_sqrt_ps(__mmask16{0xFFFF}, v), epsilon));
+  }
+};
+
 void product(const ProductArgs<float>& p) {
   int c = 0;
   for (; c + 64 <= p.cols; c += 64) product_panel<Avx512, 6, 4>(p, c);
@@ -56,9 +65,21 @@ void outer(const OuterArgs<float>& p) {
   for (; c < p.cols; c += 16) outer_panel<Avx512, 12, 1>(p, c);
 }
 
+void strict_product(const ProductArgs<float>& p) {
+  for (int c = 0; c < p.cols; c += 16) product_panel<StrictAvx512, 12, 1>(p, c);
+}
+
+void strict_outer(const OuterArgs<float>& p) {
+  for (int c = 0; c < p.cols; c += 16) outer_panel<StrictAvx512, 12, 1>(p, c);
+}
+
 }  // namespace
 
 Kernels<float> avx512_kernels() { return {product, outer, transpose_blocks, adam_vectors<Avx512>, KernelKind::avx512}; }
+
+Kernels<float> avx512_strict_kernels() {
+  return {strict_product, strict_outer, transpose_blocks, adam_vectors<StrictAvx512>, KernelKind::strict};
+}
 
 }  // namespace airside
 

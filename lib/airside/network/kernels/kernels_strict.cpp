@@ -140,8 +140,9 @@ void adam(const AdamArgs<Scalar>& p) {
 
 }  // namespace
 
-template <>
-Kernels<float> strict_kernels<float>() {
+Kernels<float> portable_strict_kernels();
+
+Kernels<float> portable_strict_kernels() {
   return {product<float>, outer<float>, transpose<float>, adam<float>, KernelKind::strict};
 }
 
