@@ -1,4 +1,5 @@
-// airside campaign: hands over to the Python program that runs many of these, on one machine or on a cluster.
+// airside campaign and airside library: hand over to the Python programs that run many of these, on one machine or on a
+// cluster, and that keep what comes of them.
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -8,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hal/text/input_error.hpp"
@@ -23,10 +25,12 @@ struct CampaignOptions {
   bool serial = false, list = false, example = false, json = false;
 };
 
+std::vector<std::string> words_to(const char* program) {
+  return {program, "--program", std::filesystem::read_symlink("/proc/self/exe").string()};
+}
+
 std::vector<std::string> words_of(const CampaignOptions& options) {
-  std::vector<std::string> words{"airside-campaign"};
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe");
-  words.insert(words.end(), {"--program", self.string()});
+  std::vector<std::string> words = words_to("airside-campaign");
   if (!options.address.empty()) words.insert(words.end(), {"--address", options.address});
   if (options.jobs > 0) words.insert(words.end(), {"--jobs", std::to_string(options.jobs)});
   if (options.serial) words.emplace_back("--serial");
@@ -37,14 +41,12 @@ std::vector<std::string> words_of(const CampaignOptions& options) {
   return words;
 }
 
-void hand_over(const CampaignOptions& options) {
-  std::vector<std::string> words = words_of(options);
+void hand_over(const char* command, std::vector<std::string> words) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   ::execvp(argv.front(), argv.data());
-  throw hal::InputError("airside campaign",
-                        fmt::format("no program {} that can be run ({})", words.front(), std::strerror(errno)),
+  throw hal::InputError(command, fmt::format("no program {} that can be run ({})", words.front(), std::strerror(errno)),
                         "the Python package of tools/campaign", "pip install ./tools/campaign");
 }
 
@@ -65,7 +67,23 @@ void add_campaign(CLI::App& app) {
   command->add_flag("--list", options->list, "run nothing: each job, its key, whether it is done, its command");
   command->add_flag("--example", options->example, "print a campaign file to begin with");
   command->add_flag("--json", options->json, "print one JSON object and nothing else on standard output");
-  command->callback([options] { hand_over(*options); });
+  command->callback([options] { hand_over("airside campaign", words_of(*options)); });
+}
+
+void add_weight_library(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("library",
+                         "keep weight blobs with a signed index: add, find, show, lineage, revoke, get, check.\n"
+                         "The Python package of tools/campaign does it (docs/campaigns.md); airside library --help "
+                         "tells the rest.");
+  command->set_help_flag();
+  command->prefix_command();
+  command->callback([command] {
+    std::vector<std::string> words = words_to("airside-library");
+    const std::vector<std::string> given = command->remaining();
+    words.insert(words.end(), given.begin(), given.end());
+    hand_over("airside library", std::move(words));
+  });
 }
 
 }  // namespace airside::tools
