@@ -68,11 +68,15 @@ class ByBroadcast(BacnetTest):
         self.assertEqual(modbus.write_registers(4, [0x419C, 0], device_id=1).exception_code, 11)
         self.assertEqual((twin.slots(), self.routed.slots()), ({}, {}))
 
+    def test_another_device_with_the_gateways_own_number_is_said(self):
+        self.keep(AhuDevice(self.folder, 47808, instance=4190000, address=f"{TWIN}/24"))
+        self.assertIn(f"own device number 4190000 is also that of {TWIN}; set instance", self.start_gateway().said())
+
     def test_reads_both_and_commands_through_the_router(self):
         done = self.ask("--site", str(self.folder / "site.toml"), "--read")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("commandable; nobody commands it", done.stdout)
-        self.start_gateway()
+        self.assertNotIn("own device number", self.start_gateway().said())
         modbus = ModbusTcpClient("127.0.0.1", port=self.modbus_port, timeout=5)
         self.addCleanup(modbus.close)
         self.assertEqual(modbus.read_input_registers(0, count=4, device_id=1).registers, [0x41C0, 0, 0x41C0, 0])  # 24.0

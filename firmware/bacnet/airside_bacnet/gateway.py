@@ -15,6 +15,7 @@ from airside_bacnet.values import no_reading
 
 NO_VALUE = float_registers(math.nan)
 WATCH_S = 1.0
+NAMESAKE_S = 1.0  # a device answers Who-Is within a fraction of it
 
 
 def make_devices(points, fixed):
@@ -65,6 +66,7 @@ class Gateway:
         try:
             await self.hand_back_all()
             await self.poll_all()
+            await self.look_for_namesake()
             await self.modbus.start()
             say(f"serves {len(self.map.points)} points of {len(self.devices)} devices on "
                 f"{self.site.host}:{self.site.port} unit {self.site.unit}, "
@@ -83,6 +85,15 @@ class Gateway:
                 task.cancel()
             await self.hand_back_all()
             self.client.close()
+
+    async def look_for_namesake(self):
+        """Says where another device has the gateway's own number: to everybody else the two are one."""
+        number, own = self.section.instance, self.section.address.split("/")[0]
+        places = [str(where) for _, where in await self.client.who_is(number, number, wait_s=NAMESAKE_S)]
+        others = sorted(where for where in places if where.split(":")[0] != own)
+        if others:
+            say(f"the gateway's own device number {number} is also that of {' and '.join(others)}; "
+                "set instance of [bacnet] to one that no device has")
 
     # ---- reading
 
