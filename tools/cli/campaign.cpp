@@ -71,12 +71,13 @@ void add_campaign(CLI::App& app) {
 }
 
 void add_weight_library(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("library",
-                         "keep weight blobs with a signed index: add, find, show, lineage, revoke, get, check.\n"
-                         "The Python package of tools/campaign does it (docs/campaigns.md); airside library --help "
-                         "tells the rest.");
-  command->set_help_flag();
+  CLI::App* command = app.add_subcommand(
+      "library",
+      "keep weight blobs with a signed index: who trained them on what, how good they are, what they "
+      "were made from.\n"
+      "airside library add, find, show, lineage, revoke, get, check; airside library add --help "
+      "tells more.\n"
+      "The Python package of tools/campaign does it (docs/campaigns.md).");
   command->prefix_command();
   command->callback([command] {
     std::vector<std::string> words = words_to("airside-library");
