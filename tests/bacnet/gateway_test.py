@@ -32,7 +32,7 @@ class GatewayCase(BacnetTest):
     def read(self, read, address):
         try:
             return read(address, count=2, device_id=1)
-        except ConnectionException:  # the gateway ended it; the client comes again
+        except (ConnectionException, ConnectionError):  # the gateway ended it; the client comes again
             self.modbus.connect()
             return read(address, count=2, device_id=1)
 

@@ -200,6 +200,28 @@ over = {seed = [1, 2]}
             self.assertFalse((shelf.folder / "library" / "index").exists(), "nothing was written")
             self.assertFalse((shelf.folder / "library" / "lock").exists(), "no lock is left")
 
+    def test_the_program_hands_all_words_over(self):
+        shelf = self.shelf
+        shim = shelf.folder / "airside-library"
+        shim.write_text(f'#!/bin/sh\nexec "{sys.executable}" -B -m airside_campaign.library_command "$@"\n')
+        shim.chmod(0o755)
+        environment = dict(shelf.environment, PATH=f"{shelf.folder}:/usr/bin:/bin")
+
+        def airside(*words):
+            command = [str(BIN / "airside"), "library", *words]
+            done = subprocess.run(
+                command, cwd=shelf.folder, env=environment, capture_output=True, text=True, check=False
+            )
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return done.stdout
+
+        airside("add", "a.blob", "b.blob", "--key", "me.key", "--room", "Room 1", "--figure", "a=1", "--figure", "b=2")
+        found = json.loads(airside("find", "--json", "--keys", "me.pub", "--room", "room 1"))["weights"]
+        self.assertEqual([w["figures"] for w in found], [{"a": 1, "b": 2}] * 2)
+        airside("revoke", found[0]["digest"], "--why", "a trial of words", "--key", "me.key")
+        airside("get", found[0]["digest"], "--out", "c.blob", "--revoked", "--keys", "me.pub")
+        self.assertTrue((shelf.folder / "c.blob").is_file())
+
     def test_ten_who_add_at_once_lose_nothing(self):
         shelf = self.shelf
         blob = (shelf.folder / "a.blob").read_bytes()

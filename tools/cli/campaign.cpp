@@ -70,21 +70,119 @@ void add_campaign(CLI::App& app) {
   command->callback([options] { hand_over("airside campaign", words_of(*options)); });
 }
 
-void add_weight_library(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "library",
-      "keep weight blobs with a signed index: who trained them on what, how good they are, what they "
-      "were made from.\n"
-      "airside library add, find, show, lineage, revoke, get, check; airside library add --help "
-      "tells more.\n"
-      "The Python package of tools/campaign does it (docs/campaigns.md).");
-  command->prefix_command();
-  command->callback([command] {
+namespace {
+
+struct LibraryOption {
+  const char *name, *what;
+};
+struct LibraryAction {
+  const char *name, *what;
+  bool writes;
+  LibraryOption positional;
+  std::vector<LibraryOption> options, flags;
+};
+
+const std::vector<LibraryAction>& library_actions() {
+  static const std::vector<LibraryAction> all{
+      {"add",
+       "add blobs, or all that a campaign's folder has, with what is known of them",
+       true,
+       {"FILE", "*.blob, or a folder that `airside campaign` left"},
+       {{"--room", "whose room or which building"},
+        {"--twin", "what it was trained on, such as a model's name"},
+        {"--data", "the days that it has learned from, 2021-07-01..2021-07-31"},
+        {"--by", "who trained it (default: the key's name)"},
+        {"--parent", "weights that it was made from; may be given again"},
+        {"--effect", "an effect that the twin has; may be given again"},
+        {"--figure", "NAME=NUMBER, how good it was; may be given again"}},
+       {}},
+      {"find",
+       "list weights, newest first; those that are revoked, or made from such, only with --all",
+       false,
+       {nullptr, nullptr},
+       {{"--topology", "such as 5vav-5fcu-2power"},
+        {"--room", "part of the room's name"},
+        {"--effect", "an effect that the twin must have"}},
+       {{"--all", "revoked ones too"}}},
+      {"show", "all that is known of weights", false, {"DIGEST", "its first 8 or more digits"}, {}, {}},
+      {"lineage",
+       "what weights were made from, and what was made from them",
+       false,
+       {"DIGEST", "its first 8 or more digits"},
+       {},
+       {}},
+      {"revoke",
+       "mark weights as not to be used, and with them all that was made from them",
+       true,
+       {"DIGEST", "the first 8 or more digits of each"},
+       {{"--why", "in words, for whoever asks later"}},
+       {}},
+      {"get",
+       "write a blob to a file; one that is revoked only with --revoked",
+       false,
+       {"DIGEST", "its first 8 or more digits"},
+       {{"-o,--out", "the file"}},
+       {{"--revoked", "though it is revoked, to look into"}}},
+      {"check", "read every blob and compare it with the index", false, {nullptr, nullptr}, {}, {}},
+  };
+  return all;
+}
+
+/// What was given to `action`, as it was given.
+std::vector<std::string> words_given(const CLI::App& action) {
+  std::vector<std::string> words{action.get_name()}, places;
+  for (const CLI::Option* option : action.get_options()) {
+    if (option->count() == 0) continue;
+    if (option->get_positional()) {
+      places = option->results();
+    } else if (option->get_expected_max() == 0) {
+      words.push_back(option->get_single_name().size() == 1 ? "-" + option->get_single_name()
+                                                            : "--" + option->get_single_name());
+    } else {
+      for (const std::string& value : option->results()) {
+        words.push_back("--" + option->get_single_name());
+        words.push_back(value);
+      }
+    }
+  }
+  if (!places.empty()) words.emplace_back("--");
+  words.insert(words.end(), places.begin(), places.end());
+  return words;
+}
+
+void add_library_action(CLI::App& library, const LibraryAction& action) {
+  CLI::App* command = library.add_subcommand(action.name, action.what);
+  command->add_option("--library",
+                      "folder, or what fsspec knows, such as s3://bucket/weights (default: "
+                      "$AIRSIDE_LIBRARY, else ./library)");
+  command->add_option("--keys",
+                      "public keys that are believed: a .pub file, or a folder of them (default: "
+                      "$AIRSIDE_LIBRARY_KEYS, else the .pub beside --key, else ./keys)");
+  command->add_option("--at-least", "refuse an index of a lower serial number: somebody put it back");
+  if (action.writes) command->add_option("--key", "secret key that signs the index (airside keygen)")->required();
+  for (const LibraryOption& option : action.options) command->add_option(option.name, option.what)->take_all();
+  for (const LibraryOption& flag : action.flags) command->add_flag(flag.name)->description(flag.what);
+  command->add_flag("--json")->description("print one JSON object and nothing else on standard output");
+  const auto places = std::make_shared<std::vector<std::string>>();
+  if (action.positional.name != nullptr)
+    command->add_option(action.positional.name, *places, action.positional.what)->required();
+  command->callback([command, places] {
     std::vector<std::string> words = words_to("airside-library");
-    const std::vector<std::string> given = command->remaining();
+    const std::vector<std::string> given = words_given(*command);
     words.insert(words.end(), given.begin(), given.end());
     hand_over("airside library", std::move(words));
   });
+}
+
+}  // namespace
+
+void add_weight_library(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "library",
+      "keep weight blobs with a signed index: who trained them on what, how good they are, what they were made from.\n"
+      "The Python package of tools/campaign does it (docs/campaigns.md).");
+  command->require_subcommand(1);
+  for (const LibraryAction& action : library_actions()) add_library_action(*command, action);
 }
 
 }  // namespace airside::tools
