@@ -33,6 +33,11 @@ Command command_of(double setpoint_degc) {
   return SafetyEnvelope(settings).limit(setpoint_degc, std::nan(""), setpoint_degc);
 }
 
+void publish_all(ModbusServer& server) {
+  for (int i = 0; i < Layout<FiveZone>::signals; ++i) server.set(point_name(signal_id<FiveZone>(i)), 1);
+  server.set("clock_s", 86400);
+}
+
 /// In control: 20.5 degC written and read back. What the device gets afterwards stands in `got`.
 struct InControl {
   std::vector<double> got;
@@ -43,7 +48,7 @@ struct InControl {
 
   explicit InControl(const PointMap& map = map_of("on-change,6,18,self"), double setpoint_degc = 20.5)
       : served(map, {TcpListen{}, 1}), link(tcp_settings(served.server().port())), plant(map, link) {
-    for (int i = 0; i < Layout<FiveZone>::signals; ++i) served.server().set(point_name(signal_id<FiveZone>(i)), 1);
+    publish_all(served.server());
     served.server().on_write([this](const Point& p, double value) {
       got.push_back(value);
       return behave(p, value);
@@ -100,7 +105,7 @@ TEST(WriteCheck, NeverSendsAValueThatAnotherHasSet) {
 TEST(WriteCheck, NothingIsWrittenBeforeControlHasWritten) {
   const PointMap map = map_of("on-change,6,18,self");
   ServerThread served(map, {TcpListen{}, 1});
-  for (int i = 0; i < Layout<FiveZone>::signals; ++i) served.server().set(point_name(signal_id<FiveZone>(i)), 1);
+  publish_all(served.server());
   served.start();
   ModbusLink link(tcp_settings(served.server().port()));
   ModbusPlant<FiveZone> plant(map, link);
