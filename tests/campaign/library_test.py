@@ -1,6 +1,7 @@
 """The weight library: what is in it is what was signed, and what is revoked is not given out."""
 
 import json
+import re
 import subprocess
 import sys
 import threading
@@ -221,6 +222,18 @@ over = {seed = [1, 2]}
         airside("revoke", found[0]["digest"], "--why", "a trial of words", "--key", "me.key")
         airside("get", found[0]["digest"], "--out", "c.blob", "--revoked", "--keys", "me.pub")
         self.assertTrue((shelf.folder / "c.blob").is_file())
+
+    def test_program_and_package_know_the_same_options(self):
+        for action in ("add", "find", "show", "lineage", "revoke", "get", "check"):
+            program = subprocess.run(
+                [str(BIN / "airside"), "library", action, "--help"], capture_output=True, text=True, check=True
+            ).stdout
+            package = self.shelf.library(action, "--help").stdout
+            # Of words within a description only those of the package's own usage count.
+            usage = package[: package.index("\n\n")]
+            named = set(re.findall(r"(?:^|[\s,\[])(--[a-z-]+)", usage)) - {"--help"}
+            listed = set(re.findall(r"^  (?:-\w,)?(--[a-z-]+)", program, re.MULTILINE)) - {"--help"}
+            self.assertEqual(named | ({"--out"} if action == "get" else set()), listed, action)
 
     def test_ten_who_add_at_once_lose_nothing(self):
         shelf = self.shelf

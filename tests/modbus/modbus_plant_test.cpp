@@ -7,9 +7,9 @@
 #include <chrono>
 #include <cmath>
 
-#include "airside/supervision/envelope.hpp"
 #include "hal/modbus/wire.hpp"
 #include "hal/points/register_codec.hpp"
+#include "support/command_of.hpp"
 #include "support/modbus_fixture.hpp"
 
 namespace airside::hal {
@@ -26,16 +26,6 @@ PointMap five_zone_map(const std::string& from = "", const std::string& to = "")
     csv.replace(at, from.size(), to);
   }
   return PointMap::parse(csv, "points.csv");
-}
-
-/// A command of this setpoint, through the only maker of commands.
-Command command_of(double setpoint_degc) {
-  ControllerSettings settings;
-  settings.limit_min_degc = 8;
-  settings.limit_max_degc = 32;
-  settings.limit_change_k = 30;
-  settings.round_k = 0.1;
-  return SafetyEnvelope(settings).limit(setpoint_degc, std::nan(""), setpoint_degc);
 }
 
 double value_of(int index) {

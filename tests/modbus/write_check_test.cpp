@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "airside/supervision/envelope.hpp"
 #include "hal/modbus/plant.hpp"
+#include "support/command_of.hpp"
 #include "support/modbus_fixture.hpp"
 
 namespace airside::hal {
@@ -22,15 +22,6 @@ PointMap map_of(const std::string& policy, const std::string& scale = "0.01,0") 
   if (at == std::string::npos) throw std::runtime_error("another setpoint in the default map");
   csv.replace(at, row.size(), "setpoint,degc,3,0,int16,big,big," + scale + ",8,32,,,0x8000," + policy);
   return PointMap::parse(csv, "points.csv");
-}
-
-Command command_of(double setpoint_degc) {
-  ControllerSettings settings;
-  settings.limit_min_degc = 8;
-  settings.limit_max_degc = 32;
-  settings.limit_change_k = 30;
-  settings.round_k = 0.1;
-  return SafetyEnvelope(settings).limit(setpoint_degc, std::nan(""), setpoint_degc);
 }
 
 void publish_all(ModbusServer& server) {
