@@ -304,6 +304,25 @@ TEST(Report, SaysThatALogLooksLikeFahrenheit) {
   EXPECT_TRUE(has(said.remedy, "convert")) << o.err;
 }
 
+// ---- Sources for a new room
+
+TEST(BlobRank, OrdersWhatFitsAndSaysWhyTheRestDoesNot) {
+  const Desk desk;
+  desk.make("simulate --plant rc --room 301 --method expert --expert-days 0 --days 2 --log log.csv");
+  desk.make("transfer --log log.csv --steps 1 -o one.blob");
+  desk.write("none.blob", "not weights");
+  const Outcome o = desk.run("airside", Desk::split("blob rank none.blob one.blob --log log.csv --json"));
+  EXPECT_EQ(o.code, 0) << o.err;
+  const json found = object_of(o);
+  ASSERT_EQ(found["sources"].size(), 2U) << o.out;
+  EXPECT_EQ(found["sources"][0]["blob"], "one.blob");
+  EXPECT_GT(found["sources"][0]["forecast_error_k"].get<double>(), 0);
+  EXPECT_TRUE(has(found["sources"][1].value("refused", ""), "none.blob")) << o.out;
+  const Outcome nothing = desk.run("airside", Desk::split("blob rank none.blob --log log.csv"));
+  EXPECT_EQ(nothing.code, 1);
+  EXPECT_TRUE(has(nothing.err, "no blob that fits this site")) << nothing.err;
+}
+
 // ---- The gap workflow on simulated logs
 
 TEST(Gap, FindsTheMadeUpWeatherBesideALogOfTheRcPlant) {

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <memory>
+#include <span>
 
 #include "airside/controller/instances.hpp"
 #include "sim/rc/rc_plant.hpp"
@@ -73,6 +74,16 @@ TEST_F(Transfer, ComparesNothingFromScratchOrWithoutARoomHead) {
   EXPECT_FALSE(scratch.source_kept);
   const Site paper = with_preset(site, hal::ControllerPreset::paper);
   EXPECT_TRUE(std::isnan(transfer(paper, source, rows, options).tuned_error_k));
+}
+
+TEST_F(Transfer, ForecastErrorTellsTheRoomsOwnWeightsFromThoseOfAnother) {
+  sim::RcRoom other = sim::perturbed_room(sim::make_room(), 77);
+  other.occupancy_shift_h = 3;
+  other.gain_occupied_w_m2 = 40;
+  const BlobBytes of_other = fine_tune(site, source, schedule_days(site, other, 6), options);
+  const auto rows = schedule_days(site, sim::make_room(), 2);
+  EXPECT_LT(forecast_error_k(site, source, rows), forecast_error_k(site, of_other, rows));
+  EXPECT_TRUE(std::isnan(forecast_error_k(site, source, std::span(rows).first(1)))) << "nothing to foretell";
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tools/cli/blob/blob_facts.hpp"
+#include "tools/cli/blob/rank.hpp"
 #include "tools/cli/command.hpp"
 
 namespace airside::tools {
@@ -198,6 +199,7 @@ void add_blob(CLI::App& app) {
   c->add_option("b", diff->second, "another")->required();
   c->add_flag("--json", diff->as_json, "print one JSON object and nothing else on standard output");
   c->callback([diff] { diff->run(); });
+  add_rank(*blob);
 }
 
 }  // namespace airside::tools

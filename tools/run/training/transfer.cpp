@@ -60,7 +60,7 @@ std::size_t held_back_from(std::size_t rows) {
 
 /// Error of the head's forecasts on rows that the blob has not seen, while the head learns on.
 template <Topology T>
-double forecast_error_k(const Site& site, const BlobBytes& blob, std::span<const hal::LogRow> rows) {
+double error_of_forecasts_k(const Site& site, const BlobBytes& blob, std::span<const hal::LogRow> rows) {
   auto controller = make_controller<T>(site, site.settings, 1);
   auto payload = std::make_unique<SitePayload<T>>();
   payload->site = shape_of<T>(site);
@@ -88,6 +88,12 @@ BlobBytes renamed(const Site& site, const BlobBytes& blob, const std::string& pr
 
 }  // namespace
 
+double forecast_error_k(const Site& site, const BlobBytes& blob, std::span<const hal::LogRow> rows) {
+  double error_k = 0;
+  for_topology_of(site, [&]<class T>(T) { error_k = error_of_forecasts_k<T>(site, blob, rows); });
+  return error_k;
+}
+
 Transferred transfer(const Site& site, const BlobBytes& source, const std::vector<hal::LogRow>& rows,
                      const FineTuneOptions& options, const OnProgress& progress) {
   Transferred out;
@@ -97,8 +103,8 @@ Transferred transfer(const Site& site, const BlobBytes& source, const std::vecto
     const auto half = [&progress](double share) { return progress ? progress(share / 2) : void(); };
     const BlobBytes tuned = fine_tune(site, source, all.first(split), options, half);
     for_topology_of(site, [&]<class T>(T) {
-      out.source_error_k = forecast_error_k<T>(site, source, all.subspan(split));
-      out.tuned_error_k = forecast_error_k<T>(site, tuned, all.subspan(split));
+      out.source_error_k = error_of_forecasts_k<T>(site, source, all.subspan(split));
+      out.tuned_error_k = error_of_forecasts_k<T>(site, tuned, all.subspan(split));
       out.source_kept = out.source_error_k <= out.tuned_error_k;
       if (out.source_kept)
         out.blob = renamed<T>(site, source, options.provenance + " (kept as it was)", rows.back().time);

@@ -23,6 +23,11 @@ struct FineTuneOptions {
 BlobBytes fine_tune(const Site& site, const BlobBytes& source, std::span<const hal::LogRow> rows,
                     const FineTuneOptions& options, const OnProgress& progress = {});
 
+/// How far the forecasts of a blob's room head, one cycle ahead, are from a room's log, root mean square, K; the head
+/// learns on as it does on the box. NaN where the log has no forecast: its rows never follow each other for two cycles.
+/// Errors: hal::InputError for a blob that does not fit.
+double forecast_error_k(const Site& site, const BlobBytes& blob, std::span<const hal::LogRow> rows);
+
 /// What a transfer has chosen, and the errors on the held-back rows that chose: of the room head's forecast one cycle
 /// ahead, root mean square, K; NaN where nothing was compared.
 struct Transferred {
