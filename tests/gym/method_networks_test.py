@@ -3,7 +3,6 @@
 import dataclasses
 import importlib.util
 import json
-import math
 import subprocess
 import sys
 import tempfile
@@ -16,7 +15,10 @@ from desk import PROGRAM
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT, GOLDEN = ROOT / "tools/gym/method_peers", ROOT / "tests/golden/data"
-META = json.loads((GOLDEN / "meta.json").read_text(encoding="utf-8"))
+sys.path.insert(0, str(ROOT / "tools/bench_peers"))
+import golden
+
+META = golden.META
 NAMES = [f"{kind}{n}" for kind in ("room_temp_", "fcu_temp_", "vav_on_", "fcu_on_") for n in range(1, 6)]
 NAMES += ["power_1", "power_2", "mau_temp", "outdoor_temp", "rain"]
 
@@ -30,51 +32,21 @@ def setUpModule():
     torch.set_num_threads(1)
 
 
-class Stream:
-    """splitmix64 as tests/golden/data/README.md has it."""
-
-    def __init__(self, seed):
-        self.state = seed
-
-    def unit(self):
-        self.state = (self.state + 0x9E3779B97F4A7C15) % 2**64
-        z = self.state
-        z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9 % 2**64
-        z = (z ^ z >> 27) * 0x94D049BB133111EB % 2**64
-        return ((z ^ z >> 31) >> 11) * 2.0**-53
-
-    def both(self):
-        return 2 * self.unit() - 1
-
-
 def golden_network(name):
     """EdNetwork with the golden weights, double."""
     import torch
     from airside_peers.networks import EdNetwork
     from airside_peers.signals import Layout
 
-    stream, flat = Stream(META["seeds"][name]), []
-    for _, outputs, inputs, _ in META["layers"]:
-        flat += [stream.both() * math.sqrt(6 / inputs) for _ in range(outputs * inputs)]
-        flat += [stream.both() * (1 / math.sqrt(inputs)) for _ in range(outputs)]
     network = EdNetwork(Layout(NAMES)).double()
-    torch.nn.utils.vector_to_parameters(torch.tensor(flat, dtype=torch.double), network.parameters())
+    torch.nn.utils.vector_to_parameters(torch.from_numpy(golden.flat(golden.weights(name))), network.parameters())
     return network
 
 
 def golden_batch(count):
     import torch
 
-    stream, status = Stream(META["seeds"][f"batch{count}"]), META["is_status"]
-    rows = []
-    for _ in range(count):
-        inputs = [float(stream.unit() >= 0.5) if status[j] else stream.both() * math.sqrt(3) for j in range(26)]
-        after = [inputs[j] + 0.3 * stream.both() for j in range(5)]
-        for j in range(5, 25):
-            changed = stream.unit() < 0.1 if status[j] else 0.2 * stream.both()
-            after.append((1 - inputs[j] if changed else inputs[j]) if status[j] else inputs[j] + changed)
-        rows.append(inputs + after)
-    table = torch.tensor(rows, dtype=torch.double)
+    table = torch.from_numpy(golden.batch(count))
     return table[:, None, :26], table[:, 26:]
 
 

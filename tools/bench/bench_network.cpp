@@ -75,6 +75,24 @@ struct Bench {
     });
   }
 
+  /// Forecasts and reconstruction of rows that share nothing: what a graph of another library computes.
+  void graph(const Stopwatch& watch, const std::string& prefix, int rows) {
+    using L = Layout<Topo>;
+    auto& a = scratch->act;
+    watch.measure(of(prefix + "/graph", rows), [&] {
+      for (int r = 0; r < rows; ++r) {
+        const float* const row = ring->slot(r).data();
+        std::copy_n(row, L::signals, a.input_s.row(r));
+        std::copy_n(row + L::rooms, L::exogenous + 1, a.input_a.row(r));
+      }
+      tile_forward(scratch->kernels, *packed, rows, a);
+      decode(scratch->kernels, *packed, rows, a, scratch->short_term, scratch->deviation);
+      layer_forward(scratch->kernels, *packed, Layer::dec, rows, a.joint.row(0), share_width,
+                    scratch->reconstruction.row(0), TileOutputs<Topo, float>::width);
+      sink = scratch->reconstruction.row(rows - 1)[0];
+    });
+  }
+
   /// All work: weights as they were drawn, which violate the constraint nearly everywhere and do not move, and samples
   /// that are in no memory.
   void step(const Stopwatch& watch, const std::string& prefix, int batch) {
@@ -135,13 +153,14 @@ int main(int argc, char** argv) {
   CLI::App app{"Times of decisions, optimiser steps and whole cycles, JSON lines"};
   std::string kernels = "best";
   double budget_s = 1.5;
-  bool with_parts = false;
+  bool with_parts = false, peers = false;
   app.add_option("--kernels", kernels, "best, strict, avx2, avx512 or all")
       ->check(CLI::IsMember({"best", "strict", "avx2", "avx512", "all"}));
   app.add_option("--budget", budget_s, "seconds a measurement")->check(CLI::PositiveNumber);
   bool cpu_time = false;
   app.add_flag("--cpu-time", cpu_time, "count the thread's CPU time instead of wall time");
   app.add_flag("--parts", with_parts, "also sampling, packing and Adam alone");
+  app.add_flag("--peers", peers, "the published network alone: what tools/bench-peers sets beside other libraries");
   CLI11_PARSE(app, argc, argv);
 
   const Stopwatch watch(cpu_time ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, budget_s);
@@ -152,10 +171,12 @@ int main(int argc, char** argv) {
     if (kernels == "best" ? kind != select_kernels<float>().kind : kernels != "all" && kernels != name) continue;
     const auto bench = std::make_unique<Bench<FiveZone>>(float_kernels(kind), capacity_of<FiveZone>());
     const std::string prefix = "airside_" + name;
+    for (const int rows : {1, 46}) bench->graph(watch, prefix, rows);
     for (const int candidates : {1, 46, 61}) bench->decide(watch, prefix, candidates);
     for (const int batch : {32, 128, 1000}) bench->step(watch, prefix, batch);
     for (const int batch : {32, 128, 1000}) bench->learned_step(watch, prefix, batch);
     if (with_parts) bench->parts(watch, prefix);
+    if (peers) continue;
     measure_classes(watch, float_kernels(kind), prefix);
     measure_cycles(watch, float_kernels(kind), prefix);
   }
