@@ -25,8 +25,7 @@ Daemon<T>::Daemon(const hal::SiteFile& site, const hal::PointMap& points, const 
       options_(options),
       stop_(stop),
       link_(hal::link_settings(*site.modbus, options.backoff_first_s)),
-      plant_(points, link_,
-             {.utc_offset_s = std::nullopt, .clock_speed = options.clock_speed, .stand_ins = site.stand_ins},
+      plant_(points, link_, {.utc_offset_s = std::nullopt, .stand_ins = site.stand_ins},
              shape_in<T>(parse_shape(site.topology.c_str()))),
       system_clock_(stop, std::nullopt, options.clock_speed),
       controller_(std::make_unique<Controller<T>>()),
@@ -35,6 +34,7 @@ Daemon<T>::Daemon(const hal::SiteFile& site, const hal::PointMap& points, const 
       status_(site_.state_dir),
       readings_(points, site_.inbox_dir, site_.state_dir),
       crash_loop_(site.state_dir, options.crash_limit, options.sync) {
+  plant_.follow(system_clock_);
   hal::refuse_contradiction(site, points);
   if (const std::string warning = hal::warning_of(points); !warning.empty()) say("{}: {}", points.file(), warning);
   controller_->configure(hal::controller_settings(site, points), limits_, hal::box_kernels(), site.seed);
@@ -49,6 +49,8 @@ void Daemon<T>::start() {
   crash_loop_.start();
   const CivilTime last = state_.resume();
   next_ = {last.seconds == 0 ? 0 : last.seconds + row_s};
+  system_clock_.go_on_from(last);
+  plant_.follow(system_clock_);
 }
 
 template <Topology T>

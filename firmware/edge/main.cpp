@@ -45,7 +45,8 @@ int run(int argc, char** argv) {
          "this many starts within ten minutes are a crash loop, after which the schedule runs for an hour; 0: never")
       ->check(CLI::Range(0, 8));
   app.add_option("--clock-speed", options.clock_speed,
-                 "let the system clock run N times as fast, beside `airside serve --speed`; for measurements")
+                 "let the system clock run N times as fast from the start on, beside `airside serve --speed`; started\n"
+                 "again, it goes on from the last row; for measurements")
       ->check(CLI::Range(1.0, 10000.0));
   app.add_option("--stall", options.stall_s, "how long a simulated plant's clock may stand still, s")
       ->check(CLI::Range(1.0, 1e6));

@@ -24,8 +24,7 @@ struct ModbusPlantOptions {
   double settle_s = 0.0;  ///< how long the setpoint's read-back may lag behind the write, s
   /// Local standard time, s east of UTC, where the map has no clock_s; without it the machine's time zone.
   std::optional<int> utc_offset_s;
-  double clock_speed = 1.0;  ///< as of SystemClock
-  StandIns stand_ins{};      ///< read in the place of signals that the map lacks
+  StandIns stand_ins{};  ///< read in the place of signals that the map lacks
 };
 
 /// The age of readings as the device's own heartbeat tells it.
@@ -55,7 +54,7 @@ class ModbusPlant {
       : link_(&link),
         site_(site),
         setpoint_(map, "setpoint", options.settle_s),
-        clock_({}, options.utc_offset_s, options.clock_speed),
+        clock_({}, options.utc_offset_s),
         poller_(points_to_read(map, options.stand_ins)),
         fingerprint_(map.fingerprint()) {
     if (const Point* beat = map.find("heartbeat"); beat != nullptr && beat->writable()) {
@@ -66,6 +65,9 @@ class ModbusPlant {
       identity_value_ = map.told_fingerprint();
     }
   }
+
+  /// Readings are of this clock's time, where the map has no clock_s.
+  void follow(const SystemClock& clock) { clock_ = clock; }
 
   /// All signals now; one that the device refuses, or that is a sentinel or out of its limits, is NaN.
   /// Errors: no_reading where the link failed; other_device where the map's fingerprint is not the device's.

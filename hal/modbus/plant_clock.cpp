@@ -40,10 +40,12 @@ SystemClock::SystemClock(StopFlag stop, std::optional<int> utc_offset_s, double 
       utc_offset_s_(utc_offset_s ? *utc_offset_s : machine_utc_offset_s()),
       speed_(speed),
       began_wall_ns_(utc_ns()),
-      began_ns_(monotonic_ns()) {
-  constexpr std::int64_t day_ns = 86'400'000'000'000;
-  began_ns_ -= began_wall_ns_ % day_ns;  // hastens from the day's beginning: one that starts later agrees
-  began_wall_ns_ -= began_wall_ns_ % day_ns;
+      began_ns_(monotonic_ns()) {}
+
+void SystemClock::go_on_from(CivilTime t) {
+  if (speed_ == 1.0 || now() >= t) return;
+  began_wall_ns_ = (t.seconds - utc_offset_s_) * 1'000'000'000;
+  began_ns_ = monotonic_ns();
 }
 
 std::int64_t SystemClock::site_ns() const {

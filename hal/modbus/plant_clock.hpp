@@ -38,10 +38,12 @@ bool sleep_until_ns(std::int64_t deadline_ns, const StopFlag& stop);
 /// neither skips nor repeats one.
 class SystemClock {
  public:
-  /// `utc_offset_s`: of local standard time, s east of UTC; without it the machine's time zone. `speed`: since
-  /// midnight UTC `speed` times as fast as the machine's clock, for measurements.
+  /// `utc_offset_s`: of local standard time, s east of UTC; without it the machine's time zone. `speed`: from now on
+  /// `speed` times as fast as the machine's clock, for measurements.
   explicit SystemClock(StopFlag stop = {}, std::optional<int> utc_offset_s = std::nullopt, double speed = 1.0);
   CivilTime now() const;
+  /// A hastened clock that stands before t is set to t, so that a process that is started again goes on.
+  void go_on_from(CivilTime t);
   /// False: asked to stop before t. Cost: returns within 0.1 s of a stop.
   bool sleep_until(CivilTime t) const {
     return sleep_until(t, HUGE_VAL, [] {});

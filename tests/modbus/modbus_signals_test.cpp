@@ -90,8 +90,7 @@ TEST(ModbusSignals, SignalWithoutARowReadsAsItsStandIn) {
   in.set("mau_temp", 18);
   in.set("power", 4);
   in.set("vav_on", 1);
-  Bench bench(map_of({"rain,", "mau_temp,", "power_", "vav_on_"}),
-              {.utc_offset_s = std::nullopt, .clock_speed = 1.0, .stand_ins = in});
+  Bench bench(map_of({"rain,", "mau_temp,", "power_", "vav_on_"}), {.utc_offset_s = std::nullopt, .stand_ins = in});
   bench.served.start();
   const auto reading = bench.plant.sense();
   ASSERT_TRUE(reading);

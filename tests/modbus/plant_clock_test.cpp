@@ -47,6 +47,24 @@ TEST(SystemClock, CountsFromTheSitesStandardTime) {
   EXPECT_NEAR(static_cast<double>(singapore.now().seconds - greenwich.now().seconds), 8 * 3600, 1);
 }
 
+TEST(SystemClock, HastensFromNowAndGoesOnWhereItWas) {
+  const CivilTime begin = SystemClock({}, 0).now();
+  SystemClock fast({}, 0, 3600);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  const std::int64_t passed_s = fast.now().seconds - begin.seconds;
+  EXPECT_GE(passed_s, 180);
+  EXPECT_LT(passed_s, 36000) << "not from midnight: that would be hours for each second of the day";
+  const CivilTime later{begin.seconds + 30 * 86400};
+  fast.go_on_from(later);
+  EXPECT_GE(fast.now(), later);
+  EXPECT_LT(fast.now().seconds, later.seconds + 36000);
+  fast.go_on_from(begin);
+  EXPECT_GE(fast.now(), later) << "never back";
+  SystemClock real({}, 0);
+  real.go_on_from(later);
+  EXPECT_LT(real.now(), later) << "the machine's own clock is never set";
+}
+
 /// A server whose plant steps to the wanted time, `step_s` at most each time somebody looks at it.
 struct SteppingPlant {
   explicit SteppingPlant(const PointMap& map, double step_s) : served(map, {TcpListen{}, 1}) {
