@@ -103,6 +103,13 @@ class Files(BacnetTest):
         self.assertEqual(self.gateway_says().returncode, 0)
         self.assertEqual(self.daemon_says().returncode, 0, self.daemon_says())
 
+    def test_a_heartbeat_that_no_ahu_watches_is_said(self):
+        self.assertIn("nothing in the AHU notices a power loss", self.gateway_says().stderr)
+        (self.folder / "points.csv").write_text(full_map("1305:analog-value:1"), encoding="utf-8")
+        self.assertIn("heartbeat of device 1305 and setpoint of device 1201", self.gateway_says().stderr)
+        (self.folder / "points.csv").write_text(full_map("1201:analog-value:1"), encoding="utf-8")
+        self.assertEqual(self.gateway_says().stderr, "")
+
     def test_both_know_the_same_object_types(self):
         source = (BIN.parent.parent.parent / "hal" / "points" / "bacnet_row.cpp")
         if not source.exists():

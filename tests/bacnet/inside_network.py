@@ -46,6 +46,8 @@ class ByBroadcast(BacnetTest):
         self.assertIn("\nroom_temp_1,degc,bacnet,1201:analog-input:1,", done.stdout)
         self.assertIn("commandable\nsupply_air_setpoint,degc,bacnet,1201:analog-output:1,", done.stdout)
         self.assertIn("\nroom_temp_1_2,degc,bacnet,1305:analog-input:1,", done.stdout)
+        self.assertIn("\nheartbeat,,bacnet,1201:analog-value:1,", done.stdout)
+        self.assertIn("may be the heartbeat, 1201:analog-value:1, 1305:analog-value:1; expected", done.stderr)
         renamed = done.stdout.replace("\nsupply_air_setpoint,", "\nsetpoint,")
         (self.folder / "points.csv").write_text(renamed, encoding="utf-8")
         self.assertEqual(self.ask("--site", str(self.folder / "site.toml"), "--check").returncode, 0)

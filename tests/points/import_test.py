@@ -1,8 +1,11 @@
 """tools/points/import_points: what it makes of lists is what they say, and `airside check` takes it."""
 
+import os
+import subprocess
+import sys
 import unittest
 
-from desk import Desk, ROOT
+from desk import Desk, IMPORT, ROOT
 
 EUROPEAN = """Anlage 3;;;;;;;
 ;;;;;;;
@@ -13,6 +16,22 @@ VAV-302/Sts;;30;01;;;;
 VAV-301/Sts;;31;coil;;;;
 AHU-1 Discharge Air Temp Setpoint;;100;3/16;real;;degF;CDAB
 AHU-1 Discharge Air Temperature;;102;4;real;;degF;word swap
+"""
+GERMAN = """Bezeichnung;Adresse;Datentyp;Faktor;Einheit;Beschreibung;Zugriff
+VAV1 room temp;30001;INT16;0,1;Grad C;Raum 1;nur lesen
+SAT SP;40001;Ganzzahl;0,1;°C;Zuluft;Lesen/Schreiben
+"""
+CHINESE = """名稱,暫存器位址（Modbus）,資料型別,倍率,單位,說明,讀寫
+VAV1 room temp,30001,INT16,0.1,攝氏,室溫,唯讀
+SAT SP,40001,整數,0.1,°C,送風溫度設定,讀寫
+"""
+BOXES = """Name,Register,Type,Scale
+AHU7/KL-01/RmTmp,30001,INT16,0.1
+AHU7/KL-02/RmTmp,30002,INT16,0.1
+AHU7/KL-01/OCC,10001,,
+AHU7/KL-02/OCC,10002,,
+VAV-09.OCC,10009,,
+AHU7.DaTmpSetp,40001,INT16,0.1
 """
 BACNET = """Object name,Object type,Instance,Device instance,Unit,R/W
 VAV 1 Zone Temp,AI,3,1201,degF,R
@@ -62,6 +81,58 @@ class Import(Desk):
         self.imported("list.csv", "-o", "points.csv", "--force")
         self.check()
 
+    def test_headings_in_german_and_chinese(self):
+        self.import_list("--example", "example")
+        for text in (GERMAN, CHINESE):
+            self.write("list.csv", text)
+            facts = self.imported("list.csv", "-o", "points.csv", "--force")
+            self.assertEqual(facts["unused_columns"], [])
+            self.assertEqual(self.imported("list.csv", "--map", "example/map.toml", "-o", "points.csv", "--force"), facts)
+            rows = self.rows()
+            for name in ("room_temp_1", "setpoint"):
+                self.assertEqual([rows[name][key] for key in ("scale", "addr", "unit")], ["0.1", "0", "degc"])
+
+    def test_what_the_list_does_not_say_is_said(self):
+        self.write("list.csv", "Name,Register,Type,Skal,Unit\nVAV1 room temp,30001,int16,0.1,C\nSAT SP,40001,float,1,C\n")
+        self.write("map.toml", "[list]\nscale = 1\n")
+        facts = self.imported("list.csv", "--map", "map.toml", "-o", "points.csv")
+        self.assertEqual(facts["unused_columns"], ["Skal"])
+        self.assertEqual(self.rows()["room_temp_1"]["scale"], "1")
+        self.assertIn("setpoint: no order of bytes in the list, taken as ABCD", " ".join(facts["notes"]))
+        done = self.import_list("list.csv", "--map", "map.toml", "-o", "points.csv", "--force")
+        self.assertIn("columns that were not used: Skal", done.stderr)
+        self.write("map.toml", '[columns]\nscale = ["Skal"]\n')
+        facts = self.imported("list.csv", "--map", "map.toml", "-o", "points.csv", "--force")
+        self.assertEqual(facts["unused_columns"], [])
+        self.assertEqual(self.rows()["room_temp_1"]["scale"], "0.1")
+
+    def test_patterns_of_ones_own_go_first_and_a_box_is_not_the_building(self):
+        self.write("list.csv", BOXES)
+        self.write("map.toml", '[roles]\n"room_temp_{n}" = ["* kl {n} rmtmp"]\n"vav_on_{n}" = ["* kl {n} occ"]\n')
+        facts = self.imported("list.csv", "--map", "map.toml", "-o", "points.csv")
+        self.assertEqual(facts["rows"], {"room_temp_1": 2, "room_temp_2": 3, "vav_on_1": 4, "vav_on_2": 5, "setpoint": 7})
+        self.assertIn("the number of a box (vav 9), and occupied has no such number", facts["left_out"][0]["remedy"])
+        self.write("list.csv", BOXES + "FCU-03 Room Temp,30020,INT16,0.1\n")
+        self.write("map.toml", '[roles]\n"room_temp_{n}" = ["* kl|fcu {n} rmtmp", "* fcu {n} room temp"]\n')
+        facts = self.imported("list.csv", "--map", "map.toml", "-o", "points.csv", "--force")
+        self.assertEqual((facts["rows"]["room_temp_3"], len(facts["left_out"])), (8, 3))
+        self.assertIn('read as "ahu 7 kl 1 occupied"', facts["left_out"][0]["remedy"])
+
+    def test_numbers_of_inputs_are_no_boxes(self):
+        self.write("list.csv", "Name,Register,Type,Scale\nAI-01 OAT,30001,INT16,0.1\nAI-02 VAV1 room temp,30002,INT16,0.1\n"
+                               "AO-01 SAT SP,40001,INT16,0.1\nAI-03 SAT,30003,INT16,0.1\n")
+        self.assertEqual(self.imported("list.csv", "-o", "points.csv")["left_out"], [])
+
+    def test_an_output_that_nobody_reads_to_its_end(self):
+        self.write("list.csv", BACNET)
+        read, written = os.pipe()
+        os.close(read)
+        done = subprocess.run([sys.executable, "-B", IMPORT, "list.csv", "-o", "points.csv"], cwd=self.folder, stdout=written,
+                              stderr=subprocess.PIPE, text=True, check=False)
+        os.close(written)
+        self.assertEqual((done.returncode, done.stderr), (1, ""))
+        self.assertIn("room_temp_2", self.rows())
+
     def test_objects_of_bacnet(self):
         self.write("list.csv", BACNET)
         facts = self.imported("list.csv", "-o", "points.csv")
@@ -107,7 +178,6 @@ class Import(Desk):
     def test_limits_are_those_of_airside_init(self):
         done = self.airside("init", ".", "--objective", "band", "--topology", "1vav-1fcu-1power")
         self.assertEqual(done.returncode, 0, done.stderr)
-        import sys
         sys.path.insert(0, str(ROOT / "tools" / "points"))
         from roles import ROLES
         compared = 0

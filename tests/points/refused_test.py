@@ -12,6 +12,25 @@ SETPOINT = "SAT SP,40001,int16,0.1,°C\n"
 # list, options, what the complaint holds
 LISTS = {
     "no column of registers": ("Name,Type\nVAV1 zone temp,int16\n", [], ("list.csv:1: found no column of the address", "[columns]")),
+    "headings of another language": (
+        "Pkt,Adr,Art,Skal,E,Z\nVAV1 zone temp,30001,INT16,0.1,°C,R\nSAT SP,40001,INT16,0.1,°C,RW\n", [],
+        ("list.csv:1: found no column of the name and no column of the address", '"Adr" (could be address), "Art" (could be type)',
+         '"Skal" (could be scale), "E" (could be unit), "Z" (could be access)', "[columns]")),
+    "no column of the scale": (
+        "Name,Register,Type,Skal,Unit,Note\nVAV1 zone temp,30001,int16,0.1,C,a\nVAV1 damper,30009,uint16,0.1,%,b\n"
+        "SAT SP,40001,int16,0.1,C,c\nVAV1 status,30011,uint16,,,d\n", [],
+        ("columns that were not used: Skal, Note", "list.csv:1: found no column of the scale, for room_temp_1 (int16), damper_1 (uint16), "
+         "setpoint (int16); expected", 'scale = ["Skal"]', "scale = 1 in [list]")),
+    "a cell without a scale": (HEAD + ROOM.replace("0.1", "") + SETPOINT, [],
+                               ("list.csv:2, column 4 (Scale): found an empty cell for room_temp_1, int16", "scale = 1 in [list]")),
+    "a point of ours without a register": (HEAD + ROOM + SETPOINT + "VAV2 zone temp,,int16,0.1,\n", [],
+                                           ('list.csv:4, column 2 (Register): found an empty cell for "VAV2 zone temp", which is taken for '
+                                            "room_temp_2", '"VAV2 zone temp" = ""')),
+    "a quote that is not closed": (HEAD + ROOM.replace("VAV1 zone temp", 'VAV1 zone temp",3,"') + SETPOINT, [],
+                                   ("list.csv:2: found a quote that is not closed",)),
+    "a quote that is not closed, two lines before the end": (
+        HEAD + SETPOINT + ROOM.replace(",int16", ',"int16') + ROOM.replace("VAV1", "VAV2"), [],
+        ("list.csv:3: found a quote that is not closed",)),
     "no heading": ("a,b,c\n1,2,3\n", [], ("list.csv:1: found no column of the name", '"a", "b", "c"')),
     "a register twice": (HEAD + ROOM + ROOM.replace("VAV1", "VAV2") + SETPOINT, [],
                          ('list.csv:3, column 2 (Register): found function 4, register 0', '"VAV1 zone temp" in row 2')),
@@ -46,7 +65,7 @@ LISTS = {
     "a setpoint that is read": (HEAD + ROOM + SETPOINT.replace("40001", "30009"), [], ("setpoint, which can only be read", "holding, RW")),
     "no point": (HEAD, [], ("a heading and no point below it",)),
     "an empty file": ("", [], ("found an empty file",)),
-    "an open quote": (HEAD + '"VAV1\n', [], ("list.csv:2: found", "close the quote")),
+    "an open quote": (HEAD + '"VAV1\n', [], ("list.csv:2: found a quote that is not closed", "close the quote")),
     "a point without a name": (HEAD + ",30001,int16,0.1,\n" + SETPOINT, [], ("list.csv:2, column 1 (Name): found an empty cell",)),
     "a PDF": ("%PDF-1.7 ...", [], ("found a PDF",)),
     "a device's number": ("Name,Object type,Instance\nVAV1 zone temp,AI,3\nSAT SP,AO,1\n", [], ("as the device's number", "--device 1201")),
@@ -116,6 +135,7 @@ class Refused(Desk):
         self.write("list.csv", HEAD + ROOM + SETPOINT)
         for text, parts in (("[colums]\n", ("map.toml: [colums]", "unknown table")), ("[list\n", ("map.toml: found no TOML",)),
                             ("[list]\naddresses = \"two-based\"\n", ("list.addresses", "modicon, zero-based, one-based")),
+                            ("[list]\nscale = 0\n", ("list.scale", "other than 0")),
                             ("[names]\n\"SAT SP\" = \"set_point\"\n", ('found "set_point" as our name of "SAT SP"',)),
                             ("[names]\n\"SAT SPX\" = \"setpoint\"\n", ("[names]", "the name of a point in the list")),
                             ("[types]\nint64 = [\"x\"]\n", ("types.int64", "unknown key"))):
@@ -128,6 +148,15 @@ class Refused(Desk):
         self.write("list.csv", HEAD + ROOM + SETPOINT)
         self.write("site.toml", '[site]\ntopology = "2vav-0fcu-1power"\n[stand_in]\nrain = 0\nvav_on = 1\nmau_temp = 18\noutdoor_temp = 28\n')
         self.refused("list.csv", ["--site", "site.toml"], ("found no room_temp_2", "found no power_1", "`power = 4`", "[stand_in]"))
+
+    def test_names_that_no_pattern_fits_are_shown_as_they_were_read(self):
+        self.write("list.csv", HEAD + ROOM.replace("VAV1 zone temp", "AHU7/KL-01/RmTmp") + SETPOINT)
+        self.write("map.toml", '[roles]\n"room_temp_{n}" = ["* kl {n} rmtmpr"]\n')
+        self.write("site.toml", '[site]\ntopology = "1vav-0fcu-0power"\n[stand_in]\nrain = 0\nvav_on = 1\nmau_temp = 18\noutdoor_temp = 28\n')
+        self.refused("list.csv", ["--map", "map.toml", "--site", "site.toml"], (
+            'AHU7/KL-01/RmTmp (read as "ahu 7 kl 1 room temp")', 'none of these fits: "* kl {n} rmtmpr"', "[names]",
+            '[roles] there, such as "room_temp_{n}" = ["* kl {n} room temp"]'))
+        self.assertNotIn("topology", self.import_list("list.csv", "-o", "points.csv", "--site", "site.toml").stderr)
 
     def test_a_file_that_is_there_stays(self):
         self.write("list.csv", HEAD + ROOM + SETPOINT)

@@ -62,8 +62,8 @@ def parse_address(text):
 def style_of(addresses, headings):
     """How the list counts: modicon, zero-based or one-based; raises Wrong where it does not show."""
     text = plain(headings)
-    for words, style in ((("0 based", "zero based", "from 0", "base 0"), "zero-based"),
-                         (("1 based", "one based", "from 1", "base 1"), "one-based")):
+    for words, style in ((("0 based", "zero based", "from 0", "base 0", "ab 0", "從0", "從 0"), "zero-based"),
+                         (("1 based", "one based", "from 1", "base 1", "ab 1", "從1", "從 1"), "one-based")):
         if any(word in text for word in words):
             return style
     decimals = [a for a in addresses if a.digits]
@@ -130,8 +130,6 @@ def parse_number(text, decimal):
 def parse_scale(text, decimal):
     """0.1, x0.1, /10, 1/10."""
     text = text.strip()
-    if not text:
-        return 1.0
     divided = re.fullmatch(r"(?:1\s*)?[/:÷]\s*(.+)|div(?:ide)?(?: by)?\s*(.+)", text, re.IGNORECASE)
     value = parse_number((divided[1] or divided[2]) if divided else re.sub(r"^[xX×*]\s*", "", text), decimal)
     if value == 0:

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 from complaint import quoted, refuse
+from guesses import guessed_columns
 
 try:
     import tomllib
@@ -14,16 +15,17 @@ except ImportError:
              "run it with a newer python3")
 
 DEFAULTS = Path(__file__).with_name("vendor.toml")
-LIST_KEYS = {"sheet": str, "header_row": int, "addresses": str, "function": int, "type": str, "order": str,
-             "device": int, "numbers": str}
+LIST_KEYS = {"sheet": str, "header_row": int, "addresses": str, "function": int, "type": str, "scale": (int, float),
+             "order": str, "device": int, "numbers": str}
+EXPECTED = {str: "a text", int: "a whole number"}
 CHOICES = {"addresses": ("modicon", "zero-based", "one-based"), "numbers": ("as-written", "in-order"),
            "type": ("int16", "uint16", "int32", "uint32", "float32"), "order": ("ABCD", "CDAB", "BADC", "DCBA"),
            "function": (1, 2, 3, 4)}
 
 
-def words_of(text):
+def words_of(text, at_capitals=True):
     """`AHU3.VAV-03_ZoneTemp` -> `ahu 3 vav 3 zone temp`."""
-    text = re.sub(r"([a-z])([A-Z])", r"\1 \2", text.strip())
+    text = re.sub(r"([a-z])([A-Z])", r"\1 \2", text.strip()) if at_capitals else text
     text = re.sub(r"([^\W\d_])(\d)", r"\1 \2", text)
     text = re.sub(r"(\d)([^\W\d_])", r"\1 \2", text)
     words = re.sub(r"[\W_]+", " ", text.lower()).split()
@@ -52,6 +54,7 @@ class Mapping:
         self._check_list()
         self.tables = {name: self._merged(name, base[name], own.get(name, {})) for name in base if name != "list"}
         self.columns, self.roles, self.names = (self.tables[name] for name in ("columns", "roles", "names"))
+        self.own_roles = {role for role in own.get("roles", {}) if self.roles[role] != base["roles"].get(role)}
         self.words = sorted(((words_of(v), key) for key, variants in self.tables["words"].items() for v in variants),
                             key=lambda pair: -len(pair[0]))
 
@@ -61,7 +64,10 @@ class Mapping:
             if key not in LIST_KEYS:
                 refuse(place, "an unknown key", "one of " + ", ".join(LIST_KEYS), "correct its name, or remove it")
             if not isinstance(value, LIST_KEYS[key]) or isinstance(value, bool):
-                refuse(place, repr(value), "a text" if LIST_KEYS[key] is str else "a whole number", "correct the value")
+                refuse(place, repr(value), EXPECTED.get(LIST_KEYS[key], "a number"), "correct the value")
+            if key == "scale" and not 0 < abs(value) < float("inf"):
+                refuse(place, repr(value), "a factor other than 0",
+                       "write 1 where registers hold the values themselves")
             if key in CHOICES and value not in CHOICES[key]:
                 refuse(place, repr(value), "one of " + ", ".join(map(str, CHOICES[key])), "use one of these")
 
@@ -84,8 +90,9 @@ class Mapping:
                 continue
             taken = {plain_of(name, v) for v in variants}
             for other in merged:
-                if other != key:
-                    merged[other] = [v for v in merged[other] if plain_of(name, v) not in taken]
+                if other != key:  # a word that one's own file has under both stays with both
+                    kept = own.get(other, [])
+                    merged[other] = [v for v in merged[other] if v in kept or plain_of(name, v) not in taken]
             merged[key] = [*variants, *merged.get(key, [])]
         return merged
 
@@ -98,9 +105,9 @@ class Mapping:
     def accepted(self, table):
         return ", ".join(f"{key} ({', '.join(v for v in variants[:3] if v)})" for key, variants in self.tables[table].items())
 
-    def in_our_words(self, text):
+    def in_our_words(self, text, at_capitals=True):
         """A point's name with the words of the table `words`, the longest first."""
-        padded = f" {words_of(text)} "
+        padded = f" {words_of(text, at_capitals)} "
         for _ in range(2):  # "supply t" is found once "da" has become "supply"
             for variant, key in self.words:
                 padded = padded.replace(f" {variant} ", f" {key} ")
@@ -145,7 +152,7 @@ def places_of(cells, columns):
 
 def without_hint(heading):
     """`Address (0-based)` -> `Address`."""
-    return re.sub(r"[(\[].*?[)\]]", "", heading)
+    return re.sub(r"[(\[（【].*?[)\]）】]", "", heading)
 
 
 def recogniser(mapping):
@@ -159,18 +166,34 @@ def find_heading(table, mapping, header_row=None):
     rows = [(number, cells) for number, cells in table.rows if header_row in (None, number)]
     if not rows:
         refuse(table.path, f"no row {header_row}", "the heading row there", "correct list.header_row, or leave it out")
-    number, cells = max(rows[:60], key=lambda row: len(places_of(row[1], mapping.columns)))
+    number, cells = max(rows[:60], key=lambda row: heading_likeness(row[1], mapping))
     places = places_of(cells, mapping.columns)
     if "instance" in places and "type" in places and not {"object_type", "address", "object"} & set(places):
         places["object_type"] = places.pop("type")  # beside an instance a type is an object's
     has_place = "address" in places or "object" in places or {"object_type", "instance"} <= set(places)
     if "name" in places and has_place:
         return Heading(number, cells, places)
-    missing = "name" if "name" not in places else "address"
-    accepted = mapping.columns[missing]
-    if missing == "address" and "object_type" in places:
-        missing, accepted = "instance", mapping.columns["instance"]
-    seen = ", ".join(quoted(c) for c in cells if c) or "nothing"
-    refuse(table.row_place(number), f"no column of the {missing} among the headings {seen}",
-           f"one named {', '.join(accepted[:6])} or the like",
-           f'rename the heading, or add a line to [columns] of a file for --map: {missing} = ["your heading"]')
+    refuse_heading(table, Heading(number, cells, places), mapping)
+
+
+def heading_likeness(cells, mapping):
+    """Where hardly a heading is known the first row with most cells: titles above it have few, and RW is a cell too."""
+    known = len(places_of(cells, mapping.columns))
+    return (known, 0) if known > 1 else (0, sum(map(bool, cells)))
+
+
+def refuse_heading(table, heading, mapping):
+    """What is missing and every heading that is not known, at once."""
+    missing = [] if "name" in heading.places else ["name"]
+    if not {"address", "object"} & set(heading.places) and not {"object_type", "instance"} <= set(heading.places):
+        missing.append("instance" if "object_type" in heading.places else "address")
+    seen = ", ".join(quoted(c) for c in heading.cells if c) or "nothing"
+    columns = guessed_columns(table, heading, mapping)
+    said = ", ".join(quoted(text) + (f" (could be {' or '.join(keys)})" if keys else "") for text, keys in columns)
+    sample = next(((keys[0], text) for text, keys in columns if keys and keys[0] in missing),
+                  (missing[0], "your heading"))
+    refuse(table.row_place(heading.number),
+           " and ".join(f"no column of the {key}" for key in missing) + f" among the headings {seen}",
+           "; ".join(f"one for the {key}, named {', '.join(mapping.columns[key][:6])} or the like" for key in missing),
+           (f"not known: {said}; " if said else "") + "rename the headings, or add lines such as "
+           f'{sample[0]} = ["{sample[1]}"] to [columns] of a file for --map')

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from complaint import BadInput, complaint, quoted
 from fields import (CONVERSIONS, ORDERS, Wrong, parse_address, parse_function, parse_number, parse_scale,
                     protocol_address, style_of)
+from guesses import guessed_columns
 from mapping import plain
 from roles import ROLES, SENTINEL, STAND_INS, WRITTEN, split_name
 
@@ -14,6 +15,7 @@ COLUMNS = ("name", "unit", "fc", "addr", "type", "byte_order", "word_order", "sc
 BACNET_COLUMNS = ("name", "unit", "protocol", "object", "scale", "offset", "min", "max", "max_rate", "stale_s")
 HELD = {"int16": (-32768, 32767), "uint16": (0, 65535), "int32": (-2**31, 2**31 - 1), "uint32": (0, 2**32 - 1),
         "float32": (-3e38, 3e38)}
+INTEGERS = ("int16", "uint16", "int32", "uint32")
 WIDE = ("int32", "uint32", "float32")
 HIGHEST_INSTANCE = 4194302
 COMMANDABLE = ("analog-output", "analog-value")
@@ -27,6 +29,7 @@ class Source:
     name: str
     description: str
     ours: str = ""
+    has_place: bool = True  # a register or an object
 
 
 @dataclass
@@ -44,6 +47,8 @@ class Importer:
         self.table, self.heading, self.mapping, self.namer, self.options = table, heading, mapping, namer, options
         self.complaints, self.result = [], Result(notes=list(table.notes))
         self.style = ""
+        self.unused_is_said = False
+        self.unscaled, self.unordered = [], []  # rows whose scale, names whose order nobody gave
         place = heading.places.get("address")
         self.is_hexadecimal = place is not None and "hex" in plain(heading.cells[place]).split()
 
@@ -86,8 +91,8 @@ class Importer:
             if not source.name:
                 self.complain(source, "name", "an empty cell", "the point's name", "fill it in, or remove the row")
                 continue
-            if any(where):
-                found.append(source)
+            source.has_place = any(where)
+            found.append(source)
         if not found and not self.complaints:
             raise BadInput([complaint(self.table.row_place(self.heading.number), "a heading and no point below it",
                                       "a row a point with a name and a register or object", "export the list again")])
@@ -96,14 +101,15 @@ class Importer:
     def name_points(self, sources):
         """Gives each row its name of ours; lists what has none or several."""
         mapped = []
+        self.namer.learn_boxes([source.name for source in sources])
         for source in sources:
             ours = self.namer.roles_of(source.name, source.description)
-            place = self.table.row_place(source.number)
             if ours is None:
                 continue
-            if not ours:
-                self.result.left_out.append(
-                    (place, source.name, f'not used; if it is one of ours, add to [names]: {toml_key(source.name)} = "..."'))
+            if not source.has_place:
+                self.take_without_place(source, ours)
+            elif not ours:
+                self.leave_out(source, self.why_not_used(source))
             elif len(ours) > 1:
                 self.complain(source, "name", f"{quoted(source.name)}, which fits {' and '.join(ours)}", "one name of ours",
                               f'say which, in [names] of a file for --map: {toml_key(source.name)} = "{ours[0]}"')
@@ -118,6 +124,29 @@ class Importer:
                 self.complaints.append(complaint(f"{self.mapping.file}: [names]", f"{quoted(words)} = {quoted(name)}",
                                                  "the name of a point in the list", "correct the name, or remove the line"))
         return mapped
+
+    def take_without_place(self, source, ours):
+        """A row with a name of ours is never dropped; one with more than a name is listed; others are titles."""
+        if ours:
+            key = next((k for k in ("address", "instance", "object") if k in self.heading.places), "address")
+            self.complain(source, key,
+                          f"an empty cell for {quoted(source.name)}, which is taken for {' and '.join(ours)}",
+                          "its register or object", "fill it in, or leave the point out, in [names] of a file for "
+                          f'--map: {toml_key(source.name)} = ""')
+        elif any(cell for cell in source.cells if cell not in (source.name, source.description)):
+            self.leave_out(source, "not used: it has no register and no object")
+
+    def leave_out(self, source, why):
+        self.result.left_out.append((self.table.row_place(source.number), source.name, why))
+
+    def why_not_used(self, source):
+        building = self.namer.of_the_building(source.name, source.description)
+        said = f', read as "{self.namer.reading(source.name)}"'
+        if building:
+            said += (f": it carries the number of a box ({self.namer.box_of(source.name)}), and {building[0]} has no "
+                     "such number")
+        return (f"not used{said}; if it is one of ours, add to [names] of a file for --map: {toml_key(source.name)} = "
+                '"...", or a pattern to [roles]')
 
     def renumber(self, mapped):
         """VAV-301, VAV-302 become places 1, 2, alike for all kinds of one count."""
@@ -160,7 +189,14 @@ class Importer:
                               "give --protocol modbus or --protocol bacnet")
             wanted = "bacnet" if bacnet else "modbus"
         self.result.protocol = wanted
-        return [s for s in mapped if (self.is_bacnet(s) if wanted == "bacnet" else self.cell(s, "address"))]
+        used = [s for s in mapped if (self.is_bacnet(s) if wanted == "bacnet" else self.cell(s, "address"))]
+        for source in (s for s in mapped if s not in used):
+            if source in bacnet or source in modbus:
+                self.leave_out(source, f"not used: --protocol {wanted}, and it has none of that")
+            else:
+                self.complain(source, "object_type", "an empty cell" if "object_type" in self.heading.places else
+                              "no column of the object type", f"the type of the object of {source.ours}", "fill it in")
+        return used
 
     def find_style(self, sources):
         self.style = self.options.addresses or self.mapping.list.get("addresses", "")
@@ -230,6 +266,8 @@ class Importer:
     def order_of(self, source, kind):
         text = self.cell(source, "order")
         key = self.mapping.word("orders", text) if text else self.mapping.list.get("order", "ABCD")
+        if kind in WIDE and not text and "order" not in self.mapping.list:
+            self.unordered.append(source.ours)
         if key is None:
             self.complain(source, "order", quoted(text), "one of " + self.mapping.accepted("orders"),
                           "write ABCD, CDAB, BADC or DCBA, or add the word to [orders] of a file for --map")
@@ -239,7 +277,10 @@ class Importer:
 
     def scaling(self, source, role, kind):
         """(scale, constant) that make our unit of the raw number."""
-        scale = self.checked(source, "scale", parse_scale, self.cell(source, "scale"), self.table.decimal)
+        text = self.cell(source, "scale")
+        is_given = bool(text) or "scale" in self.mapping.list
+        scale = (self.checked(source, "scale", parse_scale, text, self.table.decimal) if text else
+                 float(self.mapping.list.get("scale", 1)))
         text = self.cell(source, "offset")
         constant = self.checked(source, "offset", parse_number, text, self.table.decimal) if text else 0.0
         unit_text = self.cell(source, "unit")
@@ -255,6 +296,9 @@ class Importer:
         if ours != role.unit or (unit == "percent" and role.is_state):
             self.complain(source, "unit", quoted(unit_text), f"a unit of {source.ours}: {self.units_for(role)}",
                           "correct the cell, or the mapping of the point")
+            return None
+        if not is_given and not role.is_state and kind in INTEGERS:
+            self.unscaled.append((source, kind))
             return None
         if scale is None or constant is None:
             return None
@@ -362,6 +406,8 @@ class Importer:
             self.find_style([s for s in sources if self.cell(s, "address")])
         rows = [(s, self.modbus_row(s) if self.result.protocol == "modbus" else self.bacnet_row(s)) for s in used]
         rows = [(s, row) for s, row in rows if row is not None]
+        self.refuse_unscaled()
+        self.note_orders()
         self.refuse_shared(rows)
         self.refuse_lacking({row["name"] for _, row in rows})
         if self.complaints:
@@ -369,6 +415,29 @@ class Importer:
         self.result.points = {row["name"]: s.number for s, row in rows}
         self.result.text = self.text_of(rows)
         return self.result
+
+    def refuse_unscaled(self):
+        """A register of 215 may be 215 or 21.5, where neither list nor mapping says it."""
+        explicit = "say scale = 1 in [list] of a file for --map where registers hold the values themselves"
+        if "scale" in self.heading.places:
+            for source, kind in self.unscaled:
+                self.complain(source, "scale", f"an empty cell for {source.ours}, {kind}", "a factor such as 0.1",
+                              f"fill it in, 1 where the register holds the value itself; or {explicit}")
+        elif self.unscaled:
+            columns = guessed_columns(self.table, self.heading, self.mapping)
+            named = [text for text, keys in columns if "scale" in keys] or ["its heading"]
+            shown = listed([f"{source.ours} ({kind})" for source, kind in self.unscaled])
+            self.complaints.append(complaint(
+                self.table.row_place(self.heading.number), f"no column of the scale, for {shown}",
+                "the factor that makes the value of the raw number",
+                f"name the column in [columns] of a file for --map: scale = [{', '.join(map(toml_key, named))}]; or "
+                f"{explicit}"))
+
+    def note_orders(self):
+        if self.unordered:
+            self.result.notes.append(f"{listed(self.unordered)}: no order of bytes in the list, taken as ABCD (big end "
+                                     "first); airside probe shows whether another fits, order in [list] of a file for "
+                                     "--map says it")
 
     def refuse_shared(self, rows):
         holders = {}
@@ -400,8 +469,7 @@ class Importer:
             if stem not in stems:
                 self.complaints.append(complaint(
                     self.table.path, f"no point that is taken for {example}", "room temperatures and the setpoint of the supply "
-                    "air at least", f'name it in [names] of a file for --map: "the vendor\'s name" = "{example}"' +
-                    self.unused()))
+                    "air at least", self.ways_to_name(stem, example)))
         site = self.options.site_facts
         if not site:
             return
@@ -413,11 +481,16 @@ class Importer:
             have = {re.sub(r"[a-h]$", "", n) if n.startswith("room_temp") else n for n in names}
             stand_ins = [n for n in wanted if n in site.stand_ins or stem in site.stand_ins]
             lacking = [n for n in wanted if n not in have and n not in stand_ins]
+            if stem == "room_temp" and not rooms:
+                continue  # said above; the topology may well be right
             both = [n for n in wanted if n in have and n in stand_ins]
             if lacking:
-                remedy = ("correct topology in the site file" if stem == "room_temp" else
-                          f"add `{stem} = {STAND_INS[stem]}` or the like to [stand_in] of the site file, or name the points in [names]")
-                self.complaints.append(complaint(self.table.path, "no " + ", ".join(lacking), f"what {site.path} needs", remedy))
+                named = "name the points in [names] or by a pattern in [roles] of a file for --map"
+                remedy = (f"{named}, or, where the AHU has only {len(rooms)}, correct topology in the site file"
+                          if stem == "room_temp" else
+                          f"add `{stem} = {STAND_INS[stem]}` or the like to [stand_in] of the site file, or {named}")
+                self.complaints.append(complaint(self.table.path, "no " + ", ".join(lacking), f"what {site.path} needs",
+                                                 remedy + self.unused()))
             if both:
                 self.complaints.append(complaint(site.path, f"a stand-in for {', '.join(both)}, which the list has",
                                                  "a row or a stand-in", "remove the line from [stand_in]"))
@@ -429,10 +502,18 @@ class Importer:
                                                  "correct topology in the site file, or leave the point out in [names]"))
 
     def unused(self):
-        """The first names that were not used, where one of them may be what is missing."""
-        names = [name for _, name, _ in self.result.left_out]
-        more = f" and {len(names) - 8} more" if len(names) > 8 else ""
-        return f" (not used: {', '.join(names[:8])}{more})" if names else ""
+        """The first names that were not used, once: one of them may be what is missing."""
+        if self.unused_is_said or not self.result.left_out:
+            return ""
+        self.unused_is_said = True
+        return "; not used: " + listed([f'{name} (read as "{self.namer.reading(name)}")'
+                                        for _, name, _ in self.result.left_out])
+
+    def ways_to_name(self, stem, example):
+        pattern = self.namer.pattern_like(stem, [name for _, name, _ in self.result.left_out])
+        return (f'name it in [names] of a file for --map: "the vendor\'s name" = "{example}"; or all of a kind by a '
+                f"pattern in [roles] there{', such as ' + pattern if pattern else ''}; none of these fits: " +
+                ", ".join(map(toml_key, self.namer.patterns_for(stem))) + self.unused())
 
     def text_of(self, rows):
         is_bacnet = self.result.protocol == "bacnet"
@@ -451,6 +532,11 @@ class Importer:
                 cells = {"name": name, "protocol": "bacnet", "object": "gateway", "min": 0, "max": most}
                 lines.append(",".join(csv_cell(cells.get(column, "")) for column in columns))
         return "\n".join(lines) + "\n"
+
+
+def listed(texts):
+    """The first of them, and how many more."""
+    return ", ".join(texts[:8]) + (f" and {len(texts) - 8} more" if len(texts) > 8 else "")
 
 
 def inside(value, direction):

@@ -86,18 +86,20 @@ def read_csv(path, data, options, recognise):
         if options.separator not in (None, name):
             continue
         reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
-        rows = []
+        rows, line = [], 1
         try:
             for cells in reader:
                 rows.append((reader.line_num, [" ".join(cell.split()) for cell in cells]))
-        except csv.Error as wrong:
+                line = reader.line_num + 1
+        except csv.Error:
             if options.separator or text.count(separator):
-                found.append((-1, name, f"{path}:{reader.line_num}", str(wrong)))
+                found.append((known_headings(text, separator, recognise) or -1, name, None, line))
             continue
-        found.append((max((recognise(cells) for _, cells in rows[:60]), default=0), name, rows, ""))
+        found.append((max((recognise(cells) for _, cells in rows[:60]), default=0), name, rows, 0))
     best = max(found, key=lambda entry: entry[0])
-    if best[0] < 0:
-        refuse(best[2], best[3], "cells with quotes around the whole cell or none",
+    if best[2] is None:
+        refuse(f"{path}:{best[3]}", "a quote that is not closed in this line, or one inside a quoted cell",
+               "cells with quotes around the whole cell or none",
                "close the quote, and double a quote that belongs to the text")
     notes = [] if best[1] == "," else [f"cells are separated by {'tabs' if best[1] == 'tab' else 'semicolons'}"]
     table = Table(path, "", [row for row in best[2] if any(row[1])], notes=notes)
@@ -105,6 +107,12 @@ def read_csv(path, data, options, recognise):
     if table.decimal == "," and not options.decimal:
         table.notes.append("numbers have a decimal comma")
     return table
+
+
+def known_headings(text, separator, recognise):
+    """Of a file whose quotes are wrong: line by line, without minding them."""
+    lines = text.splitlines()[:60]
+    return max((recognise([cell.strip(' "') for cell in line.split(separator)]) for line in lines), default=0)
 
 
 def has_decimal_comma(rows):

@@ -8,9 +8,12 @@ from airside_bacnet.client import BacnetClient, Device, NotAnswered, Refused
 from airside_bacnet.gateway import make_devices
 from airside_bacnet.notify import say
 from airside_bacnet.objects import NUMBERS, STATES, TYPES, ObjectName
+from airside_bacnet.point_map import UNWATCHED
+from airside_bacnet.usual_limits import STALE_S, USUAL, is_heartbeat, kind_of_temperature
 from airside_bacnet.values import as_number, judge, no_reading
 
-COLUMNS = ["name", "unit", "protocol", "object", "scale", "offset", "min", "max"]
+COLUMNS = ["name", "unit", "protocol", "object", "scale", "offset", "min", "max", "max_rate", "stale_s"]
+GATEWAY_HEARTBEAT = "heartbeat,,bacnet,gateway,,,0,65535,,"
 # BACnet unit -> unit of the map, scale, offset, min, max as physical values.
 UNITS = {
     "degrees-celsius": ("degc", "", "", -40, 60),
@@ -24,6 +27,7 @@ UNITS = {
     "cubic-feet-per-minute": ("m3/s", 0.000471947443, "", 0, 1000),
 }
 WAIT_S = 5.0
+DEFAULT_PORT = 47808
 
 
 def point_name(text, taken):
@@ -54,7 +58,7 @@ async def property_or_none(client, device, identifier, prop, index=None):
         return None
 
 
-async def object_row(client, device, kind, instance, taken):
+async def object_row(client, device, kind, instance, listing):
     """(comment, row) of one object."""
     name = ObjectName(device.instance, kind, instance)
     said = {prop: await property_or_none(client, device, name.identifier, prop)
@@ -73,8 +77,52 @@ async def object_row(client, device, kind, instance, taken):
         row = ["", "", "", 1, as_number(count) or 2]
     else:
         row = list(UNITS.get(unit, (unit if unit not in ("no-units", "") else "", "", "", -1000000, 1000000)))
+    texts = [str(said[prop] or "") for prop in ("object-name", "description")]
+    ours, usual = "", ("", STALE_S)
+    if commandable and is_heartbeat(*texts):
+        ours, usual = listing.take_heartbeat(name), USUAL["heartbeat"][2:]
+        row = ["", "", "", *(USUAL["heartbeat"][:2] if kind in NUMBERS else row[3:])]
+    elif row[0] == "degc":
+        known = kind_of_temperature(*texts, commandable)
+        if known:
+            row[3:], usual = USUAL[known][:2], USUAL[known][2:]
+        else:
+            facts.append("wide limits: neither name nor description shows what it is")
     comment = re.sub(r"[\r\n]+", " ", f"# {name.short_text} {', '.join(map(str, facts))}")
-    return comment, [point_name(str(said["object-name"]), taken), row[0], "bacnet", name.short_text, *row[1:]]
+    return comment, [ours or point_name(texts[0], listing.names), row[0], "bacnet", name.short_text, *row[1:], *usual]
+
+
+class Listing:
+    """What is known of the rows that are written."""
+
+    def __init__(self):
+        self.names, self.heartbeats = {"heartbeat", "map_fingerprint"}, []
+
+    def take_heartbeat(self, name):
+        """The first commandable one has the name; a second is for a person to choose."""
+        self.heartbeats.append(name.short_text)
+        return "heartbeat" if len(self.heartbeats) == 1 else ""
+
+    def write_own_rows(self, out):
+        if self.heartbeats:
+            print(f"# {self.heartbeats[0]} is taken for the heartbeat that the AHU watches. Only where its program does "
+                  f"not:\n# {GATEWAY_HEARTBEAT}")
+        else:
+            print(f"# No commandable heartbeat was found: {UNWATCHED}.\n{GATEWAY_HEARTBEAT}")
+            say(f"found no commandable heartbeat; {UNWATCHED}")
+        if len(self.heartbeats) > 1:
+            said = (f"found {len(self.heartbeats)} objects that may be the heartbeat, {', '.join(self.heartbeats)}; "
+                    "expected that of the AHU whose setpoint is commanded; give the name heartbeat to that one alone")
+            print(f"# {said}")
+            say(said)
+        out.writerow(["map_fingerprint", "", "bacnet", "gateway", "", "", 0, 4294967295, "", ""])
+
+
+def is_own(section, instance, address):
+    """bacpypes3 itself answers what is sent to its own port on any 127.x, and no packet leaves it."""
+    host, _, port = str(address).partition(":")
+    return (instance == section.instance and int(port or DEFAULT_PORT) == section.port and
+            (host == section.address.partition("/")[0] or host.startswith("127.")))
 
 
 async def discover(section, addresses):
@@ -87,6 +135,10 @@ async def discover(section, addresses):
             found = await client.who_is(wait_s=WAIT_S)
             for instance, address in section.devices.items():
                 found += [(instance, client.address(address))] if instance not in dict(found) else []
+        for instance, address in [entry for entry in found if is_own(section, *entry)]:
+            found.remove((instance, address))
+            say(f"found this program itself at {address}; expected a device; on 127.x another program is reached at "
+                "another UDP port alone: give --port, or port in [bacnet]")
         found = sorted({(instance, str(address)): address for instance, address in found}.items())
         if not found:
             say("found no device; expected an answer to Who-Is; check address, prefix and port, name a device with "
@@ -94,22 +146,23 @@ async def discover(section, addresses):
             return 1
         print("# Rows of a point map: rename what the controller shall use (room_temp_1, setpoint, ...), "
               "remove the rest.")
+        print("# Limits are those of the kind that an object's name shows: " +
+              ", ".join(f"{name} {usual[0]} to {usual[1]}" for name, usual in USUAL.items()) + ".")
         out = csv.writer(sys.stdout, lineterminator="\n")
         out.writerow(COLUMNS)
-        taken = {"heartbeat", "map_fingerprint"}
+        listing = Listing()
         instances = [instance for (instance, _), _ in found]
         for (instance, _), address in found:
             if instances.count(instance) > 1:
                 print(f"# TWO DEVICES HAVE THE NUMBER {instance}: give one another before anything is commanded")
-            await list_device(client, Device(instance, address=address), taken, out)
-        out.writerow(["heartbeat", "", "bacnet", "gateway", "", "", 0, 65535])
-        out.writerow(["map_fingerprint", "", "bacnet", "gateway", "", "", 0, 4294967295])
+            await list_device(client, Device(instance, address=address), listing, out)
+        listing.write_own_rows(out)
         return 0
     finally:
         client.close()
 
 
-async def list_device(client, device, taken, out):
+async def list_device(client, device, listing, out):
     identifier = f"device,{device.instance}"
     try:
         named = await property_or_none(client, device, identifier, "object-name")
@@ -118,7 +171,7 @@ async def list_device(client, device, taken, out):
         for kind, instance in await object_list(client, device):
             if str(kind) not in TYPES:
                 continue
-            comment, row = await object_row(client, device, str(kind), instance, taken)
+            comment, row = await object_row(client, device, str(kind), instance, listing)
             print(comment)
             out.writerow(row)
             sys.stdout.flush()

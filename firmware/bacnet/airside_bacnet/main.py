@@ -7,7 +7,7 @@ import sys
 
 from airside_bacnet import __version__
 from airside_bacnet.input_error import InputError
-from airside_bacnet.point_map import load_point_map
+from airside_bacnet.point_map import load_point_map, unwatched
 from airside_bacnet.site_file import BacnetSection, is_card_address, is_device_address, read_site_file
 
 ABOUT = """\
@@ -92,6 +92,8 @@ def run(chosen):
         print(f"{site.path}: site and points are in order\n{len(objects)} objects of devices "
               f"{', '.join(map(str, devices))}; fingerprint {point_map.fingerprint:016x}; "
               f"Modbus on {site.host}:{site.port}")
+        if warning := unwatched(point_map):
+            print(f"airside-bacnet: {site.points}: warning: {warning}", file=sys.stderr)
         return 0
     from airside_bacnet.client import check_card
     from airside_bacnet.discover import read_points

@@ -17,6 +17,9 @@ DECIDED = ("fc", "addr", "type", "byte_order", "word_order", "sentinel", "fc_wri
 POLICIES = {"": 2, "on-change": 1, "refresh": 2}
 FLOAT32, UINT32 = 6, 5  # of hal::PointType
 MOST_POINTS = 2000
+UNWATCHED = ("nothing in the AHU notices a power loss of this machine: the last command then stays for ever; have the "
+             "AHU's program watch a commandable object, and name that one heartbeat (docs/bacnet.md, Priorities and "
+             "hand-back)")
 
 
 @dataclass(frozen=True)
@@ -206,3 +209,14 @@ def load_point_map(path):
         raise InputError(path, f"no readable file ({error.strerror})", "a point map in CSV", "check the path") from None
     except UnicodeDecodeError:
         raise InputError(path, "bytes that are no UTF-8", "plain text", "save the file as UTF-8 CSV") from None
+
+
+def unwatched(point_map):
+    """What is wrong with the heartbeat of a map; empty where the AHU that is commanded has it."""
+    heartbeat, setpoint = point_map.find("heartbeat").object, point_map.find("setpoint").object
+    if heartbeat is None:
+        return f'found heartbeat of "gateway"; {UNWATCHED}'
+    if heartbeat.device != setpoint.device:
+        return (f"found heartbeat of device {heartbeat.device} and setpoint of device {setpoint.device}; expected both "
+                f"of one AHU: otherwise {UNWATCHED}")
+    return ""
