@@ -3,7 +3,12 @@ import socket
 import struct
 import sys
 
-bus = socket.create_connection((sys.argv[1], int(sys.argv[2])))
+try:
+    bus = socket.create_connection((sys.argv[1], int(sys.argv[2])))
+except (IndexError, ValueError):
+    sys.exit(__doc__)
+except OSError as cause:
+    sys.exit(f"{sys.argv[1]}:{sys.argv[2]}: found no server ({cause}); expected a served room; start airside serve")
 
 
 def ask(request):  # one exchange with unit 1: function code and what follows it; gives what follows the answer's

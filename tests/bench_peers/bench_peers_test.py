@@ -78,6 +78,8 @@ class Run(unittest.TestCase):
     def test_wrong_words_are_refused_before_anything_is_timed(self):
         for words, said in (
             (("--only", "caffe"), "--only caffe: expected some of numpy, torch"),
+            (("--only", "numpy", "--kernels", "foo"), "--kernels foo: expected one of best, strict"),
+            (("--only", "numpy", "--venv", "/proc/x"), "--venv /proc/x: found no Python environment and could not make one"),
             (("--rounds", 0), "--rounds 0"),
             (("--chart", "peers.pdf"), "expected a name that ends in .svg or .png"),
             (("--json", "/no/such/folder/peers.json"), "found no folder /no/such/folder"),
@@ -87,6 +89,17 @@ class Run(unittest.TestCase):
             self.assertEqual(done.returncode, 1)
             self.assertIn(said, done.stderr)
             self.assertEqual(done.stdout, "")
+            self.assertNotIn("Traceback", done.stderr)
+
+    def test_what_the_program_complains_of_is_passed_on(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bench = Path(folder) / "airside-bench"
+            bench.write_text("#!/bin/sh\necho 'this CPU has no avx512' >&2\nexit 1\n", encoding="utf-8")
+            bench.chmod(0o755)
+            done = tool("--bin", folder, "--only", "numpy", "--kernels", "avx512")
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, "tools/bench-peers: .*airside-bench --peers --kernels avx512.*: this CPU has no avx512\n$")
+        self.assertNotIn("Traceback", done.stderr)
 
 
 if __name__ == "__main__":

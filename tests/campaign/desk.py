@@ -1,5 +1,6 @@
 """A folder with a campaign file, and the command that runs it."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -32,6 +33,11 @@ class Desk:
             str(BIN / "airside"),
             *words,
         ]
+
+    def commands(self, folder="runs/jobs"):
+        """By the name of a job: what job.json says of it."""
+        records = (json.loads(p.read_text()) for p in (self.folder / folder).glob("*/job.json"))
+        return {record["name"]: record["command"] for record in records}
 
     def run(self, *words, file="campaign.toml"):
         return subprocess.run(

@@ -59,6 +59,25 @@ class File(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertIn("--program: found no-such-airside, which is no program here", done.stderr)
 
+    def test_a_command_that_the_program_does_not_have(self):
+        desk = Desk(self)
+        desk.write(GOOD.replace('"blob", "{x}"', '"simulat", "--seed", "{x}"'))
+        for words in (["--list"], ["--serial"]):
+            done = desk.run(*words)
+            self.assertEqual((done.returncode, done.stdout), (1, ""))
+            self.assertRegex(done.stderr, r"job 1: run: found simulat, .*expected .*; did you mean simulate\?")
+        self.assertFalse((desk.folder / "runs").exists())
+
+    def test_a_folder_that_is_somebody_elses(self):
+        desk = Desk(self)
+        desk.write(GOOD)
+        (desk.folder / "runs").mkdir()
+        (desk.folder / "runs" / "index.html").write_text("theirs")
+        done = desk.run("--serial")
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, "runs: found files that no campaign made; expected .*; give another in campaign.out")
+        self.assertEqual([p.name for p in (desk.folder / "runs").iterdir()], ["index.html"])
+
     def test_keys_are_of_content(self):
         desk = Desk(self)
         (desk.folder / "faults.csv").write_text("a\n")

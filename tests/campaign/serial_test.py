@@ -73,6 +73,58 @@ class Serial(unittest.TestCase):
         self.assertTrue(list((desk.folder / "runs" / "failed").glob("*/stderr")))
         self.assertIn("4 failed", (desk.folder / "runs" / "index.html").read_text())
 
+    def test_a_failure_has_its_cause_and_its_command(self):
+        desk = Desk(self)
+        desk.write(
+            "#!/bin/sh\ncase $2 in one | two) ;; *) exit 0 ;; esac\n"
+            "echo Could not convert: $2 >&2\necho Run with --help for more information. >&2\nexit 2\n",
+            "program",
+        )
+        (desk.folder / "program").chmod(0o755)
+        text = '[campaign]\nout = "runs"\n[[job]]\nname = "day-{seed}"\nrun = ["day", "{seed}"]\n'
+        desk.write(text + 'over = {seed = [1, "one"]}\n')
+        done = desk.run("--serial", "--program", str(desk.folder / "program"))
+        self.assertIn("day-one: exit code 2: Could not convert: one\n", done.stderr)
+        self.assertNotIn("of no job of this file", done.stderr)
+        self.assertEqual(desk.commands("runs/failed"), {"day-one": ["day", "one"]})
+        first = next((desk.folder / "runs" / "failed").iterdir()).name
+        desk.write(text + 'over = {seed = [1, "two"]}\n')
+        done = desk.run("--serial", "--program", str(desk.folder / "program"))
+        self.assertIn("1 of 2 jobs failed", done.stderr)
+        self.assertIn(f"of no job of this file, so free to be deleted: {first}\n", done.stderr)
+
+    def test_what_a_failed_try_left_goes_when_the_job_is_done(self):
+        desk = Desk(self)
+        long = '[campaign]\nout = "runs"\ntimeout_min = {}\n[[job]]\nname = "a"\n' + (
+            'run = ["pretrain", "--plant", "rc", "--days", "20", "-o", "{{out}}/w.blob"]\n'
+        )
+        desk.write(long.format(0.01))
+        self.assertIn("1 of 1 jobs failed", desk.run("--serial").stderr)
+        self.assertIn("a", desk.commands("runs/failed"))
+        desk.write(long.format(5))
+        done = desk.run("--serial")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(desk.commands("runs/failed"), {})
+        self.assertIn("a", desk.commands())
+
+    def test_a_figure_that_no_job_prints_is_named(self):
+        desk = Desk(self)
+        desk.write(CHAIN.replace('["dae_degc"]', '["dae", "darv_degc"]'))
+        done = desk.run("--serial")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stderr, r"job 2: figures: found dae, which no job printed; expected .*; did you mean dae_degc\?")
+        self.assertEqual(done.stderr.count("figures: found"), 1)
+
+    def test_ray_is_not_started_where_nothing_is_open(self):
+        desk = Desk(self)
+        desk.write(CHAIN)
+        (desk.folder / "ray.py").write_text("raise ImportError('it was started')\n")
+        desk.environment["PYTHONPATH"] += os.pathsep + str(desk.folder)
+        self.assertIn("it was started", desk.run().stderr)
+        self.assertEqual(desk.run("--serial").returncode, 0)
+        again = desk.run()
+        self.assertEqual(again.returncode, 0, again.stderr)
+
     def test_a_missing_engine_is_named(self):
         desk = Desk(self)
         desk.write(
@@ -86,7 +138,7 @@ class Serial(unittest.TestCase):
     def test_time_out(self):
         desk = Desk(self)
         desk.write(
-            '[[job]]\nname = "a"\ntimeout_min = 0.01\nrun = ["simulate", "--plant", "rc", "--method", "expert", "--days", "300"]\n'
+            '[[job]]\nname = "a"\ntimeout_min = 0.01\nrun = ["serve", "--plant", "rc", "--port", "0"]\n'
         )
         self.assertIn("a: not done after 0.01 min", desk.run("--serial").stderr)
 

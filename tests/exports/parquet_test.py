@@ -115,9 +115,18 @@ class Parquet(unittest.TestCase):
         self.refused(head + "2021-07-01T00:00:00,25,22\n", "bad.csv:3: time", "not after 2021-07-01T00:00:00")
         self.refused("a,b\n1,2\n", "bad.csv:1", "`a,b`", "a column `time`")
         self.refused("time,rain,rain\n", "bad.csv:1", "the column `rain` twice")
+        self.refused("time;rain\n2021-07-01T00:00:00;0\n", "bad.csv:1: found columns separated by `;`; expected columns",
+                     "export with comma as separator and point as decimal mark")
+        self.refused("time\train\n", "found columns separated by tabs")
         self.refused("", "bad.csv:1", "a column `time`")
         self.refused(b"PK\x03\x04\xff\xfe\n", "bad.csv:1", "a column `time`")
         self.refused("time,rain\n", "found no row")
+
+    def test_help_needs_no_package(self):
+        done = subprocess.run([sys.executable, "-S", ROOT / "tools" / "log_parquet", "--help"], capture_output=True,
+                              text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("--skip-bad", done.stdout)
 
     def test_bad_rows_can_be_left_out_and_are_listed(self):
         bad = self.folder / "bad.csv"
@@ -135,6 +144,7 @@ class Parquet(unittest.TestCase):
         done = subprocess.run([sys.executable, ROOT / "tools" / "log_parquet", self.log, "-o",
                                self.folder / "no" / "where.parquet"], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 1)
-        self.assertIn("where.parquet: found", done.stderr)
+        self.assertRegex(done.stderr, "where.parquet: found no folder .*/no; expected .*make it")
+        self.assertNotIn(".new", done.stderr)
         done = subprocess.run([sys.executable, ROOT / "tools" / "log_parquet", self.log], capture_output=True, check=False)
         self.assertEqual(done.returncode, 2)

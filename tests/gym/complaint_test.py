@@ -1,8 +1,11 @@
 """Bad input is refused with what was found, expected and to do; what the program refuses, in its own words."""
 
+import gc
 import pathlib
+import sys
 import tempfile
 import unittest
+import warnings
 
 import numpy as np
 from airside_gym import AirsideError
@@ -36,7 +39,30 @@ class Complaint(unittest.TestCase):
         self.refused_at_reset("reset: options: found weather, site; expected days, expert_days|found site, weather",
                               options={"site": 1, "weather": 2})
 
+    def test_serve_options_are_a_list_of_words(self):
+        said = r"serve_options: found '--weekends --speed 1'; expected a list of words .*write \('--weekends', '--speed', '1'\)"
+        self.refused(said, lambda: environment("Rc", serve_options="--weekends --speed 1"))
+        self.refused("serve_options: found 3; expected a list", lambda: environment("Rc", serve_options=3))
+        self.refused_at_reset("serve_options: found '--weekends'", options={"serve_options": "--weekends"})
+
+    def test_a_refused_environment_leaves_no_folder(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", ResourceWarning)
+            caught = []
+            sys.unraisablehook, hook = caught.append, sys.unraisablehook
+            try:
+                for choices in ({"movement_penalty": -1}, {"discrete_step_k": 9}, {"topology": "5vav"}, {"site": "/nowhere"},
+                                {"serve_options": "--weekends"}):
+                    with self.assertRaises(AirsideError):
+                        environment("Rc", **choices)
+                gc.collect()
+            finally:
+                sys.unraisablehook = hook
+        self.assertEqual(caught, [])
+
     def test_numbers_that_make_no_sense_are_refused(self):
+        self.refused("movement_penalty: found '1'; expected 0 or more .*number", lambda: environment("Rc", movement_penalty="1"))
+        self.refused("discrete_step_k: found '1'", lambda: environment("Rc", discrete_step_k="1"))
         self.refused("movement_penalty: found -1", lambda: environment("Rc", movement_penalty=-1))
         for step_k in (0, -0.5, 7):
             self.refused("discrete_step_k: found .* up to 6 K", lambda s=step_k: environment("Rc", discrete_step_k=s))

@@ -1,8 +1,9 @@
-"""The example of docs/gym.md runs as it is printed."""
+"""The example of docs/gym.md runs as it is printed; docs/examples/lockstep_client.py says what it lacks."""
 
 import importlib.util
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -12,6 +13,19 @@ from pathlib import Path
 from documents import blocks, text_of
 
 ROOT = Path(__file__).resolve().parents[2]
+
+
+class LockstepClient(unittest.TestCase):
+    def test_without_a_room_it_says_what_it_needs(self):
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            port = str(free.getsockname()[1])
+        for words, said in (([], "lockstep_client.py HOST PORT"), (["localhost", "first"], "lockstep_client.py HOST PORT"),
+                            (["127.0.0.1", port], f"127.0.0.1:{port}: found no server .*; start airside serve")):
+            done = subprocess.run([sys.executable, "-B", ROOT / "docs" / "examples" / "lockstep_client.py", *words],
+                                  capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr, said)
+            self.assertEqual(len(done.stderr.splitlines()), 1)
 
 
 class Document(unittest.TestCase):

@@ -88,6 +88,7 @@ class Folder(unittest.TestCase):
 
     def test_a_file_that_is_no_result_is_named(self):
         planned = control_runs(["ed"], 1)
+        self.results.folder.mkdir(parents=True)
         self.results.path(planned[0]).write_text("{", encoding="utf-8")
         with self.assertRaisesRegex(AirsideError, "seed1.json: found no result.*delete it"):
             self.results.load(planned)
@@ -240,6 +241,18 @@ class CommandLine(unittest.TestCase):
             self.assertEqual(row["figures"]["dae_degc"], alone["dae_degc"])
             tabled = method_peers(*words, "--methods", "expert,osln", "--only-table")
             self.assertIn("2 of 4 runs", tabled.stdout)
+
+    def test_only_a_run_makes_the_folder_and_a_table_of_nothing_is_refused(self):
+        with tempfile.TemporaryDirectory() as desk:
+            folder = Path(desk) / "new" / "runs"
+            base = ["control", "--airside", PROGRAM, "--methods", "expert", "--seeds", "1", "--days", "1"]
+            for words, said in ((["--results", folder, "--only-table"], "runs: found no such folder; expected a folder for"),
+                                (["--results", desk, "--only-table"], "found none of 1 runs such as control_rc_301-real_"),
+                                (["--results", folder, "--rooms", "attic"], '--room: found room "attic"')):
+                done = method_peers(*base, *words)
+                self.assertEqual((done.returncode, done.stdout), (1, ""))
+                self.assertIn(said, done.stderr)
+            self.assertEqual(os.listdir(desk), [])
 
     def test_what_it_cannot_do_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -10,14 +10,18 @@ from pathlib import Path
 from desk import PROGRAM, environment
 
 SCRIPT = Path(__file__).resolve().parents[2] / "tools" / "gym" / "train_peers"
+PACKAGES = importlib.util.find_spec("torch") and importlib.util.find_spec("stable_baselines3")
 
 
-def setUpModule():
-    if not importlib.util.find_spec("torch") or not importlib.util.find_spec("stable_baselines3"):
-        raise unittest.SkipTest("torch and stable-baselines3 are not installed: install them with pip into a Python "
-                                "that has gymnasium, and name it in AIRSIDE_GYM_PYTHON. This test checked nothing.")
+class Alone(unittest.TestCase):
+    def test_help_needs_no_package(self):
+        done = subprocess.run([sys.executable, "-S", "-B", SCRIPT, "--help"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("--training-seeds", done.stdout)
 
 
+@unittest.skipUnless(PACKAGES, "torch and stable-baselines3 are not installed: install them with pip into a Python that has "
+                     "gymnasium, and name it in AIRSIDE_GYM_PYTHON. This test checked nothing.")
 class Peers(unittest.TestCase):
     def test_dqn_learns_for_some_hundred_steps(self):
         from stable_baselines3 import DQN

@@ -233,6 +233,17 @@ class WrongInput(InAFolder):
                 ("simulate(method='expert', room='nowhere')", "room", "nowhere"),
                 ("simulate(method='expert', days=0)", "days", "0"),
                 ("simulate(method='expert', seed=-1)", "seed", "-1"),
+                ("simulate(method='expert', seed=2**63)", "seed", "9223372036854775808"),
+                ("simulate(method='expert', seed='1')", "seed", "'1'"),
+                ("simulate(method='expert', seed=1.5)", "seed", "1.5"),
+                ("simulate(method='expert', seed=True)", "seed", "True"),
+                ("simulate(method='expert', days=1.0)", "days", "1.0"),
+                ("simulate(method='expert', room=3.01)", "room", "3.01"),
+                ("simulate(method=1)", "method", "1"),
+                ("simulate(method='expert', transfer='no')", "transfer", "'no'"),
+                ("simulate(method='expert', start=20210801)", "start", "20210801"),
+                ("simulate(method='expert', log=1)", "log", "1"),
+                ("simulate(method='expert', progress=True)", "progress", "True"),
                 ("simulate(method='expert', preset='best')", "preset", "'best'"),
                 ("simulate(method='expert', start='August')", "start", "August"),
                 ("simulate(method='expert', log='no/folder/a.csv')", "no/folder/a.csv", ""),
@@ -241,6 +252,11 @@ class WrongInput(InAFolder):
                 ("simulate(method='expert', site='none.toml')", "none.toml", ""),
                 ("read_log('none.csv')", "none.csv", "No such file"),
                 ("read_log('cut.csv')", "cut.csv", ""),
+                ("read_log(3)", "path", "3"),
+                ("read_log('cut.csv', site='/')", "/site.toml", ""),
+                ("gap('m.csv', plant='rc', room='301', reference_days=1.5)", "reference_days", "1.5"),
+                ("gap('m.csv', plant='rc', room='301', tries='vav_flow@2=0.5')", "tries", "'vav_flow@2=0.5'"),
+                ("read_blob(3)", "path", "3"),
                 ("read_blob('none.blob')", "none.blob", ""),
                 ("read_blob('no.blob')", "no.blob", ""),
                 ("verify_blob('no.blob', 'none.pub')", "no.blob", ""),
@@ -255,6 +271,37 @@ class WrongInput(InAFolder):
                 self.assertIn(found, parts[0] + parts[1])
                 self.assertNotIn("--", " ".join(parts))
         self.assertEqual({path.name for path in self.folder.iterdir()}, {"cut.csv", "no.blob"})
+
+
+class WhatIsMeant(InAFolder):
+    SAME = "method='expert', days=1, expert_days=0"
+
+    def test_numbers_and_dates_of_python_are_taken_as_the_texts(self):
+        self.assertEqual(installed.gives(
+            "import datetime, numpy as np\n"
+            f"a = airside.simulate({self.SAME}, room='301', seed=2, start='2021-07-01')\n"
+            f"b = airside.simulate({self.SAME}, room=301, seed=np.int64(2), start=datetime.date(2021, 7, 1))\n"
+            "print(json.dumps(a.facts == b.facts))", self.folder), True)
+
+    def test_a_sites_folder_is_its_site_file(self):
+        self.program("init", "mine")
+        self.assertEqual(installed.gives(
+            f"runs = [airside.simulate({self.SAME}, site=site, log='a.csv') for site in ('mine', 'mine/site.toml')]\n"
+            "logs = [airside.read_log('a.csv', site=site) for site in ('mine', 'mine/site.toml')]\n"
+            "print(json.dumps([runs[0].figures == runs[1].figures, logs[0].names == logs[1].names]))", self.folder),
+            [True, True])
+
+    def test_a_column_that_is_not_there_names_the_nearest(self):
+        said = installed.gives(
+            f"log, said = airside.simulate({self.SAME}).log, []\n"
+            "for name in ('time', 'room_temp_9_degc', 'xyz'):\n"
+            "    try: log[name]\n"
+            "    except KeyError as e: said.append(e.args[0])\n"
+            "print(json.dumps([said, 'xyz' in log, log.get('xyz')]))", self.folder)
+        self.assertEqual(said[1:], [False, None])
+        self.assertEqual(said[0][0], "time is no column; take log.time")
+        self.assertRegex(said[0][1], r"^room_temp_9_degc: found no such column; did you mean room_temp_\d_degc or room_temp")
+        self.assertEqual(said[0][2], "xyz: found no such column; list(log) has all")
 
 
 class Moved(InAFolder):

@@ -5,12 +5,12 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 from airside_campaign.campaign_file import read_campaign
 from airside_campaign.complaint import BadInput
-from airside_campaign.keys import add_keys, find_program
-from airside_campaign.results import rows_of, write_page, write_parquet
+from airside_campaign.keys import add_keys
+from airside_campaign.program import check_commands, find_program
+from airside_campaign.results import missing_figures, rows_of, write_page, write_parquet
 from airside_campaign.run import Folder, OnRay, Serial, run_jobs
 
 EXAMPLE = """\
@@ -63,22 +63,37 @@ def parser():
     return p
 
 
-def listed(campaign, out):
+def is_done(campaign, job):
+    return (campaign.out / "jobs" / job.key / "job.json").is_file()
+
+
+def listed(campaign):
     for job in campaign.jobs:
-        done = (Path(out) / "jobs" / job.key / "job.json").is_file()
-        print(f"{job.key}  {'done' if done else 'open'}  {job.name}: airside {' '.join(job.command)}")
+        print(f"{job.key}  {'done' if is_done(campaign, job) else 'open'}  {job.name}: airside {' '.join(job.command)}")
     return 0
+
+
+def older_failures(campaign, folder):
+    """Says which folders there are of no job of this file; they stay, since nobody asked to lose them."""
+    keys = {job.key for job in campaign.jobs}
+    older = sorted(path.name for path in (folder.path / "failed").glob("*") if path.name not in keys)
+    if not older:
+        return ""
+    return f"; of no job of this file, so free to be deleted: {', '.join(older[:5])}" + (
+        f" and {len(older) - 5} more" if len(older) > 5 else ""
+    )
 
 
 def run(arguments):
     campaign = read_campaign(arguments.file)
     program = find_program(arguments.program)
+    check_commands(campaign, program)
     digest = add_keys(campaign, program)
     if arguments.list:
-        return listed(campaign, campaign.out)
+        return listed(campaign)
     folder = Folder(campaign.out)
     with os.fdopen(os.dup(2), "w", encoding="utf-8") as people:  # stays theirs while Ray's words go into a file
-        if arguments.serial:
+        if arguments.serial or all(is_done(campaign, job) for job in campaign.jobs):  # Ray takes seconds to start
             executor = Serial()
         else:
             executor = OnRay(arguments.address, arguments.jobs, campaign.retries, folder.path / "ray.log")
@@ -99,6 +114,8 @@ def run(arguments):
             "room for the results",
             "make room; jobs that are done stay",
         ) from error
+    for complaint in missing_figures(campaign, rows):
+        print(f"airside campaign: {complaint}", file=sys.stderr)
     failed = [row for row in rows if not row["done"]]
     if arguments.json:
         kept = sum(bool(r.get("kept")) for r in records.values())
@@ -119,7 +136,8 @@ def run(arguments):
             print(f"{row['job']}: {row['why']}", file=sys.stderr)
         if failed:
             print(
-                f"{len(failed)} of {len(rows)} jobs failed; what they left is in {folder.path / 'failed'}",
+                f"{len(failed)} of {len(rows)} jobs failed; what they left is in {folder.path / 'failed'}"
+                + older_failures(campaign, folder),
                 file=sys.stderr,
             )
         print(f"{folder.path / 'results.parquet'}\n{folder.path / 'index.html'}")

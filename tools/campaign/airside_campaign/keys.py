@@ -4,7 +4,6 @@ keys of the jobs that it needs in the place of their folders. The same work has 
 import hashlib
 import json
 import re
-import shutil
 from pathlib import Path
 
 from airside_campaign.complaint import BadInput
@@ -35,19 +34,6 @@ def _file(path):
         raise BadInput(
             path, error.strerror.lower(), "a file that can be read", "check the path and its rights"
         ) from error
-
-
-def find_program(name):
-    """The program's path. Raises BadInput where there is none."""
-    found = shutil.which(name)
-    if found is None:
-        raise BadInput(
-            "--program",
-            f"{name}, which is no program here",
-            "the airside program",
-            "put it into the PATH, or name it with --program",
-        )
-    return Path(found).resolve()
 
 
 def add_keys(campaign, program, digests=None):

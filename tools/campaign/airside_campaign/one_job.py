@@ -11,6 +11,8 @@ import socket
 import subprocess
 import time
 
+NO_CAUSE = "Run with --help for more information."  # stands below the cause in every complaint of a command line
+
 
 def dies_with_its_parent():
     ctypes.CDLL(None).prctl(1, signal.SIGKILL)
@@ -57,10 +59,7 @@ def run_one(spec):
         seconds = time.monotonic() - began
         if code != 0:
             return _moved(spec, part, host, _last_words(part, code))
-        with open(os.path.join(part, "job.json"), "w", encoding="utf-8") as record:
-            json.dump({"name": spec["name"], "key": spec["key"], "command": spec["command"]}, record, sort_keys=True)
-            record.flush()
-            os.fsync(record.fileno())
+        _write_record(spec, part)
         os.makedirs(spec["logs"], exist_ok=True)  # apart: it has times in it, and the folder shall be the same anywhere
         os.replace(os.path.join(part, "stderr"), os.path.join(spec["logs"], spec["key"] + ".txt"))
         try:
@@ -69,6 +68,7 @@ def run_one(spec):
             if not os.path.isfile(os.path.join(final, "job.json")):
                 raise
             shutil.rmtree(part, ignore_errors=True)  # another machine was first: the same bytes
+        shutil.rmtree(os.path.join(spec["failed"], spec["key"]), ignore_errors=True)  # what an earlier try left
         return {"key": spec["key"], "done": True, "kept": False, "seconds": seconds, "host": host}
     except OSError as error:
         shutil.rmtree(part, ignore_errors=True)
@@ -77,11 +77,20 @@ def run_one(spec):
         )
 
 
+def _write_record(spec, folder):
+    with open(os.path.join(folder, "job.json"), "w", encoding="utf-8") as record:
+        json.dump({"name": spec["name"], "key": spec["key"], "command": spec["command"]}, record, sort_keys=True)
+        record.flush()
+        os.fsync(record.fileno())
+
+
 def _last_words(part, code):
     with open(os.path.join(part, "stderr"), "rb") as said:
         said.seek(0, os.SEEK_END)
         said.seek(max(0, said.tell() - 2000))
         lines = said.read().decode(errors="replace").strip().splitlines()
+    if len(lines) > 1 and lines[-1] == NO_CAUSE:
+        lines.pop()
     how = f"signal {-code}" if code < 0 else f"exit code {code}"
     return f"{how}: {lines[-1] if lines else 'without a word'}"
 
@@ -92,6 +101,10 @@ def _failed(spec, host, why):
 
 def _moved(spec, part, host, why):
     """What it left is kept apart, for whoever wants to know why."""
+    try:
+        _write_record(spec, part)
+    except OSError:
+        pass  # no room for it: why the job failed is worth more
     apart = os.path.join(spec["failed"], spec["key"])
     shutil.rmtree(apart, ignore_errors=True)
     os.makedirs(spec["failed"], exist_ok=True)

@@ -8,6 +8,8 @@ import statistics
 import tempfile
 from pathlib import Path
 
+from airside_campaign.complaint import BadInput, nearest
+
 SEED = "seed"
 MOST_FIGURES = 6
 FIGURE_ORDER = ("dae_degc", "darv_degc", "me_degc", "hvac_kwh_per_day")
@@ -53,6 +55,25 @@ def rows_of(campaign, folder, records):
             )
         rows.append(row)
     return rows
+
+
+def missing_figures(campaign, rows):
+    """A complaint for each figure that the file names and none of its jobs printed."""
+    complaints = []
+    for entry, names in campaign.figures.items():
+        done = [row for row in rows if row["entry"] == entry and row["done"]]
+        have = sorted({key for row in done for key in row["figures"]})
+        for name in names if done else ():
+            if name in have:
+                continue
+            near = nearest(name, have)
+            expected = "one of " + ", ".join(have[:20]) + (" ..." if len(have) > 20 else "")
+            remedy = f"did you mean {near}?" if near else "correct it"
+            if not have:
+                expected, remedy = "a number of the JSON object that it prints", "add --json to run"
+            place = f"{campaign.path}: job {entry + 1}: figures"
+            complaints.append(BadInput(place, f"{name}, which no job printed", expected, remedy))
+    return complaints
 
 
 def write_parquet(rows, path):

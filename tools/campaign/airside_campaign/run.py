@@ -19,6 +19,13 @@ class Folder:
     def __init__(self, path):
         self.path = Path(path)
         try:
+            if self.path.exists() and not made_by_a_campaign(self.path):
+                raise BadInput(
+                    path,
+                    "files that no campaign made",
+                    "a new or empty folder, or one that a campaign made",
+                    "give another in campaign.out",
+                )
             (self.path / "jobs").mkdir(parents=True, exist_ok=True)
             self._lock = open(self.path / ".lock", "w", encoding="utf-8")  # held until this process ends
         except OSError as error:
@@ -53,6 +60,12 @@ class Folder:
             "logs": str((self.path / "logs").resolve()),
             "timeout_min": job.timeout_min,
         }
+
+
+def made_by_a_campaign(path):
+    """Or empty. Who killed a campaign early has left no more than the lock and no job."""
+    names = {entry.name for entry in path.iterdir()} - {"lost+found"}
+    return names <= {".lock", "jobs"} or {".lock", "jobs"} <= names or any(path.glob("jobs/*/job.json"))
 
 
 class Serial:

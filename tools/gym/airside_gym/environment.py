@@ -2,12 +2,13 @@
 
 import datetime
 import math
+import os
 import statistics
 
 import gymnasium
 import numpy as np
 
-from .failure import refused
+from .failure import AirsideError, refused
 from .points import blocks_of
 from .program import ServedRoom, find_program
 from .site import ROW_S, SECONDS_OF_DAY, Site, limits_of
@@ -16,6 +17,24 @@ HOURS_OF_A_ROW = ROW_S / 3600
 CLOCK_EPOCH = datetime.datetime(2000, 1, 1)
 TIME_NAMES = ("time_of_day_sin", "time_of_day_cos", "weekend")
 OF_ONE_EPISODE = {"start", "room", "plant", "days", "expert_days", "serve_options"}
+
+
+def _checked_number(name, value, least, expected):
+    number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    if not number or not math.isfinite(value) or value < least:
+        raise refused(name, value if number else repr(value), expected, "correct it" if number else "give a number")
+
+
+def _checked_words(words):
+    """Of serve_options: a text would be taken letter by letter."""
+    if isinstance(words, (str, bytes, os.PathLike)):
+        remedy = f"write {tuple(words.split())!r}" if isinstance(words, str) else "put it into a tuple"
+        raise refused("serve_options", repr(words), 'a list of words such as ("--faults", "faults.csv")', remedy)
+    try:
+        return tuple(words)
+    except TypeError:
+        raise refused("serve_options", repr(words), 'a list of words such as ("--faults", "faults.csv")',
+                      "leave it out where there are none") from None
 
 
 class RoomEnvironment(gymnasium.Env):
@@ -44,16 +63,22 @@ class RoomEnvironment(gymnasium.Env):
         has one). serve_options: further words for `airside serve`. airside: path of the program."""
         if needs_site and site is None:
             raise refused("airside/Site-v0", "no site", "a site file or its folder", "give site=PATH")
+        _checked_number("movement_penalty", movement_penalty, 0, "0 or more for each K")
+        if discrete_step_k is not None:
+            _checked_number("discrete_step_k", discrete_step_k, -math.inf, "more than 0 K")
+        self._movement_penalty = movement_penalty
+        options = _checked_words(serve_options)
         self._program = find_program(airside)
         self._site = Site(self._program, site, topology)
         self._twin = self._site.has_twin if twin is None else twin
         self._choices = {"plant": plant, "room": room, "start": start, "days": days, "expert_days": expert_days,
-                         "serve_options": tuple(serve_options)}
-        if not math.isfinite(movement_penalty) or movement_penalty < 0:
-            raise refused("movement_penalty", movement_penalty, "0 or more for each K", "correct it")
-        self._movement_penalty = movement_penalty
+                         "serve_options": options}
         self._served = None
-        self._make_spaces(discrete_step_k)
+        try:
+            self._make_spaces(discrete_step_k)
+        except AirsideError:
+            self._site.close()
+            raise
         self._blocks = blocks_of([*self._site.signals, self._site.points["clock_s"]])
         self._rooms = self._site.rooms()
         self._meters = [p.name for p in self._site.signals if p.name.startswith("power_")]
@@ -90,6 +115,7 @@ class RoomEnvironment(gymnasium.Env):
             raise refused("reset: options", ", ".join(sorted(map(str, unknown))), ", ".join(sorted(OF_ONE_EPISODE)),
                           "give the others when the environment is made")
         chosen = {**self._choices, **(options or {})}
+        chosen["serve_options"] = _checked_words(chosen["serve_options"])
         self._stop()
         run_seed = int(self.np_random.integers(2**31)) if seed is None else seed
         self._served = ServedRoom(self._program, self._serve_options(chosen, run_seed))

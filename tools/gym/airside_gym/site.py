@@ -36,6 +36,14 @@ class Site:
 
     def __init__(self, program, path, topology):
         self._folder = tempfile.TemporaryDirectory(prefix="airside-gym-")
+        try:
+            self._read(self._tables(program, path, topology))
+        except BaseException:
+            self.close()
+            raise
+
+    def _tables(self, program, path, topology):
+        """The site file's tables over those of the built-in site."""
         own = {}
         if path is not None:
             path = os.path.join(path, "site.toml") if os.path.isdir(path) else os.fspath(path)
@@ -47,8 +55,7 @@ class Site:
         self.has_twin = "twin" in own
         if path is not None and "points" not in own.get("modbus", {}):
             raise refused(path, "no point map under [modbus]", 'points = "points.csv"', "name the site's point map")
-        tables = {name: {**table, **own.get(name, {})} for name, table in _toml(built_in).items()}
-        self._read(tables)
+        return {name: {**table, **own.get(name, {})} for name, table in _toml(built_in).items()}
 
     def _read(self, tables):
         target, setpoint = tables["target"], tables["setpoint"]

@@ -50,14 +50,23 @@ def planned(study, plant, rooms, methods, seeds, settings):
 
 
 class Results:
-    """A folder of results."""
+    """A folder of results; made when the first is kept."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
+
+    def check_place(self):
+        """Raises AirsideError where the folder cannot be made, before hours of work; leaves nothing."""
+        lacking = [path for path in (self.folder, *self.folder.parents) if not path.exists()]
+        self._make()
+        for path in lacking:
+            path.rmdir()
+
+    def _make(self):
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as cause:
-            raise refused(folder, f"no folder ({cause})", "a folder for results", "name another with --results") \
+            raise refused(self.folder, f"no folder ({cause})", "a folder for results", "name another with --results") \
                 from cause
 
     def path(self, run):
@@ -70,6 +79,7 @@ class Results:
         """All or nothing: a run that was broken off leaves no file. program: what it says of its version."""
         found = {**dataclasses.asdict(run), "settings": dict(run.settings), "program": program, "figures": figures}
         text = json.dumps(found, indent=1) + "\n"
+        self._make()
         unfinished = self.path(run).with_suffix(".unfinished")
         unfinished.write_text(text, encoding="utf-8")
         os.replace(unfinished, self.path(run))
@@ -86,6 +96,17 @@ class Results:
             except (ValueError, KeyError, TypeError) as cause:
                 raise refused(path, f"no result ({cause})", "a file that this tool wrote",
                               "delete it; it will be made again") from cause
+        return found
+
+    def load_some(self, runs):
+        """As load(), but none at all is an AirsideError."""
+        expected = "a folder for results with some of the runs that are asked for"
+        if not self.folder.is_dir():
+            raise refused(self.folder, "no such folder", expected, "correct --results, or leave --only-table out")
+        found = self.load(runs)
+        if not found:
+            raise refused(self.folder, f"none of {len(runs)} runs such as {self.path(runs[0]).name}", expected,
+                          "name the same --days, --rooms and so on as when they were made, or leave --only-table out")
         return found
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _airside
+from . import _airside, _arguments
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def read_blob(path: str | os.PathLike[str], *, damaged: bool = False) -> Blob:
     Raises InputError, naming file and field, where a controller would not take it. With `damaged` a blob that is cut short
     or altered is shown as far as it can be read: numbers that are missing are NaN, `facts["refusal"]` says what is wrong.
     """
-    found = _airside.read_blob(os.fspath(path), damaged)
+    found = _airside.read_blob(_arguments.path("path", path), _arguments.flag("damaged", damaged))
     facts: dict[str, Any] = json.loads(found["json"])
     head = facts.get("head", {})
     nan = float("nan")
@@ -99,4 +99,4 @@ def verify_blob(path: str | os.PathLike[str], keys: str | os.PathLike[str]) -> S
     `keys`: a public key file (`airside keygen` makes NAME.pub), or a folder of them with its list of revoked keys.
     Raises InputError for a blob that is unsigned, altered, or signed with another or a revoked key.
     """
-    return Signature(*_airside.verify_blob(os.fspath(path), os.fspath(keys)))
+    return Signature(*_airside.verify_blob(_arguments.path("path", path), _arguments.path("keys", keys)))

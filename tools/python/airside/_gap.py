@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from . import _airside
+from . import _airside, _arguments
 from ._errors import InputError
 
 _Path = str | os.PathLike[str]
@@ -30,7 +30,7 @@ class GapVerdict:
     """All of `airside gap --json` (docs/formats.md)."""
 
 
-def gap(measured: _Path, *, site: _Path | None = None, plant: str | None = None, room: str | None = None,
+def gap(measured: _Path, *, site: _Path | None = None, plant: str | None = None, room: str | int | None = None,
         twin: _Path | None = None, patches: Sequence[_Path] = (), weather: _Path | None = None,
         reference: _Path | None = None, reference_days: int = 0, no_reference: bool = False,
         effects: _Path | None = None, tries: Sequence[str] = (), buildings: int | None = None,
@@ -46,24 +46,30 @@ def gap(measured: _Path, *, site: _Path | None = None, plant: str | None = None,
     Raises InputError for what cannot be used. An EnergyPlus model needs the engine and the program airside-energyplus
     (AIRSIDE_ENERGYPLUS_WORKER names it).
     """
-    if reference_days and not 2 <= reference_days <= 366:
-        raise InputError("reference_days", str(reference_days), "2 to 366", "choose another")
-    if jobs is not None and not 1 <= jobs <= 256:
-        raise InputError("jobs", str(jobs), "1 to 256", "choose another, or leave it out")
-    if buildings is not None and not 0 <= buildings <= 1000:
-        raise InputError("buildings", str(buildings), "0 to 1000", "choose another, or leave it out")
+    days = _arguments.whole("reference_days", reference_days, 0, 366)
+    if days == 1:
+        raise InputError("reference_days", "1", "2 to 366", "choose another")
+    if jobs is not None:
+        jobs = _arguments.whole("jobs", jobs, 1, 256)
+    if buildings is not None:
+        buildings = _arguments.whole("buildings", buildings, 0, 1000)
     if plant not in (None, "rc", "energyplus"):
         raise InputError("plant", repr(plant), "rc or energyplus", "choose one of these")
-
-    def text(path: _Path | None) -> str | None:
-        return None if path is None else os.fspath(path)
-
+    for name, value in (("patches", patches), ("tries", tries)):
+        if isinstance(value, (str, bytes, os.PathLike)) or not isinstance(value, Iterable):
+            raise InputError(name, repr(value), "a list", "put it in [ ]")
+    path = _arguments.path_or_none
     with tempfile.TemporaryDirectory(prefix="airside-gap-") as nowhere:
-        folder = Path(nowhere) / "out" if out is None else Path(out)
+        folder = Path(nowhere) / "out" if out is None else Path(_arguments.path("out", out))
         facts: dict[str, Any] = json.loads(_airside.gap(
-            measured=os.fspath(measured), site=text(site), plant=plant, room=room, twin=text(twin),
-            patches=[os.fspath(patch) for patch in patches], weather=text(weather), reference=text(reference),
-            reference_days=reference_days, no_reference=no_reference, effects=text(effects), tries=list(tries),
-            buildings=buildings, best_guess=best_guess, findings_only=findings_only, no_duties=no_duties,
-            sun_on_site=sun_on_site, jobs=jobs, out=str(folder), progress=progress))
+            measured=_arguments.path("measured", measured), site=_arguments.site(site), plant=plant,
+            room=None if room is None else _arguments.room(room), twin=path("twin", twin),
+            patches=[_arguments.path("patches", patch) for patch in patches], weather=path("weather", weather),
+            reference=path("reference", reference), reference_days=days,
+            no_reference=_arguments.flag("no_reference", no_reference), effects=path("effects", effects),
+            tries=[_arguments.text("tries", one, "vav_flow@2=0.5") for one in tries], buildings=buildings,
+            best_guess=_arguments.flag("best_guess", best_guess),
+            findings_only=_arguments.flag("findings_only", findings_only),
+            no_duties=_arguments.flag("no_duties", no_duties), sun_on_site=_arguments.flag("sun_on_site", sun_on_site),
+            jobs=jobs, out=str(folder), progress=_arguments.flag("progress", progress)))
     return GapVerdict(facts["verdict"], facts["sentence"], None if out is None else folder, facts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 import re
 from collections.abc import Iterator, Mapping
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _airside
+from . import _airside, _arguments
 from ._errors import InputError
 
 _UNITS = {"degc": "degC", "kw": "kW", "k": "K", "m3s": "m3/s"}
@@ -53,7 +54,15 @@ class Log(Mapping[str, npt.NDArray[Any]]):
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
         if name in self.names:
             return self.numbers[:, self.names.index(name)]
-        return self.texts[name]
+        if name in self.texts:
+            return self.texts[name]
+        raise KeyError(self._complaint(name))
+
+    def _complaint(self, name: object) -> str:
+        if name == "time":
+            return "time is no column; take log.time"
+        near = difflib.get_close_matches(str(name), list(self), 3)
+        return f"{name}: found no such column; " + (f"did you mean {' or '.join(near)}?" if near else "list(log) has all")
 
     def __iter__(self) -> Iterator[str]:
         return iter([*self.names, *self.texts])
@@ -96,10 +105,11 @@ def read_log(path: str | os.PathLike[str], *, site: str | os.PathLike[str] | Non
              keep_missing: bool = False) -> Log:
     """Reads a log file, or all CSV files of a folder in order of name as one log.
 
-    `site`: the site file, for columns beyond the topology's and stand-ins; `topology`: counts such as
+    `site`: the site file or its folder, for columns beyond the topology's and stand-ins; `topology`: counts such as
     "5vav-5fcu-2power" instead (default: by the header). Raises InputError, naming file, line and column, for rows that
     cannot be used; with `keep_missing` empty values and values beyond a sensor's range are NaN instead.
     """
-    name = os.fspath(path)
-    counts = topology or ("" if site is not None else _topology_of(name))
-    return made(_airside.read_log(name, None if site is None else os.fspath(site), counts, keep_missing))
+    name = _arguments.path("path", path)
+    counts = _arguments.text_or_none("topology", topology, "5vav-5fcu-2power") or (
+        "" if site is not None else _topology_of(name))
+    return made(_airside.read_log(name, _arguments.site(site), counts, _arguments.flag("keep_missing", keep_missing)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import json
 import os
 from collections.abc import Callable
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _airside
+from . import _airside, _arguments
 from ._errors import InputError
 from ._log import Log, made
 
@@ -60,41 +61,38 @@ class Run:
     """The EPW file that was written beside `log`; "" without."""
 
 
-def _within(name: str, value: int, least: int, most: int) -> None:
-    if not least <= value <= most:
-        raise InputError(name, str(value), f"{least} to {most}", "choose another")
-
-
-def simulate(*, room: str = "301", method: str = "ours", seed: int = 1, days: int = 14, expert_days: int = 5,
-             start: str = "2021-08-01", weights: _Path | None = None, transfer: bool = False, steps: int = 3000,
-             site: _Path | None = None, topology: str = "5vav-5fcu-2power", preset: str | None = None,
-             weather: _Path | None = None, weekends: bool = False, history: _Path | None = None,
-             faults: _Path | None = None, log: _Path | None = None, history_log: _Path | None = None,
-             progress: Callable[[float], object] | None = None) -> Run:
+def simulate(*, room: str | int | os.PathLike[str] = "301", method: str = "ours", seed: int = 1, days: int = 14,
+             expert_days: int = 5, start: str | datetime.date = "2021-08-01", weights: _Path | None = None,
+             transfer: bool = False, steps: int = 3000, site: _Path | None = None, topology: str = "5vav-5fcu-2power",
+             preset: str | None = None, weather: _Path | None = None, weekends: bool = False,
+             history: _Path | None = None, faults: _Path | None = None, log: _Path | None = None,
+             history_log: _Path | None = None, progress: Callable[[float], object] | None = None) -> Run:
     """Controls a simulated room of resistances and capacities with the box's own code: `airside simulate --plant rc`.
 
     `room`: a built-in room ("301", "301-real", "study-0", ...) or a room file. `method`: "ours", "expert" (the
     schedule), "pid-tuned", ...; a wrong name lists all. "ours" wants `weights` (a blob), or `transfer` (trains on the
-    schedule's days), or both; the objective band wants neither. `seed`: of people, outages and noise; the same seed
-    gives the same bits as the program. `log`, `history_log`: CSV files to write; where no `weather` (EPW) is given, the
-    made-up one goes beside `log`. `progress` is called with a share of 0 to 1; Ctrl-C ends a run.
+    schedule's days), or both; the objective band wants neither. `seed`: of people, outages and noise, 0 to
+    9223372036854775807; the same seed gives the same bits as the program. `site`: a site file or its folder. `log`,
+    `history_log`: CSV files to write; where no `weather` (EPW) is given, the made-up one goes beside `log`. `progress`
+    is called with a share of 0 to 1; Ctrl-C ends a run.
 
     Raises InputError for what cannot be used, before anything is computed.
     """
-    _within("days", days, 1, 300)
-    _within("expert_days", expert_days, 0, 60)
-    _within("steps", steps, 0, 1_000_000)
-    _within("seed", seed, 0, 2**64 - 1)
     if preset is not None and preset not in _airside.preset_names():
         raise InputError("preset", repr(preset), " or ".join(_airside.preset_names()), "choose one of these")
-
-    def text(path: _Path | None) -> str | None:
-        return None if path is None else os.fspath(path)
-
-    found = _airside.simulate(method=method, room=room, seed=seed, days=days, expert_days=expert_days, start=start,
-                              weights=text(weights), transfer=transfer, steps=steps, site=text(site), topology=topology,
-                              preset=preset, weather=text(weather), weekends=weekends, history=text(history),
-                              faults=text(faults), log=text(log), history_log=text(history_log), progress=progress)
+    if progress is not None and not callable(progress):
+        raise InputError("progress", repr(progress), "a function that takes a share of 0 to 1", "leave it out")
+    found = _airside.simulate(
+        method=_arguments.text("method", method, "pid-tuned"), room=_arguments.room(room),
+        seed=_arguments.whole("seed", seed, 0, _arguments.MOST_SEED), days=_arguments.whole("days", days, 1, 300),
+        expert_days=_arguments.whole("expert_days", expert_days, 0, 60), start=_arguments.day("start", start),
+        weights=_arguments.path_or_none("weights", weights), transfer=_arguments.flag("transfer", transfer),
+        steps=_arguments.whole("steps", steps, 0, 1_000_000), site=_arguments.site(site),
+        topology=_arguments.text("topology", topology, "5vav-5fcu-2power"), preset=preset,
+        weather=_arguments.path_or_none("weather", weather), weekends=_arguments.flag("weekends", weekends),
+        history=_arguments.path_or_none("history", history), faults=_arguments.path_or_none("faults", faults),
+        log=_arguments.path_or_none("log", log), history_log=_arguments.path_or_none("history_log", history_log),
+        progress=progress)
     facts: dict[str, Any] = json.loads(found["json"])
     return Run(Figures(**{field.name: facts[field.name] for field in fields(Figures)}), made(found["log"]),
                made(found["history"]), np.array(facts["setpoint_degc"]), facts, found["weather"])
