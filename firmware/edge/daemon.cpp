@@ -98,7 +98,9 @@ bool Daemon<T>::row(CivilTime t, const Expected<Reading<T>>& sensed, const Contr
   state_.give_weights(t);
   if (plant_clock_) plant_clock_report_.row(plant_clock_->jumps());
   last_row_ = t;
+  first_row_ = {};
   last_sensed_ = sensed;
+  note_met(t);
   write_status();
   if (readings_.wanted()) read_points(t, sensed.has_value());
   service_.tell("WATCHDOG=1");  // only a row that came through every stage is a sign of life
@@ -123,6 +125,9 @@ void Daemon<T>::begin_control(CivilTime t) {
   report_clock(t);
   if (crash_loop_.is_met()) controller_->hold(Reason::crash_loop, t, seconds_per_hour);
   if (state_.state_lost()) controller_->hold(Reason::state_lost, t, 0);
+  first_row_ = t;
+  note_met(t);
+  write_status();  // what is there may say that the daemon has stopped
   // Where it goes on, before the first row too.
   beats_ = next_.seconds > 0 && controller_->cycle().mode_arbiter.beats(t);
 }
@@ -177,9 +182,12 @@ void Daemon<T>::read_points(CivilTime now, bool answers) {
 /// Until the plant answers once: a clock that was never read must not decide where to begin. False: a stop came first.
 template <Topology T>
 bool Daemon<T>::wait_for_plant() {
+  constexpr std::int64_t every_ns = 60'000'000'000;  // people judge by its age whether the daemon runs
   bool said = false;
+  std::int64_t written_ns = 0;
   while (!stop_.raised()) {
     const Expected<Reading<T>> sensed = plant_.sense();
+    last_sensed_ = sensed;
     if (sensed) return true;
     service_.tell("WATCHDOG=1");  // a poll that came to its end; rows begin with the first answer
     if (!said && sensed.error() == Fault::other_device) {
@@ -187,12 +195,28 @@ bool Daemon<T>::wait_for_plant() {
     } else if (!said) {
       say("no answer from {}; trying again", link_.description());
     }
-    last_sensed_ = tl::unexpected(sensed.error());
-    if (!said) write_status();  // what is there may say that the daemon has stopped
+    if (!said || hal::monotonic_ns() - written_ns >= every_ns) {
+      note_met(system_clock_.now());
+      write_status();  // what is there may say that the daemon has stopped
+      written_ns = hal::monotonic_ns();
+    }
     said = true;
     hal::sleep_until_ns(hal::monotonic_ns() + 100'000'000, stop_);
   }
   return false;
+}
+
+/// What lasts beside the mode arbiter's reasons, and since when.
+template <Topology T>
+void Daemon<T>::note_met(CivilTime t) {
+  Reason met = Reason::none;
+  if (const Reason decided = controller_->control_mode(t).reason;
+      decided == Reason::signal_lost || decided == Reason::forecast_invalid) {
+    met = decided;
+  }
+  if (!last_sensed_) met = last_sensed_.error() == Fault::other_device ? Reason::map_differs : Reason::no_reading;
+  if (met != met_) met_since_ = t;
+  met_ = met;
 }
 
 /// Of the last row; `stopped_at` at an orderly end.
@@ -207,6 +231,9 @@ void Daemon<T>::write_status(CivilTime stopped_at) {
   s.lost_until = state_.lost_until();
   s.release_ends = state_.release_ends();
   s.storage = state_.storage();
+  s.first_row = first_row_;
+  s.met = met_;
+  s.met_since = met_since_;
   if (state_.is_well() && !crash_loop_.is_kept()) s.storage = "starts cannot be written";
   if (state_.is_well() && !status_.is_well()) s.storage = "status cannot be written";
   s.trial = text_of(state_.trial().state);

@@ -70,6 +70,7 @@ class Daemon final : public AnyDaemon {
   void beat_between_rows();
   void read_points(CivilTime now, bool answers);
   bool wait_for_plant();
+  void note_met(CivilTime t);
   void write_status(CivilTime stopped_at = {});
 
   hal::SiteFile site_;
@@ -89,6 +90,9 @@ class Daemon final : public AnyDaemon {
   PointReadings readings_;
   std::array<std::string, static_cast<std::size_t>(Layout<T>::signals)> names_;
   CivilTime next_, last_row_;
+  CivilTime first_row_;  ///< where it is still to come
+  Reason met_ = Reason::none;
+  CivilTime met_since_;
   Expected<Reading<T>> last_sensed_ = tl::unexpected(Fault::no_reading);
   hal::ServiceManager service_;
   CrashLoop crash_loop_;

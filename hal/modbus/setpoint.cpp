@@ -127,6 +127,7 @@ Expected<double> ModbusSetpoint::try_to_write(ModbusLink& link, double value, st
     const Expected<double> standing = read_back(link);
     if (link.connected() && link.generation() != generation) return refused;
     if (standing && (!known || same(*standing, *wish))) return *standing;
+    if (!standing && standing.error() == Fault::out_of_range) return tl::unexpected(Fault::out_of_range);
     const bool unread = !standing && standing.error() == Fault::not_applied;
     if (unread && !link.connected()) return refused;
     if (unread && !known && !std::isfinite(unsettled_) && !std::isfinite(sent_)) return refused;
@@ -156,7 +157,8 @@ Expected<double> ModbusSetpoint::confirm(ModbusLink& link, double wish) {
     if (taken && same(*taken, wish)) return taken;
     if (monotonic_ns() >= settled_ns || !link.connected()) {
       if (!taken) unsettled_ = wish;
-      return taken ? taken : tl::unexpected(Fault::not_applied);
+      const bool impossible = !taken && taken.error() == Fault::out_of_range;
+      return taken ? taken : tl::unexpected(impossible ? Fault::out_of_range : Fault::not_applied);
     }
     sleep_until_ns(monotonic_ns() + 20'000'000, {});
   }

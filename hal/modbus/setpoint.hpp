@@ -27,10 +27,12 @@ class ModbusSetpoint {
   /// saw() was called since. After neither, the register is read and returned and nothing is written; where it cannot
   /// be read, the last value that was sent is sent again in the place of `value`, so that each step begins at a known
   /// one. What stood there without having been sent is never sent: it may lie outside all limits, or be a person's.
+  /// Nothing is written over a number outside the point's limits: it is another's, or the map has the wrong scale.
   /// Nothing is written on another connection than `generation`.
   /// Where the device refuses, the other function (6 or 16) is tried once, and kept where it works.
   /// Returns the value read back, or the rounded value where nothing can be read back.
-  /// Errors: write_refused where the device answered with exception 1 to 4; not_applied for a value that the point
+  /// Errors: write_refused where the device answered with exception 1 to 4; out_of_range where the register shows a
+  /// number outside the point's limits, before or after; not_applied for a value that the point
   /// cannot hold or that is outside its limits, a lost link, or a read-back that is no number.
   /// Cost: at most 4 exchanges and settle_s; no heap.
   Expected<double> write(ModbusLink& link, double value, std::uint64_t generation);

@@ -86,6 +86,14 @@ double raw_value(PointType type, std::uint32_t bits) {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+/// The value as a person would write it, 22.4 and not 22.400000000000002 or 2.2200000286: to the millionth, which no
+/// sensor has. What is tinier or larger than any signal stays.
+double decimal(double value) {
+  constexpr double millionths = 1e6;
+  const double size = std::abs(value);
+  return size >= 1e-3 && size < 1e9 ? std::round(value * millionths) / millionths : value;
+}
+
 }  // namespace
 
 Expected<Registers> encode(const Point& point, double value) {
@@ -102,7 +110,7 @@ Expected<double> decode(const Point& point, std::span<const std::uint16_t> regis
   if (registers.size() < static_cast<std::size_t>(point.width())) return tl::unexpected(Fault::out_of_range);
   const std::uint32_t bits = unpack(point, registers);
   if (is_sentinel(point, bits)) return tl::unexpected(Fault::not_finite);
-  const double value = raw_value(point.type, bits) * point.scale + point.offset;
+  const double value = decimal(raw_value(point.type, bits) * point.scale + point.offset);
   if (!std::isfinite(value)) return tl::unexpected(Fault::not_finite);
   // A limit is a decimal of the file and the value came through the scale: half a raw step is the same
   // number.

@@ -23,7 +23,7 @@ struct Registers {
 /// Cost: no heap.
 Expected<Registers> encode(const Point& point, double value);
 
-/// value = raw * scale + offset.
+/// value = raw * scale + offset, to the millionth.
 /// Errors: not_finite for a sentinel, NaN or Inf; out_of_range beyond the point's min and max, or too few
 /// registers. Cost: no heap.
 Expected<double> decode(const Point& point, std::span<const std::uint16_t> registers);

@@ -87,7 +87,8 @@ RcRoom load(const std::string& name, const std::string& asked_by, int depth) {
   for (const EmbeddedRoom& room : embedded_rooms()) {
     if (room.name == name) return parse(std::string(room.json), "room " + name, name, depth);
   }
-  throw hal::InputError(asked_by, "room \"" + name + "\"", "one of " + joined(room_names()),
+  const char* generated = depth == 0 ? ", study-0 .. study-199, tuning-0 .. tuning-199" : "";
+  throw hal::InputError(asked_by, "room \"" + name + "\"", "one of " + joined(room_names()) + generated,
                         "choose one of these or give the path of a .json file");
 }
 

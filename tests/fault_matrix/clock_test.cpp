@@ -97,7 +97,8 @@ class FakedClock : public ::testing::Test {
                   "--site", bench.file("site.toml").string(), "--no-sync", "--crash-limit", "0"},
                  bench.file("daemon.txt"));
     nlohmann::json status;
-    for (int i = 0; i < 3000 && !status.is_object(); ++i) {
+    const auto before_its_first_row = [&status] { return !status.is_object() || status.value("first_row", "") != ""; };
+    for (int i = 0; i < 3000 && before_its_first_row(); ++i) {
       closed_loop::sleep_s(0.01);
       std::ifstream in(bench.file("state") / "status.json");
       status = nlohmann::json::parse(in, nullptr, false);

@@ -98,6 +98,22 @@ TEST_F(HeartbeatDesk, StopsAtOnceWhenAPersonAsksForRelease) {
   EXPECT_EQ(loop->status()["state"], "release");
   wish("hand-back");
   EXPECT_TRUE(within(60, [&] { return beats().size() > last; })) << loop->said();
+  EXPECT_TRUE(within(3, [&] { return loop->status()["state"] != "release"; })) << "with the row, not the decision";
+}
+
+TEST_F(HeartbeatDesk, SaysBeforeItsFirstRowWhenThatIsDue) {
+  bool seen = false;
+  for (int i = 0; i < 4 && !seen; ++i) {  // a start just before a row has no time to say so
+    open();
+    daemon->signal(SIGKILL);
+    daemon->wait(10);
+    const std::size_t rows = loop->bench.logged_rows();
+    daemon = loop->bench.start_daemon(false, {"--clock-speed", "60", "--until", "2100-01-01T00:00:00"});
+    (void)within(30, [&] { return loop->bench.logged_rows() > rows || loop->status()["first_row"] != ""; });
+    seen = loop->bench.logged_rows() == rows;
+  }
+  EXPECT_TRUE(seen) << loop->said();
+  EXPECT_TRUE(within(60, [&] { return loop->status()["first_row"] == ""; })) << loop->status();
 }
 
 TEST_F(HeartbeatDesk, GoesOnAfterALostConnectionOnceEverythingWasReadAgain) {

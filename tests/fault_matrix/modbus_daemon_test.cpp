@@ -27,6 +27,7 @@ TEST(ModbusDaemon, Row08RefusedFunctionIsExpertWithAnAlarmAndIsAskedOnceARow) {
   ASSERT_TRUE(loop.run()) << loop.said();
   EXPECT_EQ(loop.status()["state"], "expert");
   EXPECT_EQ(loop.status()["reason"], "no reading");
+  EXPECT_TRUE(loop.has_alarm("no reading")) << loop.status();
   EXPECT_TRUE(loop.has_alarm("map refused")) << loop.status();
   EXPECT_NEAR(static_cast<double>(loop.count(reads_inputs)), rows_per_day, 2) << "no retry";
   loop.expect_safe();
@@ -38,6 +39,7 @@ TEST(ModbusDaemon, Row09MissingRegisterIsExpertThatNamesThePoint) {
   EXPECT_EQ(loop.status()["state"], "expert");
   EXPECT_EQ(loop.status()["reason"], "signal lost");
   EXPECT_EQ(loop.status()["fault_signal"], "power_1");
+  EXPECT_TRUE(loop.has_alarm("signal lost")) << loop.status();
   EXPECT_TRUE(loop.has_alarm("map refused")) << loop.status();
   loop.expect_safe();
 }
@@ -50,6 +52,13 @@ TEST(ModbusDaemon, Row02AnImpossibleValueIsToldAsSuch) {
   EXPECT_EQ(loop.status()["fault"], "out of range") << "to the controller it is no number; people want to know why";
   EXPECT_EQ(loop.status()["fault_signal"], "room_temp_2");
   loop.expect_safe();
+}
+
+TEST(ModbusDaemon, Row22ASetpointThatCannotBeIsAnAlarmAndIsNotWrittenOver) {
+  ChaosLoop loop({.name = "row22", .script = "fc=3 at=0 set:addr=0,value=9000"});
+  ASSERT_TRUE(loop.run()) << loop.said();
+  EXPECT_TRUE(loop.has_alarm("setpoint altered")) << loop.status();
+  EXPECT_EQ(loop.count(writes_setpoint), 0U);
 }
 
 TEST(ModbusDaemon, Row13GatewayThatLosesTheDeviceIsExpertWithAnAlarm) {

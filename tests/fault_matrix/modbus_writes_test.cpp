@@ -161,6 +161,24 @@ TEST(ModbusWrites, Row22WithoutARefusalTheMapsFunctionIsUsed) {
   EXPECT_EQ(desk.count([](const ChaosExchange& e) { return e.request.function == 16; }), 0U);
 }
 
+TEST(ModbusWrites, Row22OverANumberThatNoSetpointCanBeNothingIsWritten) {
+  const std::string impossible = "fc=3 at=0 set:addr=0,value=9000";  // 90 degC: a map of another scale, or a person's
+  Desk desk(impossible);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(desk.plant.sense());
+    EXPECT_EQ(desk.plant.actuate(command_of(22)).error(), Fault::out_of_range);
+  }
+  EXPECT_EQ(desk.count(writes_setpoint), 0U);
+  desk.proxy.use({});
+  ASSERT_TRUE(desk.plant.sense());
+  EXPECT_EQ(desk.plant.actuate(command_of(22))->setpoint_degc, 22.0);
+  const std::size_t before = desk.count(writes_setpoint);
+  desk.proxy.use(rules_of(impossible));
+  ASSERT_TRUE(desk.plant.sense());
+  EXPECT_EQ(desk.plant.actuate(command_of(23)).error(), Fault::out_of_range) << "22 was ours, 90 is not";
+  EXPECT_EQ(desk.count(writes_setpoint), before);
+}
+
 TEST(ModbusWrites, Row26WriteOnlySetpointIsNeverReadAndNothingIsWrittenTwice) {
   const hal::PointMap map = room_map("on-change,6,18,self", "on-change,6,18,none");
   Desk desk("", 0.0, map, map);

@@ -94,7 +94,7 @@ std::vector<Case> wrong_words() {
       {"MethodUnknown",
        "simulate --plant rc --method pdi --expert-days 0 --days 1 --log y.csv",
        whole,
-       {"--method", "pdi", "one of expert", "choose a name"}},
+       {"--method", "pdi", "one of ours, expert", "choose a name"}},
       {"NoWeights",
        "simulate --plant rc --expert-days 0 --days 1 --log y.csv",
        whole,

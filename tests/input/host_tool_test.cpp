@@ -310,17 +310,22 @@ TEST(BlobRank, OrdersWhatFitsAndSaysWhyTheRestDoesNot) {
   const Desk desk;
   desk.make("simulate --plant rc --room 301 --method expert --expert-days 0 --days 2 --log log.csv");
   desk.make("transfer --log log.csv --steps 1 -o one.blob");
-  desk.write("none.blob", "not weights");
-  const Outcome o = desk.run("airside", Desk::split("blob rank none.blob one.blob --log log.csv --json"));
+  desk.make("simulate --plant rc --topology 3vav-0fcu-1power --method expert --expert-days 0 --days 2 --log other.csv");
+  desk.make("transfer --topology 3vav-0fcu-1power --log other.csv --steps 1 -o other.blob");
+  const Outcome o = desk.run("airside", Desk::split("blob rank other.blob one.blob --log log.csv --json"));
   EXPECT_EQ(o.code, 0) << o.err;
   const json found = object_of(o);
   ASSERT_EQ(found["sources"].size(), 2U) << o.out;
   EXPECT_EQ(found["sources"][0]["blob"], "one.blob");
   EXPECT_GT(found["sources"][0]["forecast_error_k"].get<double>(), 0);
-  EXPECT_TRUE(has(found["sources"][1].value("refused", ""), "none.blob")) << o.out;
-  const Outcome nothing = desk.run("airside", Desk::split("blob rank none.blob --log log.csv"));
+  EXPECT_TRUE(has(found["sources"][1].value("refused", ""), "other.blob")) << o.out;
+  const Outcome nothing = desk.run("airside", Desk::split("blob rank other.blob --log log.csv"));
   EXPECT_EQ(nothing.code, 1);
   EXPECT_TRUE(has(nothing.err, "no blob that fits this site")) << nothing.err;
+  desk.write("none.blob", "not weights");
+  const Outcome broken = desk.run("airside", Desk::split("blob rank one.blob none.blob --log log.csv"));
+  EXPECT_EQ(broken.code, 1) << "a file that cannot be read is a mistake, not another room";
+  EXPECT_TRUE(has(broken.err, "none.blob")) << broken.err;
 }
 
 // ---- The gap workflow on simulated logs

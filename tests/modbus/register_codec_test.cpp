@@ -49,11 +49,24 @@ TEST(RegisterCodec, RoundTripsEveryTypeInEveryOrder) {
           EXPECT_EQ(registers->count, p.width());
           const auto back = decode(p, registers->used());
           ASSERT_TRUE(back) << value;
-          EXPECT_EQ(*back, value);
+          EXPECT_NEAR(*back, value, std::abs(value) < 1e3 ? 5e-7 : 0) << "to the millionth";
+          EXPECT_EQ(encode(p, *back)->word, registers->word) << value;
         }
       }
     }
   }
+}
+
+TEST(RegisterCodec, ValuesAreWhatAPersonWouldWrite) {
+  Point tenths = make_point(PointType::int16);
+  tenths.scale = 0.1;
+  EXPECT_EQ(rounded(tenths, 22.4), 22.4) << "224 * 0.1 is 22.400000000000002";
+  Point degf = tenths;
+  degf.scale = 1 / 18.0;
+  degf.offset = -160 / 9.0;
+  EXPECT_EQ(rounded(degf, 22.39), 22.388889);
+  EXPECT_EQ(rounded(make_point(PointType::float32), 2.22), 2.22) << "not the float's 2.2200000286102295";
+  EXPECT_EQ(rounded(make_point(PointType::float32), 0x1p-40), 0x1p-40) << "what no signal is stays";
 }
 
 TEST(RegisterCodec, OrdersAreWhatTheFieldCallsAbcdCdabBadcDcba) {

@@ -2,7 +2,7 @@
 // usage: [AIRSIDE_PAGE_PICTURES=FOLDER] [KEEP=1] node flows.mjs BIN_DIR MODULES_DIR
 
 import { spawnSync } from 'node:child_process';
-import { chmodSync, existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { chmodSync, existsSync, mkdirSync, readFileSync, renameSync, utimesSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join, resolve } from 'node:path';
 import { Box, pause, until } from './box.mjs';
@@ -104,6 +104,7 @@ step('what it shows is what airside status says', async () => {
   same(await view.locator('#rooms li').count(), 5, 'rooms');
   check((await view.locator('#proposals li').count()) >= 4, 'proposals for the setpoint');
   same(await view.locator('#orders').isVisible(), false, 'orders without a password');
+  await says(view, 'no-password', 'orders are off');
   same(await view.locator('#sign-in').isVisible(), false, 'sign-in without a password');
 });
 
@@ -155,9 +156,88 @@ step('trends of day, week and month, a table beside them, and CSV', async () => 
   check(data.spells.some((s) => s.mode === 'release' && s.reason === 'overridden'), 'an hour of release is seen');
   const waiting = view.waitForEvent('download');
   await view.locator('#csv').click();
-  const csv = readFileSync(await (await waiting).path(), 'utf8').trim().split('\n');
+  const file = await waiting, csv = readFileSync(await file.path(), 'utf8').trim().split('\n');
+  check(/^Room-301_week_2021-08-0\d_2021-08-08\.csv$/.test(file.suggestedFilename()), `the file has the AHU's name and the span: ${file.suggestedFilename()}`);
   same(csv.length, 7 * 240 + 1, 'rows of a week and a header');
   for (const line of csv.slice(1)) check(line.split(',').slice(3).every((f) => f === '' || /^-?\d+\.\d{2,3}$/.test(f)), `rounded for people: ${line}`);
+});
+
+step('each room has a line of its own, a chart says how it is read, a day has its date', async () => {
+  const rooms = view.locator('#charts figure').first();
+  const strokes = await rooms.locator('.swatch path').evaluateAll((all) => all.map((p) => [p.getAttribute('stroke'), p.getAttribute('stroke-dasharray')]));
+  same(strokes.length, 7, 'five rooms, target, mean');
+  same(new Set(strokes.slice(0, 5).map(([colour]) => colour)).size, 5, 'colours of rooms');
+  same(new Set(strokes.slice(0, 5).map(([, dash]) => dash)).size, 5, 'patterns of rooms');
+  const legend = rooms.locator('.u-legend');
+  check(!/–|Time/.test(await legend.innerText()) && (await legend.innerText()).includes('Mean'), `before it is touched: ${await legend.innerText()}`);
+  await rooms.locator('.u-over').hover();
+  check(/Time\s*08-0\d \d\d:\d\d/.test(await legend.innerText()) && /Mean\s*2\d\.\d\d °C/.test(await legend.innerText()), `when it is pointed at: ${await legend.innerText()}`);
+  same(await view.locator('#bands').innerText(), 'Released', 'modes that occurred');
+  await says(view, 'trends-span', ' to 2021-08-08');
+});
+
+/** The page with a status that a daemon may write, put there by hand. */
+async function with_status(change) {
+  const file = box.path('site', 'state', 'status.json'), before = readFileSync(file, 'utf8');
+  writeFileSync(`${file}.test`, JSON.stringify({ ...JSON.parse(before), ...change }));
+  renameSync(`${file}.test`, file);
+  await reload(view);
+  return async () => {
+    writeFileSync(`${file}.test`, before);
+    renameSync(`${file}.test`, file);
+    await reload(view);
+  };
+}
+const visible = (id) => view.locator(`#${id}`).isVisible();
+
+step('where nothing is known nothing is claimed', async () => {
+  const file = box.path('site', 'state', 'status.json');
+  renameSync(file, `${file}.away`);
+  view.expected = ['503'];
+  await reload(view);
+  await says(view, 'badge', 'No status');
+  await says(view, 'sentence', 'Nothing is known here of the AHU');
+  await says(view, 'trouble', 'There is no status yet');
+  same(await visible('no-alarms'), !(await view.locator('#alarms li').count()), 'alarms that the page has noted are shown');
+  check(!(await text_of(view, 'no-alarms')).includes('No alarm'), 'no alarm is denied');
+  for (const id of ['rooms-s', 'setpoint-s', 'box-s', 'rollback']) same(await visible(id), false, id);
+  for (const id of ['alarms-s', 'trends-s', 'weights-s']) same(await visible(id), true, id);
+  await accessible(view, 'a page without a status');
+  await picture(view, 'no-status', false);
+  renameSync(`${file}.away`, file);
+  view.expected = [];
+  await reload(view);
+  await says(view, 'badge', 'Stopped');
+});
+
+step('what was is not shown as what is: stopped, old, unreachable, released for a time', async () => {
+  await says(view, 'rooms-as-of', 'As of 2021-08-08 12:54');
+  await says(view, 'setpoint-then', 'In the AHU at 08-08 12:54');
+  await says(view, 'alarms-as-of', 'what has come or gone since is not known');
+  await says(view, 'proposals', 'In the AHU at 08-08 12:54');
+  let restore = await with_status({ stopped: false });
+  utimesSync(box.path('site', 'state', 'status.json'), Date.now() / 1000 - 1200, Date.now() / 1000 - 1200);
+  await reload(view);
+  await says(view, 'badge', 'No news');
+  await says(view, 'no-alarms', 'No alarm was active at 2021-08-08');
+  await restore();
+  restore = await with_status({ stopped: false, state: 'expert', reason: 'no reading', fault: 'no reading', alarms: [{ reason: 'no reading', since: '2021-08-08T12:48:00' }], room_temp_degc: [] });
+  await says(view, 'badge', 'AHU does not answer');
+  await says(view, 'sentence', 'The AHU cannot be reached, so nothing is written to it. Reason: the AHU does not answer');
+  await says(view, 'sentence', '1 alarm is active.');
+  await says(view, 'why', 'so nothing is written');
+  check(!/schedule/i.test(await text_of(view, 'sentence')) && !/schedule|never leaves/i.test(await text_of(view, 'why')), 'no schedule is claimed');
+  same(await visible('confidence-line'), false, 'confidence without a decision');
+  await picture(view, 'unreachable');
+  await restore();
+  restore = await with_status({ stopped: false, state: 'release', reason: 'released by hand', release_ends: '2021-08-08T14:00:00', alarms: [{ reason: 'released by hand', since: '2021-08-08T12:54:00' }], pushed_weights: 'rolled back', pushed_crc: '01234567', pushed_refusal: 'blob counter', pushed_refusal_field: 'security_counter' });
+  await says(view, 'sentence', 'ends at 2021-08-08 14:00');
+  await says(view, 'alarms', 'ends at 2021-08-08 14:00');
+  check(!(await text_of(view, 'why')).includes('never leaves'), 'limits of the box are not the AHU’s');
+  check(!/:[^.]*:/.test((await text_of(view, 'sentence')).replace(/\d:\d/g, '')), `one colon a sentence: ${await text_of(view, 'sentence')}`);
+  await says(view, 'weights-said', 'was refused: an older or the same blob was sent already.');
+  await says(view, 'history', 'refused: an older or the same blob');
+  await restore();
 });
 
 step('keyboard: skip link, order, visible focus', async () => {
@@ -214,6 +294,8 @@ step('release until handed back, and hand-back', async () => {
   await says(view, 'order-said', 'nothing more is written');
   await until('the daemon has released', () => box.status().state === 'release' && box.status().reason === 'released by hand');
   same(box.status().release_ends, '', 'no end');
+  await says(view, 'order-said', 'The AHU is released, as asked for');
+  same(await view.evaluate(() => sessionStorage.getItem('airside-asked')), null, 'nothing is asked for any more');
   const writes = box.status().setpoint_writes;
   await reload(view);
   await says(view, 'badge', 'Released');
@@ -232,6 +314,35 @@ step('the confirmation can be refused', async () => {
   await view.keyboard.press('Escape');
   await pause(300);
   check(!existsSync(box.path('site', 'inbox', 'release')), 'nothing was asked for');
+});
+
+step('a double tap and a held key are no answer to the question', async () => {
+  const open = () => view.locator('#confirm-d').evaluate((d) => d.open);
+  await view.evaluate(() => { document.getElementById('release').click(); document.getElementById('confirm-yes').click(); document.getElementById('confirm-no').click(); });
+  same(await open(), true, 'the dialog after a second tap');
+  same(await view.evaluate(() => document.activeElement.id), 'confirm-no', 'the first focus');
+  await view.keyboard.press('Escape');
+  await view.locator('#release').focus();
+  for (let i = 0; i < 15; ++i) { await view.keyboard.down('Enter'); await pause(60); }
+  same(await open(), true, 'the dialog while Enter is held');
+  await view.locator('#confirm-yes').focus();
+  await view.keyboard.down('Enter');
+  same(await open(), true, 'and held on the button that confirms');
+  await view.keyboard.up('Enter');
+  await view.keyboard.press('Escape');
+  await until('the focus is back', () => view.evaluate(() => document.activeElement.id === 'release'));
+  check(!/release .*asked for/.test(readFileSync(box.path('page.txt'), 'utf8').split('hand-back').pop()), 'nothing was asked for');
+});
+
+step('an order of a session that has ended opens the dialog for signing in', async () => {
+  box.run_with(`${password.operator}\n`, 'airside-page', '--site', box.site(), '--set-password', 'operator');
+  await confirm(view, 'release');
+  await says(view, 'order-said', 'Refused (401)');
+  await until('the dialog', () => view.locator('#sign-in-d').evaluate((d) => d.open));
+  await says(view, 'sign-in-said', 'not signed in any more');
+  await view.locator('#password').fill(password.operator);
+  await view.keyboard.press('Enter');
+  await says(view, 'who', 'operator');
 });
 
 step('release for an hour, and the return by itself', async () => {
@@ -254,7 +365,9 @@ step('an alarm that has ended stays until it is acknowledged', async () => {
   const before = await view.locator('#alarms li.ended').count();
   check(before >= 2, `${before} alarms wait`);
   await picture(view, 'alarms', false);
-  await view.locator('#alarms li.ended button').first().click();
+  await view.locator('#alarms li.ended button').first().press('Enter');
+  await says(view, 'alarms-said', 'Acknowledged.');
+  await until('the focus goes to the next alarm', () => view.evaluate(() => document.activeElement.closest('#alarms') !== null));
   await until('one less', async () => (await view.locator('#alarms li.ended').count()) === before - 1);
   if (await view.locator('#seen-all').isVisible()) await view.locator('#seen-all').click();
   else await view.locator('#alarms li.ended button').first().click();
@@ -281,7 +394,9 @@ step('weights: sent by the installer, on trial, rolled back, and kept in the his
   await says(view, 'weights-order-said', 'Refused (403)');
   await pause(2200);
   await view.locator('#blob').setInputFiles(box.path('signed.blob'));
-  await view.locator('#upload button').click();
+  await view.evaluate(() => { const send = document.querySelector('#upload button'); send.click(); send.click(); });  // a double tap
+  await says(view, 'weights-order-said', 'lies in the inbox');
+  await pause(700);
   await says(view, 'weights-order-said', 'lies in the inbox');
   await until('they are on trial', () => box.status().pushed_weights === 'on trial');
   await confirm(view, 'rollback');
@@ -289,6 +404,7 @@ step('weights: sent by the installer, on trial, rolled back, and kept in the his
   await until('they are rolled back', () => box.status().pushed_weights === 'rolled back');
   await reload(view);
   await says(view, 'weights-said', 'were rolled back');
+  same(await view.locator('#rollback').isVisible(), false, 'a second rollback');
   for (const words of ['sent by this page', 'taken on trial', 'rollback asked for', 'rolled back']) await says(view, 'history', words);
 });
 
@@ -328,6 +444,21 @@ step('point checkout: read, signed off by name, kept, withdrawn, exported', asyn
   check(!existsSync(box.path('site', 'inbox', 'check-write')), 'that wish is gone too');
   await accessible(view, 'the checkout');
   await picture(view, 'checkout', false);
+  for (const width of [390, 320]) {
+    await view.setViewportSize({ width, height: 844 });
+    const place = await button('point-withdraw').evaluate((b) => {
+      const row = b.closest('tr');
+      row.scrollIntoView({ block: 'center' });
+      return [row.querySelector('th'), row.querySelector('td'), b].map((e) => { const r = e.getBoundingClientRect(); return [r.left, r.right, r.top, r.bottom].map(Math.round); });
+    });
+    check(place.every(([left, right, top, bottom]) => left >= 0 && right <= width && top > 0 && bottom < 844), `name, value and button are seen at once at ${width} px: ${JSON.stringify(place)}`);
+    check(place[0][3] - place[0][2] < 60, `the name is not broken into letters: ${JSON.stringify(place)}`);
+    await fits(view, `the checkout at ${width} px`);
+    await accessible(view, `the checkout at ${width} px`);
+    await picture(view, `checkout-${width}`, false);
+  }
+  await view.setViewportSize({ width: 1280, height: 900 });
+  check((await text_of(view, 'points')).includes(' kW'), 'the unit of power');
   const waiting = view.waitForEvent('download');
   await view.locator('a[href="/points.csv"]').click();
   const csv = readFileSync(await (await waiting).path(), 'utf8').trim().split('\n');
@@ -396,10 +527,11 @@ step('Prometheus reads the metrics', async () => {
   check(/^airside_room_temperature_celsius\{room="5"\} 2\d\.\d+$/m.test(text), 'rooms');
 });
 
-step('every look: light and dark, wide and 360 px, English and 繁體中文', async () => {
+step('every look: light and dark, wide and 320 to 390 px, English and 繁體中文', async () => {
   for (const [name, options] of Object.entries({
     'desktop-light-en': {}, 'desktop-dark-en': { colorScheme: 'dark' },
-    'phone-light-en': { viewport: { width: 360, height: 740 }, isMobile: true, hasTouch: true },
+    'phone-light-en': { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true },
+    'phone-small-dark-en': { viewport: { width: 320, height: 568 }, isMobile: true, hasTouch: true, colorScheme: 'dark' },
     'phone-dark-zh': { viewport: { width: 360, height: 740 }, isMobile: true, hasTouch: true, colorScheme: 'dark', locale: 'zh-TW' },
     'desktop-light-zh': { locale: 'zh-TW' } })) {
     const tab = await open(options);
@@ -407,14 +539,18 @@ step('every look: light and dark, wide and 360 px, English and 繁體中文', as
     await until('a week is drawn', async () => (await tab.locator('#charts canvas').count()) >= 3);
     same(await tab.evaluate(() => document.documentElement.lang), name.endsWith('zh') ? 'zh-Hant' : 'en', 'language');
     await picture(tab, name);
-    for (const list of ['candidates-h', 'gap-days-h', 'points-list-h']) await tab.locator(`#${list}`).click();
+    for (const list of ['candidates-h', 'gap-days-h', 'points-list-h', 'words-d summary', 'trends-table > summary']) await tab.locator(`#${list}`).click();
     await pause(500);
     await fits(tab, name);
     const lesser = await accessible(tab, name);
     if (lesser.length) console.log(`  ${name}, lesser findings: ${lesser.join(', ')}`);
     if (name.includes('phone')) {
-      const small = await tab.evaluate(() => [...document.querySelectorAll('button, select')].filter((e) => e.offsetParent && e.getBoundingClientRect().height < 40).map((e) => e.id));
+      const small = await tab.evaluate(() => [...document.querySelectorAll('button, select, .csv')].filter((e) => e.offsetParent && e.getBoundingClientRect().height < 40).map((e) => e.id));
       check(small.length === 0, `buttons for thumbs: ${small}`);
+      const broken = await tab.evaluate(() => [...document.querySelectorAll('#box dd')].filter((e) => e.getBoundingClientRect().width < 120).length);
+      same(broken, 0, 'narrow values of the box');
+      const head = await tab.locator('header').evaluate((e) => e.getBoundingClientRect().height);
+      check(head <= 130, `the header takes ${head} px`);
     }
     await picture(tab, `${name}-lists`);
     await tab.context().close();
@@ -431,6 +567,31 @@ step('the language is switched, and stays', async () => {
   await says(view, 'now-h', 'Now');
 });
 
+step('a viewer with a password closes the page to others', async () => {
+  box.run_with('only for this house\n', 'airside-page', '--site', box.site(), '--set-password', 'viewer');
+  same((await fetch(`${box.address}/status.json`)).status, 401, 'status');
+  same((await fetch(`${box.address}/metrics`)).status, 401, 'metrics');
+  same((await fetch(`${box.address}/`)).status, 200, 'the page itself');
+  await reload(view);
+  const closed = async () => {
+    await says(view, 'trouble', 'people who have signed in');
+    await says(view, 'sentence', 'Nothing is known here of the AHU');
+    same(await text_of(view, 'site'), 'airside', 'the name of the AHU');
+    same(await view.locator('main section:visible').count(), 1, 'sections');
+    same(await view.evaluate(() => document.querySelectorAll('#rooms li, #charts canvas, #alarms li, #alarms-old li, main td, #box dd').length), 0, 'what was shown before');
+    check(!/°C|2021/.test(await view.locator('main').innerText()), await view.locator('main').innerText());
+  };
+  await closed();
+  await accessible(view, 'a closed page');
+  await picture(view, 'closed', false);
+  await sign_in(view, 'viewer', 'only for this house');
+  await says(view, 'who', 'viewer');
+  await until('the rooms', async () => (await view.locator('#rooms li').count()) === 5 && (await view.locator('#charts canvas').count()) >= 3);
+  await view.locator('#sign-out').click();
+  await says(view, 'who', 'Not signed in');
+  await closed();
+});
+
 step('too many wrong passwords', async () => {
   for (let i = 0; i < 6; ++i) {
     if (i === 0) await sign_in(view, 'operator', 'wrong password');
@@ -444,18 +605,11 @@ step('too many wrong passwords', async () => {
   await view.keyboard.press('Enter');
   await pause(600);
   await says(view, 'sign-in-said', 'Too many wrong passwords');
+  const left = async () => Number(/\d+/.exec(await text_of(view, 'sign-in-wait'))[0]);
+  const first = await left();
+  await until('it counts down', async () => (await left()) < first);
   await view.keyboard.press('Escape');
   await says(view, 'who', 'Not signed in');
-});
-
-step('a viewer with a password closes the page to others', async () => {
-  box.run_with('only for this house\n', 'airside-page', '--site', box.site(), '--set-password', 'viewer');
-  same((await fetch(`${box.address}/status.json`)).status, 401, 'status');
-  same((await fetch(`${box.address}/metrics`)).status, 401, 'metrics');
-  same((await fetch(`${box.address}/`)).status, 200, 'the page itself');
-  await reload(view);
-  await says(view, 'trouble', 'people who have signed in');
-  await accessible(view, 'a closed page');
 });
 
 step('over TLS the cookie is Secure and bound to the host', async () => {
@@ -474,15 +628,42 @@ step('over TLS the cookie is Secure and bound to the host', async () => {
   const cookie = (await view.context().cookies())[0];
   check(cookie.secure && cookie.name.startsWith('__Host-airside-'), `the cookie: ${JSON.stringify(cookie)}`);
   await confirm(view, 'hand-back');
-  await says(view, 'order-said', 'takes over within 6 min');
+  await says(view, 'confirm-said', 'in control already');
+  await says(view, 'order-said', 'was in control already');
+});
+
+step('a wish while the daemon does not run waits, and is not forgotten by a reload', async () => {
+  same(await box.end(box.live), 0, 'the daemon ends in order');
+  await reload(view);
+  await says(view, 'badge', 'Stopped');
+  await confirm(view, 'release');
+  await says(view, 'order-said', 'airsided does not seem to run');
+  await reload(view);
+  await says(view, 'order-said', 'Release was asked for at');
+  await accessible(view, 'a stopped box, signed in');
+  await picture(view, 'stopped', false);
+  await confirm(view, 'hand-back');
+  await says(view, 'order-said', 'it takes over when it runs again');
 });
 
 step('a page whose box is gone says so', async () => {
   await reload(view);
   await box.end(box.page);
   view.expected = ['ERR_CONNECTION_REFUSED'];
+  await confirm(view, 'release');
+  await says(view, 'order-said', 'Not known whether it arrived');
+  await says(view, 'order-said', 'network or bus cable');
   await says(view, 'trouble', 'does not answer');
-  same(await box.end(box.live), 0, 'the daemon ends in order');
+  await view.locator('#language').selectOption('zh-Hant');
+  await until('the language stays', async () => (await view.locator('#language').inputValue()) === 'en');
+  await says(view, 'now-h', 'Now');
+  await view.evaluate(() => { const now = Date.now; Date.now = () => now() + 150000; scrollTo(0, 2000); });  // two minutes and a half later
+  await until('what is shown grows older', async () => /Written [23] min ago.*last answer of the box [23] min ago/.test(await text_of(view, 'age')), 15);
+  await says(view, 'badge', 'No news');
+  await says(view, 'sentence', 'what the box does now is not known');
+  check(await view.locator('#trouble').evaluate((e) => { const r = e.getBoundingClientRect(); return r.top >= 0 && r.bottom <= innerHeight; }), 'the banner is seen wherever one is');
+  await accessible(view, 'a page whose box is gone');
+  await picture(view, 'gone', false);
 });
 
 async function main() {

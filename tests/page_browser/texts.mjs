@@ -22,7 +22,10 @@ for (const [language, all] of Object.entries(texts)) {
 }
 
 const table = readFileSync(join(root, 'lib/airside/supervision/mode_table.hpp'), 'utf8');
-const rows = [...table.matchAll(/\.name = "([^"]*)"[\s\S]*?\.why = "([^"]*)",\s*\.way_out =\s*"([^"]*)"/g)].filter((m) => m[1] !== 'unknown');
+const literal = '((?:"[^"]*"\\s*)+)';  // a long one goes on in the next line
+const joined = (text) => [...text.matchAll(/"([^"]*)"/g)].map((m) => m[1]).join('');
+const rows = [...table.matchAll(new RegExp(`\\.name = ${literal}[\\s\\S]*?\\.why =\\s*${literal},\\s*\\.way_out =\\s*${literal}`, 'g'))]
+  .map((m) => ['', ...m.slice(1).map(joined)]).filter((m) => m[1] !== 'unknown');
 if (rows.length < 29) wrong.push(`only ${rows.length} reasons found in mode_table.hpp`);
 for (const [, name, why, out] of rows) {
   for (const [part, text] of [['name', name], ['why', why], ['out', out]]) {

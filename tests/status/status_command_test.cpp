@@ -119,7 +119,11 @@ TEST_F(StatusCommand, OfADaemonThatWaitsForItsPlantIsNotThatOfTheOneBefore) {
   for (int i = 0; i < 1000 && snapshot().value("stopped", true); ++i) closed_loop::sleep_s(0.01);
   EXPECT_EQ(snapshot().value("stopped", true), false) << snapshot();
   EXPECT_NE(snapshot().value("fault", "none"), "none") << snapshot();
-  EXPECT_NE(look().code, 3);
+  const Outcome waits = look();
+  EXPECT_EQ(waits.code, 5) << waits.out;
+  EXPECT_NE(waits.out.find("The AHU does not answer"), std::string::npos) << waits.out;
+  EXPECT_NE(waits.out.find("Alarms: no reading since "), std::string::npos) << waits.out;
+  EXPECT_EQ(waits.out.find("has had no error"), std::string::npos) << waits.out;
   daemon->signal(SIGTERM);
   ASSERT_EQ(daemon->wait(30), 0) << daemon->said();
   EXPECT_EQ(look().code, 3);

@@ -12,6 +12,7 @@
 #include "hal/text/text_file.hpp"
 #include "tools/chaos/chaos_proxy.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/run/twin_options.hpp"
 
 namespace airside::tools {
 
@@ -157,7 +158,7 @@ void add_chaos(CLI::App& app) {
        "a fault and when, as late:p=0.1,s=3 or exception:on=write,code=4. Conditions: p=PROBABILITY,\n"
        "n=EXCHANGE or n=FROM..TO (from 1), t=FROM..TO (s), on=read|write, fc=FUNCTION, at=ADDRESS, wider=COUNT")
       ->allow_extra_args(false);
-  c->add_option("--seed", self->seed, "of all draws (default: the script's, else 1)");
+  c->add_option("--seed", self->seed, "of all draws (default: the script's, else 1)")->check(seed_check());
   c->add_option("--seconds", self->seconds, "stop by itself after so long")->check(CLI::Range(0.0, 1e8));
   c->add_option("--writes", self->writes_file, "CSV of every register value that reached the server");
   c->add_option("--ready", self->ready_file, "write the address to this file once it listens");

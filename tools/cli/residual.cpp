@@ -17,6 +17,7 @@
 #include "tools/run/training/blob_place.hpp"
 #include "tools/run/training/residual_cycles.hpp"
 #include "tools/run/training/residual_training.hpp"
+#include "tools/run/twin_options.hpp"
 #include "tools/study/control_methods.hpp"
 
 namespace airside::tools {
@@ -245,7 +246,7 @@ void add_residual(CLI::App& app) {
   c->add_option("--seeds", self->seeds, "runs of each room and condition")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
+  c->add_option("--first-seed", self->first_seed, "the others follow it")->check(seed_check())->capture_default_str();
   c->add_option("--days", self->days, "controlled days a run")->check(CLI::Range(1, 180))->capture_default_str();
   c->add_option("--epochs", self->epochs, "passes over the cycles while it learns")
       ->check(CLI::Range(1, 1000))

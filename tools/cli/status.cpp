@@ -26,7 +26,10 @@ constexpr double old_after_s = 900;  ///< the box writes every 6 min
 /// status.json of a file, a state folder or a site file.
 fs::path snapshot_of(const std::string& given) {
   fs::path path = given;
-  if (path.extension() == ".toml") path = hal::read_site_file(given, hal::site_rules()).state_dir;
+  std::error_code unseen;
+  // A folder of `airside init`, where somebody means the site.
+  if (!fs::exists(path / "status.json", unseen) && fs::exists(path / "site.toml", unseen)) path /= "site.toml";
+  if (path.extension() == ".toml") path = hal::read_site_file(path.string(), hal::site_rules()).state_dir;
   std::error_code ignored;
   if (path.extension() != ".json" || fs::is_directory(path, ignored)) path /= "status.json";
   std::error_code failed;
@@ -145,6 +148,11 @@ std::string state_text(const Snapshot& s, const Condition& condition) {
   if (condition.exit_code == stale.exit_code) {
     text = "This is old: airsided writes every 6 min, so it is not running or cannot write.\nThe last row: ";
   }
+  if (runs && fault == "no reading") {
+    return text + "The AHU does not answer; what is written does not arrive. Look at cable, power, address and port.";
+  }
+  const std::string first_row = s.object().value("first_row", "");
+  if (runs && !first_row.empty()) text = "airsided has started; its first row is at " + first_row + ". ";
   text += state == "learn"     ? tense("It controls and goes on learning", "It controlled and went on learning")
           : state == "run"     ? tense("It controls with frozen weights", "It controlled with frozen weights")
           : state == "expert"  ? tense("It follows the expert's schedule", "It followed the expert's schedule")
@@ -276,6 +284,7 @@ std::string learning_text(const Snapshot& s) {
 }
 
 std::string link_text(const Snapshot& s) {
+  if (s.text("fault") == "no reading") return "";
   const std::uint64_t timeouts = s.count("link_timeouts"), frames = s.count("link_bad_frames");
   const std::uint64_t ids = s.count("link_wrong_ids"), exceptions = s.count("link_exceptions");
   if (timeouts + frames + ids + exceptions == 0) return "The link to the AHU has had no error.";
@@ -296,8 +305,9 @@ std::string sentences(const Snapshot& s, double age, const Condition& condition)
                           : fmt::format("Storage: {} (generation {}).\n", storage, generation);
   const std::string clock = s.object().value("clock", json("ok")).get<std::string>();
   if (clock != "ok") text += "The plant's clock, within the last day: " + clock + ".\n";
-  text += link_text(s);
-  text += fmt::format("\nWritten {} ago, at {} of the site's clock.\n", span_text(std::max(0.0, age)), s.text("time"));
+  const std::string link = link_text(s);
+  text += link.empty() ? link : link + '\n';
+  text += fmt::format("Written {} ago, at {} of the site's clock.\n", span_text(std::max(0.0, age)), s.text("time"));
   return text;
 }
 

@@ -10,6 +10,7 @@
 #include "tools/run/run_facts.hpp"
 #include "tools/run/training/blob_place.hpp"
 #include "tools/run/training/transfer.hpp"
+#include "tools/run/twin_options.hpp"
 
 namespace airside::tools {
 
@@ -88,7 +89,7 @@ void add_transfer(CLI::App& app) {
   c->add_option("--steps", self->options.steps, "optimiser steps")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
-  c->add_option("--seed", self->options.seed, "of sampling")->capture_default_str();
+  c->add_option("--seed", self->options.seed, "of sampling")->check(seed_check())->capture_default_str();
   c->add_option("-o,--out", self->out, "blob to write")->capture_default_str();
   c->add_flag("--json", self->json, "print one JSON object and nothing else on standard output");
   c->callback([self] { self->run(); });

@@ -108,12 +108,19 @@ struct SignCommand {
   }
 };
 
-/// The inbox that a person means: a folder, or the site file of a box on this machine.
+/// The inbox that a person means: a folder, the site file of a box on this machine, or the folder that has it.
 std::string inbox_of(const std::string& target) {
-  if (fs::path(target).extension() != ".toml") return target;
-  const std::string inbox = hal::read_site_file(target, hal::site_rules()).inbox_dir;
+  std::error_code none;
+  const bool has_site = fs::is_regular_file(fs::path(target) / "site.toml", none);
+  const std::string file = has_site ? (fs::path(target) / "site.toml").string() : target;
+  if (fs::path(file).extension() != ".toml") {
+    if (!fs::exists(fs::path(file) / "status.json", none)) return file;
+    throw hal::InputError(file, "a state folder, which has a status.json", "the inbox of a box",
+                          "give the folder of [inbox] dir in its site file, or that site file");
+  }
+  const std::string inbox = hal::read_site_file(file, hal::site_rules()).inbox_dir;
   if (!inbox.empty()) return inbox;
-  throw hal::InputError(target + ": [inbox] dir", "an empty text", "a folder that the daemon looks into",
+  throw hal::InputError(file + ": [inbox] dir", "an empty text", "a folder that the daemon looks into",
                         "name one in the site file");
 }
 
@@ -247,7 +254,7 @@ struct PushCommand {
 
 /// A wish of one word, dropped as an empty file.
 struct WishCommand {
-  std::string target;
+  std::string target = default_site;
   std::string_view wish;
   const char* sentence;
   int hours = 0;  ///< of a release: after which it ends by itself; 0: it does not
@@ -255,9 +262,16 @@ struct WishCommand {
 
   void run() const {
     const std::string text = hours == 0 ? std::string() : std::to_string(hours);
+    const std::string inbox = inbox_of(target);
     drop(target, std::string(wish), std::as_bytes(std::span(text)));
+    if (!site_of(inbox, "")) {
+      fmt::print(stderr,
+                 "airside: {}: no site file is known that names this inbox, so a daemon may not look there; see by "
+                 "airside status that it follows\n",
+                 inbox);
+    }
     if (json) {
-      fmt::print("{}\n", nlohmann::json{{"wish", wish}, {"inbox", inbox_of(target)}}.dump());
+      fmt::print("{}\n", nlohmann::json{{"wish", wish}, {"inbox", inbox}}.dump());
       return;
     }
     if (hours != 0) {
@@ -272,14 +286,14 @@ struct WishCommand {
 };
 
 constexpr const char* json_help = "print one JSON object and nothing else on standard output";
-constexpr const char* target_help = "the box's inbox folder, or its site file";
+constexpr const char* target_help = "the box's inbox folder, its site file, or the folder of that file";
 
 void add_wish(CLI::App& app, const char* name, std::string_view wish, const char* help, const char* sentence) {
   auto self = std::make_shared<WishCommand>();
   self->wish = wish;
   self->sentence = sentence;
   CLI::App* c = app.add_subcommand(name, help);
-  c->add_option("target", self->target, target_help)->required();
+  c->add_option("target", self->target, target_help)->capture_default_str();
   if (wish == hal::Mailbox::release_name) {
     c->add_option("--hours", self->hours, "take the AHU again after that many hours (default: not before a hand-back)")
         ->check(CLI::Range(1, hal::Mailbox::longest_release_h));

@@ -246,8 +246,8 @@ void add_plant_options(CLI::App& command, PlantChoice& choice, const std::string
                      "the days of its log that did not teach it");
   command.add_option("--patch", choice.patches, "merge patches on the model, in order (EnergyPlus)");
   command.add_option("--weather", choice.weather, "EPW file (default: Tampa for EnergyPlus, synthetic for rc)");
-  command.add_option("--start", choice.start, "first day, midnight")->capture_default_str();
-  command.add_option("--seed", choice.seed, "of people, outages, noise and learning")->capture_default_str();
+  command.add_option("--start", choice.start, "first day of all, midnight")->capture_default_str();
+  command.add_option("--seed", choice.seed, "of all that is drawn")->check(seed_check())->capture_default_str();
   command.add_flag("--weekends", choice.weekends, "Saturday and Sunday nearly empty");
   command.add_option("--scenario", choice.scenario,
                      "a condition that is harder to control, with its own start day: january, irregular, outages, ... "

@@ -21,8 +21,8 @@ void check_method(const std::string& option, const std::string& name, bool energ
   std::vector<std::string> known = baseline_names();
   for (const std::string& floor : floor_names(energyplus)) known.push_back(floor);
   if (std::find(known.begin(), known.end(), name) != known.end()) return;
-  throw hal::InputError(option, '"' + name + '"', fmt::format("one of {}", fmt::join(known, ", ")),
-                        "choose a name from the list");
+  throw hal::InputError(option, '"' + name + '"', fmt::format("one of ours, {}", fmt::join(known, ", ")),
+                        "choose a name from the list; ours is this project's own, with the preset of the site");
 }
 
 Prepared prepare(const Trial& trial, const OnProgress& progress) {

@@ -99,8 +99,10 @@ std::string study_markdown(const nlohmann::json& methods, const std::vector<std:
     std::vector<std::string> line = {name};
     for (const FigureColumn& column : figure_columns) {
       const nlohmann::json& spread = m.at(column.figure);
-      line.push_back(fmt::format("{:.{}f} ± {:.{}f}", spread.at("mean").get<double>(), column.decimals,
-                                 spread.at("sd").get<double>(), column.decimals));
+      const std::string mean = fmt::format("{:.{}f}", spread.at("mean").get<double>(), column.decimals);
+      const bool has_spread = spread.at("count").get<int>() > 1;
+      line.push_back(has_spread ? fmt::format("{} ± {:.{}f}", mean, spread.at("sd").get<double>(), column.decimals)
+                                : mean);
     }
     for (const char* ratio : figure_ratios) {
       const std::string key = ratio_key(ratio, floor);

@@ -21,13 +21,38 @@ void add_band(StatusSnapshot& s, const Expected<Reading<T>>& sensed, const Contr
   }
 }
 
+/// Means of the rooms as they were read, so that they agree with the list of rooms; where one was not read, those of
+/// the last decision, in which its last good value or the others' median stands in.
+template <Topology T>
+void add_rooms(StatusSnapshot& s, const Expected<Reading<T>>& sensed, const ControllerSettings& settings) {
+  s.room_mean_degc = s.decision.room_mean_degc;
+  s.held_degc = s.decision.held_degc;
+  if (!sensed) return;
+  s.room_temp_degc = {sensed->value.data(), static_cast<std::size_t>(settings.shape.vavs)};
+  double sum = 0;
+  for (const double room : s.room_temp_degc) sum += room;
+  if (!std::isfinite(sum)) return;
+  s.room_mean_degc = sum / settings.shape.vavs;
+  s.held_degc = held_degc<T>(settings.held, settings.shape, sensed->value);
+}
+
+/// As Controller::control_mode(), but an AHU that was handed back is no longer released, though the next decision is
+/// still to come.
+template <Topology T>
+ActiveMode mode_of_row(CivilTime t, const Controller<T>& controller) {
+  const ActiveMode mode = controller.control_mode(t);
+  const Reason since = controller.cycle().mode_arbiter.gravest(t);
+  const bool handed_back = mode.mode == ControlMode::release && request_of(since).mode != ControlMode::release;
+  return handed_back ? ActiveMode{request_of(since).mode, since} : mode;
+}
+
 }  // namespace
 
 template <Topology T>
 StatusSnapshot row_status(CivilTime t, const Expected<Reading<T>>& sensed, const Controller<T>& controller,
                           const hal::ModbusPlant<T>& plant) {
   StatusSnapshot s{
-      .site = {}, .topology = {}, .control_mode = controller.control_mode(t), .decision = controller.decision()};
+      .site = {}, .topology = {}, .control_mode = mode_of_row<T>(t, controller), .decision = controller.decision()};
   s.fault = sensed ? s.decision.fault : sensed.error();
   // To the controller whatever cannot be used is no number; people want to know why.
   const int signal = s.decision.fault_signal;
@@ -35,7 +60,7 @@ StatusSnapshot row_status(CivilTime t, const Expected<Reading<T>>& sensed, const
     s.fault = plant.signal_fault(signal);
   }
   s.setpoint_degc = controller.cycle().last_setpoint_degc;
-  if (sensed) s.room_temp_degc = {sensed->value.data(), static_cast<std::size_t>(controller.settings().shape.vavs)};
+  add_rooms<T>(s, sensed, controller.settings());
   s.target_degc = controller.settings().target_degc;
   s.hold = controller.settings().held.rule;
   s.cycles = controller.learning().cycles;

@@ -18,14 +18,15 @@ namespace airside::edge {
 namespace {
 
 /// `"alarms":[{"reason":"sensor drifts","since":"2026-..."}]`, gravest numbers last.
-void add_alarms(FixedText& text, CivilTime now, const ModeArbiter* mode_arbiter) {
+void add_alarms(FixedText& text, CivilTime now, const StatusSnapshot& s) {
   text.add(",\"alarms\":[");
   const char* between = "";
-  for (int i = 1; i < reason_count && mode_arbiter != nullptr; ++i) {
+  for (int i = 1; i < reason_count; ++i) {
     const auto reason = static_cast<Reason>(i);
-    if (!mode_arbiter->active(reason, now)) continue;
+    const bool lasts = s.mode_arbiter != nullptr && s.mode_arbiter->active(reason, now);
+    if (!lasts && s.met != reason) continue;
     std::array<char, hal::civil_text_size> since{};
-    hal::write_civil_text(since.data(), {mode_arbiter->since_s(reason)});
+    hal::write_civil_text(since.data(), lasts ? CivilTime{s.mode_arbiter->since_s(reason)} : s.met_since);
     text.add("{}{{\"reason\":\"{}\",\"since\":\"{}\"}}", between, text_of(reason),
              std::string_view(since.data(), since.size()));
     between = ",";
@@ -102,6 +103,8 @@ std::size_t StatusFile::format(CivilTime now, const StatusSnapshot& s) {
   if (s.stopped_at.seconds != 0) hal::write_civil_text(time.data(), s.stopped_at);
   text.string("stopped_at",
               s.stopped_at.seconds != 0 ? std::string_view(time.data(), time.size()) : std::string_view{});
+  if (s.first_row.seconds != 0) hal::write_civil_text(time.data(), s.first_row);
+  text.string("first_row", s.first_row.seconds != 0 ? std::string_view(time.data(), time.size()) : std::string_view{});
   text.string("state", text_of(s.control_mode.mode));
   text.string("reason", text_of(s.control_mode.reason));
   text.string("why", why_of(s.control_mode));
@@ -114,14 +117,14 @@ std::size_t StatusFile::format(CivilTime now, const StatusSnapshot& s) {
     text.string("way_out", way_out_of(s.control_mode));
   }
   text.string("release_ends", std::string_view(ends.data(), has_end ? ends.size() : 0));
-  add_alarms(text, now, s.mode_arbiter);
+  add_alarms(text, now, s);
   text.string("fault", text_of(s.fault));
   text.string("fault_signal", s.fault_signal);
   text.add(",\"has_weights\":{}", s.has_weights);
   text.number("target_degc", s.target_degc);
-  text.number("room_mean_degc", s.decision.room_mean_degc);
+  text.number("room_mean_degc", s.room_mean_degc);
   text.string("hold", text_of(s.hold));
-  text.number("held_degc", s.decision.held_degc);
+  text.number("held_degc", s.held_degc);
   add_rooms(text, s.room_temp_degc);
   text.number("setpoint_degc", s.setpoint_degc);
   text.number("network_setpoint_degc", s.decision.network_degc);

@@ -33,8 +33,14 @@ struct StatusSnapshot {
   CivilTime lost_until = {};           ///< as of DaemonState; 0: nothing was lost at this start
   std::uint64_t cycles = 0, rejected_updates = 0, replay_transitions = 0, generation = 0;
   bool has_weights = false;
-  std::string_view storage = "ok";  ///< or what is wrong with it
-  std::string_view clock = "ok";    ///< or what a plant's clock did of late: "read wrong", "jumped"
+  CivilTime first_row = {};  ///< where none has been run since the start; 0: one has
+  /// What the row or its decision met that lasts and is not in the mode arbiter: an AHU that gives no reading, a signal
+  /// that is lost. An alarm too.
+  Reason met = Reason::none;
+  CivilTime met_since = {};
+  double room_mean_degc = Decision::none, held_degc = Decision::none;  ///< of the rooms above
+  std::string_view storage = "ok";                                     ///< or what is wrong with it
+  std::string_view clock = "ok";  ///< or what a plant's clock did of late: "read wrong", "jumped"
   std::uint64_t link_timeouts = 0, link_bad_frames = 0, link_wrong_ids = 0, link_exceptions = 0;
   std::uint64_t setpoint_writes = 0;        ///< since the daemon's start
   std::string_view trial = "none";          ///< of pushed weights

@@ -1,6 +1,6 @@
 // Point checkout: what the daemon read of each point, and who has signed it off.
 
-import { el, get, has, page, post_and_tell, say, t } from '/app.js';
+import { el, get, has, once, page, post_and_tell, quietly, say, t } from '/app.js';
 import { table } from '/why.js';
 
 const $ = (id) => document.getElementById(id);
@@ -10,6 +10,7 @@ const moment = (text) => text.replace('T', ' ').slice(0, 16);
 const may_sign = () => page.session.operate && page.session.install;
 let points = null;
 let filled_in = false;
+let shown = '';
 
 function verdict(p) {
   const key = `point.${p.verdict}`;
@@ -17,7 +18,8 @@ function verdict(p) {
   const good = p.verdict === 'plausible' || p.verdict === 'not readable';
   return el('span', `${good ? '✓' : '✗'} ${words}`, { class: good ? 'good' : 'poor' });
 }
-const number = (v, unit) => (known(v) ? `${+v.toFixed(3)} ${/^degc$/i.test(unit) ? '°C' : unit}` : '–');
+const units = { degc: '°C', degf: '°F', kw: 'kW', w: 'W', kwh: 'kWh', k: 'K', pa: 'Pa', kpa: 'kPa', hz: 'Hz', percent: '%' };
+const number = (v, unit) => (known(v) ? `${+v.toFixed(3)} ${units[unit.toLowerCase()] ?? unit}`.trim() : '–');
 const register = (p) => (p.object ? p.object : t('point-register', { fc: p.fc, addr: p.addr, type: p.type }));
 
 function signed(p) {
@@ -28,7 +30,7 @@ function signed(p) {
   if (!may_sign()) return place;
   const act = (key, work) => {
     const b = el('button', t(key), { type: 'button', 'aria-label': `${t(key)}: ${p.name}`, 'data-point': p.name, 'data-act': key });
-    b.onclick = work;
+    b.onclick = once(b, work);
     place.append(b);
   };
   if (s?.valid) act('point-withdraw', () => change('/points/withdraw', p.name, t('point-withdrawn', { name: p.name }), p.name));
@@ -45,7 +47,7 @@ async function sign(p) {
 }
 async function change(path, body, done, name) {
   await post_and_tell('points-said', path, body, done);
-  await load();
+  await quietly(load());
   $('points').querySelector(`[data-point="${CSS.escape(name)}"]`)?.focus();
 }
 
@@ -72,19 +74,29 @@ export function show() {
   say('points-time', p.waiting ? t('points-waiting') : p.time ? t('points-time', { at: moment(p.time), age: page.span_text(p.age_s) }) : t('points-never'));
   say('points-trouble', [p.trouble && p.total ? p.trouble : '', p.kept ? '' : t('points-not-kept')].filter(Boolean).join(' '));
   show_write(p.write);
-  if (!filled_in) return;
+  const now = JSON.stringify([filled_in, p.points, may_sign(), page.texts.lang]);
+  if (!filled_in || now === shown) return;
+  shown = now;  // anew only where it differs: somebody may be at a button
   table('points', t('points-caption'), [t('point'), t('point-value'), t('point-verdict'), t('point-sign-off'), t('point-raw'), t('point-limits'), t('point-where')],
-    p.points.map((q) => [q.name, number(q.value, q.unit), verdict(q), signed(q), q.raw.length ? q.raw.join(' ') : '–', `${q.min} – ${q.max}`, register(q)]));
+    p.points.map((q) => [q.name, number(q.value, q.unit), verdict(q), signed(q), q.raw.length ? q.raw.join(' ') : '–', `${q.min} – ${q.max}`, register(q)]), true);
+}
+export function forget() {
+  points = null;
+  shown = '';
+  for (const id of ['points-count', 'points-time', 'points-trouble', 'points-said', 'points-written', 'points']) $(id).replaceChildren();
 }
 export async function load() {
   if (!page.session.see) return;
-  points = (await get('/points.json')).json;
+  const answer = (await get('/points.json')).json;
+  if (!page.session.see) return;
+  points = answer;
   show();
 }
 /** Until the daemon has read: it looks with each heartbeat and each row. */
 async function follow(before, done) {
   for (let i = 0; i < 150; ++i) {
     await load();
+    if (!points) return;
     if (!points.waiting && points.time !== before) return say('points-said', t(done, { at: moment(points.time) }));
     if (!points.waiting && i > 3) return say('points-said', '');
     await pause(i < 20 ? 500 : 3000);
@@ -93,13 +105,10 @@ async function follow(before, done) {
 export function listen() {
   $('points-d').ontoggle = () => { filled_in = $('points-d').open; show(); };
   const ask = (id, path, asked, done) => {
-    $(id).onclick = async () => {
+    $(id).onclick = once($(id), async () => {
       const before = points?.time;
-      $(id).disabled = true;
-      try {
-        if (await post_and_tell('points-said', path, '', t(asked))) await follow(before, done);
-      } finally { $(id).disabled = false; }
-    };
+      if (await post_and_tell('points-said', path, '', t(asked))) await quietly(follow(before, done));
+    });
   };
   ask('points-read', '/points/read', 'points-asked', 'points-read-done');
   ask('points-write', '/points/write', 'points-write-asked', 'points-write-done');

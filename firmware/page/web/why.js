@@ -31,14 +31,17 @@ const ticks = (low, high, count) => {
   for (let v = Math.ceil(low / step) * step; v <= high + step * 1e-6; v += step) list.push(Number(v.toFixed(6)));
   return list;
 };
-export function table(id, caption, heads, rows) {
-  const head = el('tr', '', {}, ...heads.map((h) => el('th', h, { scope: 'col' })));
-  const lines = rows.map((r) => el('tr', '', {}, ...r.map((c, i) => {
-    const cell = i === 0 ? el('th', '', { scope: 'row' }) : el('td');
+/** `stacks`: on a phone each row is a card. It then is no table to the browser any more, so the roles are said. */
+export function table(id, caption, heads, rows, stacks = false) {
+  const role = (name) => (stacks ? { role: name } : {});
+  const head = el('tr', '', role('row'), ...heads.map((h) => el('th', h, { scope: 'col', ...role('columnheader') })));
+  const lines = rows.map((r) => el('tr', '', role('row'), ...r.map((c, i) => {
+    const cell = i === 0 ? el('th', '', { scope: 'row', ...role('rowheader') }) : el('td', '', { 'data-head': heads[i], ...role('cell') });
     cell.append(c);
     return cell;
   })));
-  $(id).replaceChildren(el('caption', caption), el('thead', '', {}, head), el('tbody', '', {}, ...lines));
+  if (stacks) $(id).setAttribute('role', 'table');
+  $(id).replaceChildren(el('caption', caption), el('thead', '', role('rowgroup'), head), el('tbody', '', role('rowgroup'), ...lines));
 }
 
 /** What is drawn: setpoints, curves over them, and marks. */
@@ -99,19 +102,20 @@ function candidate_rows(c, { marks }) {
 }
 
 let shown = '';
+export const forget_why = () => { shown = ''; $('why-chart').replaceChildren(); $('why-weighed').hidden = true; };
 export function show_why() {
   const s = page.status, c = s.candidates;
   if (c) {
     c.count_of = (c.cost_kw ?? c.network_held_degc ?? []).length;
     c.setpoints = Array.from({ length: c.count_of }, (_, i) => c.from_degc + i * c.step_k);
   }
-  const now = JSON.stringify([c, s.expert_setpoint_degc, s.g36_setpoint_degc, s.head_setpoint_degc, s.network_setpoint_degc, page.texts.lang, $('why-chart').clientWidth]);
+  const now = JSON.stringify([c, s.reason, s.expert_setpoint_degc, s.g36_setpoint_degc, s.head_setpoint_degc, s.network_setpoint_degc, page.texts.lang, $('why-chart').clientWidth]);
   if (now === shown) return;
   shown = now;
-  const found = weighed();
+  const found = s.reason === 'no reading' ? null : weighed();
   $('why-weighed').hidden = !found;
   say('why-none', found ? '' : t(c ? 'why-none-now' : 'why-none', { min: page.site.cycle_min ?? 18 }));
-  say('why-shares', c && known(c.schedule_share) ? shares(c) : '');
+  say('why-shares', found && known(c.schedule_share) ? shares(c) : '');
   if (!found) return;
   const { picture, aim } = chart(c, found);
   $('why-chart').replaceChildren(picture);
@@ -141,7 +145,9 @@ export function show_gap() {
   if (g.n > 0 && !g.enough) said = t('gap-few', { n: g.recent_days + g.before_days });
   else if (g.n > 0) said = growing.length ? t('gap-grows', { who: growing.join(', '), d: g.recent_days, n: g.before_days }) : t('gap-same', { d: g.recent_days, n: g.before_days });
   say('gap-said', said);
-  $('gap-do').hidden = growing.length === 0;
+  const installer = page.session.role === 'installer';
+  $('gap-do').hidden = growing.length === 0 || !installer;
+  $('gap-tell').hidden = growing.length === 0 || installer;
   if (g.n === 0) return;
   table('gap', t('gap-caption', { n: g.n, days: g.days.length, min: g.cycle_min }), [t('gap-of'), t('bias'), t('rms'), t('rms-recent', { d: g.recent_days }), t('rms-before', { n: g.before_days }), t('rms-by-day')],
     names.map((name, i) => [g.grows[i] ? el('strong', `${name} ▲`) : name, kelvin(g.bias_k[i]), kelvin(g.rms_k[i]), kelvin(g.recent_rms_k[i]), kelvin(g.before_rms_k[i]), spark(g.days.map((d) => d.rms_k[i]))]));

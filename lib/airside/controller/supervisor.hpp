@@ -127,6 +127,8 @@ class Supervisor {
       cycle_.mode_arbiter.set(Reason::write_refused, true, t);
       if (++cycle_.refused_writes >= 2) cycle_.mode_arbiter.hold(Reason::writes_refused, t, seconds_per_hour);
     }
+    // A register that shows what no setpoint can be: control must not seem to go on.
+    if (!applied && applied.error() == Fault::out_of_range) cycle_.mode_arbiter.set(Reason::setpoint_altered, true, t);
     if (!applied) return;
     cycle_.refused_writes = 0;
     cycle_.mode_arbiter.set(Reason::write_refused, false, t);

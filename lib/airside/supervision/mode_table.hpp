@@ -30,8 +30,9 @@ constexpr auto mode_table = std::to_array<ModeRequest>({
     {.reason = Reason::setpoint_altered,
      .name = "setpoint altered",
      .mode = ControlMode::learn,
-     .why = "the AHU took another setpoint than the one written",
-     .way_out = "ends with the first setpoint that is taken as written; look for limits in the AHU"},
+     .why = "the AHU took another setpoint than the one written, or shows one that cannot be",
+     .way_out = "ends with the first setpoint that is taken as written; look for limits in the AHU, and for the "
+                "setpoint's scale and limits in the point map (airside probe)"},
     {.reason = Reason::storage_failed,
      .name = "storage failed",
      .mode = ControlMode::learn,

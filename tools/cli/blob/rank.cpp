@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "hal/text/input_error.hpp"
+#include "hal/weights/blob_file.hpp"
+#include "hal/weights/signature.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/run/run_facts.hpp"
 #include "tools/run/training/blob_place.hpp"
@@ -32,11 +34,12 @@ struct RankCommand {
   /// A blob of another shape is no mistake in a library of many rooms; a file that cannot be read is.
   Source judged(const Site& s, const std::string& path, const hal::Log& rows) const {
     Source out{.path = path, .digest = {}, .error_k = 0, .refusal = {}};
+    (void)hal::sound_header(hal::read_blob_file(path), path);
     try {
       const BlobBytes bytes = read_blob(path, s);
       out.digest = digest_text(bytes);
       out.error_k = forecast_error_k(s, bytes, rows.rows);
-      if (!std::isfinite(out.error_k)) out.refusal = "no forecast could be compared: it has no room head";
+      if (!std::isfinite(out.error_k)) out.refusal = path + ": no forecast could be compared: it has no room head";
     } catch (const hal::InputError& error) {
       out.refusal = error.what();
     }
@@ -91,7 +94,7 @@ struct RankCommand {
       if (source.refusal.empty()) {
         fmt::print("  {:.4f} K  {}  {}\n", source.error_k, source.digest, source.path);
       } else {
-        fmt::print("  refused   {}: {}\n", source.path, source.refusal);
+        fmt::print("  refused   {}\n", source.refusal);
       }
     }
   }

@@ -15,6 +15,7 @@
 #include "tools/gap/report/confusion_svg.hpp"
 #include "tools/gap/report/reliability_svg.hpp"
 #include "tools/gap/score/score.hpp"
+#include "tools/run/twin_options.hpp"
 
 namespace airside::tools {
 
@@ -155,7 +156,7 @@ void add_gap(CLI::App& app) {
   auto blind = std::make_shared<BlindCommand>();
   c = gap->add_subcommand("blind", "make sealed cases in which something is hidden, and their key apart");
   c->add_option("--cases", blind->cases, "how many in all")->check(CLI::Range(1, 10000))->capture_default_str();
-  c->add_option("--seed", blind->seed, "of rooms, effects and noise")->capture_default_str();
+  c->add_option("--seed", blind->seed, "of rooms, effects and noise")->check(seed_check())->capture_default_str();
   c->add_option("--room", blind->room, "the workflow's room")->capture_default_str();
   c->add_option("--days", blind->days, "of the reference, and again of the measured period")
       ->check(CLI::Range(4, 60))

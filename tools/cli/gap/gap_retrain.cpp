@@ -6,6 +6,7 @@
 #include "tools/cli/command.hpp"
 #include "tools/cli/gap/gap.hpp"
 #include "tools/gap/retrain/retrain.hpp"
+#include "tools/run/twin_options.hpp"
 
 namespace airside::tools {
 
@@ -77,7 +78,7 @@ void add_gap_retrain(CLI::App& gap) {
   c->add_option("--preset", self->preset, "product, paper or paper-repaired (default: the site's, else product)")
       ->check(CLI::IsMember(hal::preset_names()));
   c->add_option("--seeds", plan.seeds, "how many")->check(CLI::Range(1, 100))->capture_default_str();
-  c->add_option("--first-seed", plan.first_seed, "the others follow it")->capture_default_str();
+  c->add_option("--first-seed", plan.first_seed, "the others follow it")->check(seed_check())->capture_default_str();
   c->add_option("--pretrain-days", plan.pretrain_days, "on each twin")
       ->check(CLI::Range(2, 364))
       ->capture_default_str();

@@ -44,12 +44,20 @@ std::optional<SignalKind> stand_in_kind(const std::string& name) {
 SignalAnswer read_signal(hal::TomlSection s) {
   SignalAnswer a;
   a.is_absent = s.flag("absent", false);
-  if (s.has("addr")) a.addr = static_cast<int>(s.whole("addr", 0, 0, 65535));
+  // Each key is asked for, there or not: what nobody asks for is unknown, and complaints list what was asked for.
+  const int addr = static_cast<int>(s.whole("addr", 0, 0, 65535)), fc = static_cast<int>(s.whole("fc", 4, 1, 4));
+  const std::string& type = point_types()[s.choice("type", point_types(), 0)];
+  const double scale = s.number("scale", 1, -1e6, 1e6, "");
   a.apart = static_cast<int>(s.whole("apart", 0, 0, 1000));
-  if (s.has("fc")) a.fc = static_cast<int>(s.whole("fc", 4, 1, 4));
-  if (s.has("type")) a.type = point_types()[s.choice("type", point_types(), 0)];
-  if (s.has("scale")) a.scale = s.number("scale", 1, -1e6, 1e6, "");
+  if (s.has("addr")) a.addr = addr;
+  if (s.has("fc")) a.fc = fc;
+  if (s.has("type")) a.type = type;
+  if (s.has("scale")) a.scale = scale;
   s.refuse_unknown_keys();
+  if (a.is_absent && (a.addr || a.fc || a.type || a.scale)) {
+    throw hal::InputError(s.place("absent"), "true, beside where the signal is", "one of the two",
+                          "leave out the one that is wrong");
+  }
   return a;
 }
 
@@ -171,7 +179,8 @@ InitAnswers read_table(const toml::table& table, const std::string& path) {
   read_bus(root.section("bus"), a.modbus);
   hal::TomlSection signals = root.section("signals");
   for (const std::string& name : signal_names()) {
-    if (signals.has(name)) a.signals[name] = read_signal(signals.section(name));
+    const hal::TomlSection one = signals.section(name);
+    if (signals.has(name)) a.signals[name] = read_signal(one);
   }
   signals.refuse_unknown_keys();
   root.refuse_unknown_keys();

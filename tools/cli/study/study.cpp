@@ -15,6 +15,7 @@
 #include "tools/run/training/built_in_residual.hpp"
 #include "tools/run/training/pretraining.hpp"
 #include "tools/run/training/residual_training.hpp"
+#include "tools/run/twin_options.hpp"
 #include "tools/study/control_methods.hpp"
 #include "tools/study/table.hpp"
 
@@ -292,7 +293,7 @@ void add_study(CLI::App& app) {
                 "rooms, comma-separated (default: the five counterparts; rc: and study rooms up to --count)")
       ->delimiter(',');
   c->add_option("--count", self->room_count, "how many rc rooms")->check(CLI::Range(1, 200))->capture_default_str();
-  c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
+  c->add_option("--first-seed", self->first_seed, "the others follow it")->check(seed_check())->capture_default_str();
   c->add_option("--twin-room", self->twin_room, "room to pretrain on (default: the twin of each)");
   c->add_option("--pretrain-days", self->pretrain_days, "days of pretraining")
       ->check(CLI::Range(2, 364))

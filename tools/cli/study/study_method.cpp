@@ -16,6 +16,7 @@
 #include "tools/report/report.hpp"
 #include "tools/run/child_jobs.hpp"
 #include "tools/run/run_facts.hpp"
+#include "tools/run/twin_options.hpp"
 #include "tools/study/method/claims.hpp"
 #include "tools/study/method/peer_rows.hpp"
 #include "tools/study/method/report.hpp"
@@ -141,9 +142,20 @@ struct MethodCommand {
       study.environment_from = sim::environment_start(study.environment);
       (void)sim::read_environment(study.environment, built_in_site().counts);
     }
+    const bool is_new = !fs::exists(study.folder);
+    if (report_only && from_file.empty() && is_new) {
+      throw hal::InputError("-o " + study.folder, "no such folder", "one with runs to report on",
+                            "correct the name, or leave --report-only out");
+    }
     fs::create_directories(study.folder);
-    if (!from_file.empty()) (void)take_runs(study, from_file);
-    if (!report_only) run_missing(missing_jobs());
+    try {
+      if (!from_file.empty()) (void)take_runs(study, from_file);
+      if (!report_only) run_missing(missing_jobs());
+    } catch (...) {
+      std::error_code kept;
+      if (is_new) fs::remove(study.folder, kept);  // only where nothing is in it
+      throw;
+    }
     if (!keep_file.empty()) (void)keep_runs(study, keep_file);
     report();
   }
@@ -154,7 +166,7 @@ void add_options(CLI::App* c, const std::shared_ptr<MethodCommand>& self) {
       ->check(CLI::IsMember({"rc", "energyplus"}))
       ->capture_default_str();
   c->add_option("--seeds", self->seeds, "seeds a row and room")->check(CLI::Range(1, 100))->capture_default_str();
-  c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
+  c->add_option("--first-seed", self->first_seed, "the others follow it")->check(seed_check())->capture_default_str();
   c->add_option("--days", self->study.days, "controlled days")->check(CLI::Range(1, 60))->capture_default_str();
   c->add_option("--pretrain-days", self->study.pretrain_days, "days in the twin")
       ->check(CLI::Range(2, 180))

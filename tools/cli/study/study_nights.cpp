@@ -11,6 +11,7 @@
 #include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
 #include "tools/run/run_facts.hpp"
+#include "tools/run/twin_options.hpp"
 #include "tools/study/control_methods.hpp"
 #include "tools/study/night_run.hpp"
 
@@ -168,7 +169,7 @@ void add_study_nights(CLI::App& study) {
   self->add_to(*c, "controlled days");
   c->add_option("--rooms", self->rooms, "rooms, comma-separated (default: the five counterparts and three more)")
       ->delimiter(',');
-  c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
+  c->add_option("--first-seed", self->first_seed, "the others follow it")->check(seed_check())->capture_default_str();
   c->add_option("--methods", self->methods, "peers, comma-separated")->delimiter(',')->capture_default_str();
   c->add_option("--fan-start", self->fan_start_h, "hour of the day at which the fan starts; 6.17: between two cycles")
       ->check(CLI::Range(0.0, 12.0))

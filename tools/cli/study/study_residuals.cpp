@@ -11,7 +11,9 @@
 #include "tools/cli/command.hpp"
 #include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
+#include "tools/run/plant_choice.hpp"
 #include "tools/run/run_facts.hpp"
+#include "tools/run/twin_options.hpp"
 #include "tools/study/residual_run.hpp"
 
 namespace airside::tools {
@@ -98,7 +100,7 @@ void add_study_residuals(CLI::App& study) {
   c->add_option("--rooms", self->rooms, "rooms, comma-separated (default: the five counterparts)")->delimiter(',');
   c->add_option("--scenarios", self->scenarios, "conditions, comma-separated (default: all that the plant knows)")
       ->delimiter(',');
-  c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
+  c->add_option("--first-seed", self->first_seed, "the others follow it")->check(seed_check())->capture_default_str();
   c->add_option("--later", self->later_days,
                 "days after the scenario's first: other weather, for rooms that what is learned is tried on")
       ->check(CLI::Range(0, 300))

@@ -10,10 +10,12 @@
 #include "tools/cli/command.hpp"
 #include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
+#include "tools/run/plant_choice.hpp"
 #include "tools/run/run_facts.hpp"
 #include "tools/run/training/built_in_residual.hpp"
 #include "tools/run/training/pretraining.hpp"
 #include "tools/run/training/residual_training.hpp"
+#include "tools/run/twin_options.hpp"
 #include "tools/study/control_methods.hpp"
 #include "tools/study/table.hpp"
 
@@ -196,7 +198,7 @@ void add_study_scenarios(CLI::App& study) {
                 "peers and floors, comma-separated; ours-head-alone: the product without its residual network")
       ->delimiter(',')
       ->capture_default_str();
-  c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
+  c->add_option("--first-seed", self->first_seed, "the others follow it")->check(seed_check())->capture_default_str();
   c->add_option("--pretrain-days", self->pretrain_days, "days of pretraining")
       ->check(CLI::Range(2, 364))
       ->capture_default_str();

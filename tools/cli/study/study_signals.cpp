@@ -6,8 +6,10 @@
 #include "tools/cli/command.hpp"
 #include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
+#include "tools/run/plant_choice.hpp"
 #include "tools/run/run_facts.hpp"
 #include "tools/run/training/pretraining.hpp"
+#include "tools/run/twin_options.hpp"
 #include "tools/study/control_methods.hpp"
 #include "tools/study/missing_signals.hpp"
 
@@ -152,7 +154,7 @@ void add_study_signals(CLI::App& study) {
       ->capture_default_str();
   c->add_option("--rooms", self->rooms, "rooms, comma-separated (default: the five counterparts)")->delimiter(',');
   c->add_option("--seeds", self->seeds, "seeds a room")->check(CLI::Range(1, 100))->capture_default_str();
-  c->add_option("--first-seed", self->first_seed, "the others follow it")->capture_default_str();
+  c->add_option("--first-seed", self->first_seed, "the others follow it")->check(seed_check())->capture_default_str();
   c->add_option("--pretrain-days", self->pretrain_days, "days of pretraining")
       ->check(CLI::Range(2, 364))
       ->capture_default_str();
