@@ -79,7 +79,8 @@ MHD_Result PageServer::begin(MHD_Connection* c, Connection& connection, const ch
   switch (verdict.route) {
     case Route::asset: return send_asset(c, connection, *verdict.file);
     case Route::session:
-      return send_text(c, connection, sign_in_.session_json(person, rules_.token), "application/json; charset=utf-8");
+      return send_text(c, connection, sign_in_.session_json(person, rules_.token, waiting_wish(inbox_dir_)),
+                       "application/json; charset=utf-8");
     case Route::token: {
       const std::string token(person.caller.token.empty() ? std::string_view(rules_.token) : person.caller.token);
       return send_text(c, connection, token + "\n", "text/plain; charset=utf-8");

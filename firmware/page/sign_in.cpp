@@ -76,7 +76,7 @@ std::string SignIn::cookie_line(const Session* session) const {
                      tls_ ? "; Secure" : "", session == nullptr ? "; Max-Age=0" : "");
 }
 
-std::string SignIn::session_json(const Person& person, const std::string& run_token) const {
+std::string SignIn::session_json(const Person& person, const std::string& run_token, const std::string& waiting) const {
   nlohmann::json roles = nlohmann::json::array();
   for (const Role role : {Role::viewer, Role::operator_, Role::installer}) {
     if (!watch_.access().password[static_cast<std::size_t>(role)].empty()) roles.push_back(text_of(role));
@@ -89,6 +89,7 @@ std::string SignIn::session_json(const Person& person, const std::string& run_to
                  {"roles", roles},
                  {"token", person.caller.token.empty() ? run_token : std::string(person.caller.token)},
                  {"idle_s", Sessions::idle_s},
+                 {"waiting", rights.see ? waiting : std::string()},
                  {"trouble", !watch_.trouble().empty()}});
 }
 

@@ -48,8 +48,8 @@ class SignIn {
 
   /// Value of Set-Cookie; of an ended session where there is none.
   std::string cookie_line(const Session* session) const;
-  /// {role, rights, roles, token, trouble}.
-  std::string session_json(const Person& person, const std::string& run_token) const;
+  /// {role, rights, roles, token, trouble}, and the wish that waits in the inbox.
+  std::string session_json(const Person& person, const std::string& run_token, const std::string& waiting) const;
 
  private:
   AuditLog& log_;

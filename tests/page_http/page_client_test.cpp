@@ -90,6 +90,18 @@ TEST_F(PageClient, ReleasesForATimeByAFile) {
   }
 }
 
+TEST_F(PageClient, WhoMaySeeTheStateSeesThatAnOrderWaits) {
+  ASSERT_TRUE(start()) << read("said.txt");
+  const auto waits_for = [this](const std::string& wish) {
+    return body_of(ask(get("/session.json"))).find("\"waiting\":\"" + wish + "\"") != std::string::npos;
+  };
+  EXPECT_TRUE(waits_for(""));
+  ASSERT_EQ(airside({"release", path("inbox")}), 0) << said();
+  EXPECT_TRUE(waits_for("release"));
+  ASSERT_EQ(airside({"hand-back", path("inbox")}), 0) << said();
+  EXPECT_TRUE(waits_for("hand-back")) << "the later wish";
+}
+
 TEST_F(PageClient, SaysWhatTheBoxHadAgainstABlob) {
   ASSERT_TRUE(start()) << read("said.txt");
   Bytes stranger = plain_blob();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <span>
 
 #include "hal/storage/atomic_file.hpp"
@@ -38,6 +39,14 @@ WishAnswer ask_hand_back(const std::string& inbox_dir) {
 WishAnswer ask_rollback(const std::string& inbox_dir) {
   return drop(inbox_dir, hal::Mailbox::rollback_name, "",
               "the daemon rolls back to the weights before the last push within 6 min");
+}
+
+std::string waiting_wish(const std::string& inbox_dir) {
+  for (const char* wish : {hal::Mailbox::hand_back_name, hal::Mailbox::release_name}) {
+    std::error_code unread;
+    if (std::filesystem::is_regular_file(std::filesystem::path(inbox_dir) / wish, unread)) return wish;
+  }
+  return {};
 }
 
 WishAnswer ask_readings(const std::string& inbox_dir) {

@@ -47,8 +47,9 @@ function sentence() {
     const fault = has(`fault.${s.fault}`) ? t(`fault.${s.fault}`) : s.fault;
     text += s.fault_signal ? t('fault-at', { fault, signal: s.fault_signal }) : t('fault', { fault });
   }
-  const n = runs ? active_alarms().length : 0;
-  return sentences([text, n > 0 && t(n === 1 ? 'alarm-active' : 'alarms-active', { n })]);
+  const n = runs ? active_alarms().length : 0, waiting = page.session.waiting;
+  const waits = waiting === 'hand-back' || (waiting === 'release' && s.state !== 'release');
+  return sentences([text, waits && t(`waiting.${waiting}`), n > 0 && t(n === 1 ? 'alarm-active' : 'alarms-active', { n })]);
 }
 function span_text(seconds) {
   if (seconds < 120) return t('seconds', { n: Math.round(seconds) });
