@@ -15,8 +15,8 @@ struct WishAnswer {
 WishAnswer ask_release(const std::string& inbox_dir, std::string_view body);
 WishAnswer ask_hand_back(const std::string& inbox_dir);
 WishAnswer ask_rollback(const std::string& inbox_dir);
-/// "release" or "hand-back", whichever lies in the inbox; empty where neither does, or it cannot be read. A release stays
-/// there as long as it holds.
+/// "release" or "hand-back", whichever lies in the inbox; empty where neither does, or it cannot be read. A release
+/// stays there as long as it holds.
 std::string waiting_wish(const std::string& inbox_dir);
 /// The daemon reads every point of the map and says in points.json what it found.
 WishAnswer ask_readings(const std::string& inbox_dir);
