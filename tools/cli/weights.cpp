@@ -114,7 +114,7 @@ std::string inbox_of(const std::string& target) {
   const bool has_site = fs::is_regular_file(fs::path(target) / "site.toml", none);
   const std::string file = has_site ? (fs::path(target) / "site.toml").string() : target;
   if (fs::path(file).extension() != ".toml") {
-    if (!fs::exists(fs::path(file) / "status.json", none)) return file;
+    if (!fs::exists(fs::path(target) / "status.json", none)) return target;
     throw hal::InputError(file, "a state folder, which has a status.json", "the inbox of a box",
                           "give the folder of [inbox] dir in its site file, or that site file");
   }
