@@ -1,12 +1,15 @@
 """Draws the figures of tools/bench-peers (JSON on standard input): chart.py FILE"""
 
 import json
+import math
 import sys
 
 import matplotlib
 
 matplotlib.use("Agg")
+matplotlib.rcParams["svg.fonttype"] = "none"
 import matplotlib.pyplot as plt
+from matplotlib.ticker import NullFormatter
 
 STEP_FLOP = 2 * 178368
 OURS, PEER, LIMIT = "#0072b2", "#999999", "#d55e00"
@@ -41,7 +44,8 @@ def main():
         else:
             axis.set_xlabel("us", fontsize=8)
         axis.set_xscale("log")
-        axis.margins(x=0.25)
+        axis.set_xlim(10 ** math.floor(math.log10(0.9 * min(times))), 4 * max(times))
+        axis.xaxis.set_minor_formatter(NullFormatter())
         axis.tick_params(labelsize=8)
         axis.set_title(f"{kind} {count}", fontsize=10)
         axis.spines[["top", "right"]].set_visible(False)
