@@ -148,7 +148,7 @@ std::string state_text(const Snapshot& s, const Condition& condition) {
   if (condition.exit_code == stale.exit_code) {
     text = "This is old: airsided writes every 6 min, so it is not running or cannot write.\nThe last row: ";
   }
-  if (runs && fault == "no reading") {
+  if (runs && fault == "no reading" && state != "release") {
     return text + "The AHU does not answer; what is written does not arrive. Look at cable, power, address and port.";
   }
   const std::string first_row = s.object().value("first_row", "");

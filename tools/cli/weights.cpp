@@ -264,7 +264,7 @@ struct WishCommand {
     const std::string text = hours == 0 ? std::string() : std::to_string(hours);
     const std::string inbox = inbox_of(target);
     drop(target, std::string(wish), std::as_bytes(std::span(text)));
-    if (!site_of(inbox, "")) {
+    if (inbox == target && !site_of(inbox, "")) {  // given as a folder, not by its site
       fmt::print(stderr,
                  "airside: {}: no site file is known that names this inbox, so a daemon may not look there; see by "
                  "airside status that it follows\n",
