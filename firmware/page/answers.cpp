@@ -98,7 +98,7 @@ Answer Answers::read(Route route, const char* span) {
       status_.refresh();
       return typed(response_of(metrics_text(status_)), "text/plain; version=0.0.4; charset=utf-8");
     case Route::weights: return weights();
-    default: return {404, json_of(404, "there is no such page")};  // uncovered: the server asks for no other
+    default: return {404, json_of(refusal(404, refusals::no_page))};  // uncovered: the server asks for no other
   }
 }
 
@@ -107,7 +107,7 @@ Answer Answers::status() {
     ledger_.watch(status_.object());
     more_ = true;
   }
-  if (status_.text().empty()) return {503, json_of(503, "no status yet; is airsided running?")};
+  if (status_.text().empty()) return {503, json_of(refusal(503, refusals::no_status))};
   MHD_Response* response = response_of(without_markup(status_.text()));
   // The status has the site's clock, which nobody can compare with a browser's.
   if (response != nullptr)
@@ -119,7 +119,7 @@ Answer Answers::weights() const {
   std::uint64_t size = 0;
   hal::StorageFile file = open_in(state_dir_, "weights.blob", max_weights_bytes, size);
   if (!file.is_open() || size == 0) {
-    return {404, json_of(404, "no weights yet; airsided gives them out once a day")};
+    return {404, json_of(refusal(404, refusals::no_weights))};
   }
   MHD_Response* response = MHD_create_response_from_fd(static_cast<std::size_t>(size), ::dup(file.descriptor()));
   if (response != nullptr) {
@@ -129,7 +129,7 @@ Answer Answers::weights() const {
 }
 
 Answer Answers::trends_json(std::string_view span) {
-  if (!rows_of_span(span)) return {400, json_of(400, "span is day, week or month")};
+  if (!rows_of_span(span)) return {400, json_of(refusal(400, refusals::span_unknown))};
   Cached& cached = cached_[span == "day" ? 0 : span == "week" ? 1 : 2];
   if (cached.text.empty() || cached.count != store_.count() || cached.reading != store_.is_reading()) {
     cached = {store_.count(), store_.is_reading(), without_markup(dumped(trends(store_, span, of_band_)))};
@@ -146,7 +146,7 @@ Answer Answers::gap() {
 
 Answer Answers::trends_csv(std::string_view span) const {
   const auto rows = rows_of_span(span);
-  if (!rows) return {400, json_of(400, "span is day, week or month")};
+  if (!rows) return {400, json_of(refusal(400, refusals::span_unknown))};
   const std::uint64_t end = store_.count();
   const CivilTime last = end == 0 ? CivilTime{} : store_.row(end - 1).time;
   const std::uint64_t from =

@@ -70,7 +70,7 @@ MHD_Result PageServer::begin(MHD_Connection* c, Connection& connection, const ch
   if (verdict.status != 200) {
     if (std::strcmp(method, "POST") == 0) {
       log_.refusal(fmt::format("{} from {} refused: {} {}", std::strcmp(url, "/weights") == 0 ? "upload" : "order",
-                               connection.peer.text, verdict.status, verdict.reason));
+                               connection.peer.text, verdict.status, verdict.why.text));
     }
     return refuse(c, connection, verdict);
   }
@@ -116,24 +116,24 @@ MHD_Result PageServer::send_text(MHD_Connection* c, Connection& connection, cons
   return answer(c, connection, MHD_HTTP_OK, response);
 }
 
-MHD_Result PageServer::put_off(MHD_Connection* c, Connection& connection, int status, const char* reason, int after_s) {
-  Response* response = json_of(status, reason);
+MHD_Result PageServer::put_off(MHD_Connection* c, Connection& connection, int status, const Refused& why, int after_s) {
+  Response* response = json_of(refusal(status, why));
   if (response == nullptr) return MHD_NO;
   MHD_add_response_header(response, "Retry-After", std::to_string(after_s).c_str());
   return answer(c, connection, status, response);
 }
 
 MHD_Result PageServer::begin_body(MHD_Connection* c, Connection& connection, std::size_t bytes) {
-  const auto wait = [&](int status, const char* reason) {
-    log_.refusal(fmt::format("upload from {} put off: {} {}", connection.peer.text, status, reason));
-    return put_off(c, connection, status, reason, 15);
+  const auto wait = [&](int status, const Refused& why) {
+    log_.refusal(fmt::format("upload from {} put off: {} {}", connection.peer.text, status, why.text));
+    return put_off(c, connection, status, why, 15);
   };
   const Refusal* refusal = connection.route == Route::upload ? refusal_of(connection.peer) : nullptr;
   if (refusal != nullptr && hal::monotonic_ns() < refusal->until_ns) {
-    return wait(429, "the last blob from there was refused just now");
+    return wait(429, refusals::weights_pause);
   }
   if (bytes > 0 && table_.begin_upload(connection, bytes, hal::monotonic_ns()) == nullptr) {
-    return wait(503, "another upload is under way");
+    return wait(503, refusals::upload_busy);
   }
   return MHD_YES;
 }
@@ -151,8 +151,9 @@ MHD_Result PageServer::end_body(MHD_Connection* c, Connection& connection) {
 }
 
 MHD_Result PageServer::end_upload(MHD_Connection* c, Connection& connection, std::span<const std::byte> blob) {
-  const UploadDoor::Answer said = door_.take(blob);
-  const std::string who = said.log.empty() ? "nobody's signature" : said.log;
+  const UploadDoor::Answer answered = door_.take(blob);
+  const Said& said = answered.said;
+  const std::string who = answered.log.empty() ? "nobody's signature" : answered.log;
   if (said.status == 202) {
     log_.say(fmt::format("upload from {} accepted: {} bytes, {}", connection.peer.text, blob.size(), who));
     answers_.ledger().note("uploaded", who, connection.who);
@@ -165,11 +166,11 @@ MHD_Result PageServer::end_upload(MHD_Connection* c, Connection& connection, std
     if (place == nullptr) place = &*std::ranges::min_element(refusals_, {}, &Refusal::until_ns);
     *place = {connection.peer, after(pause_after_refusal_s)};
   }
-  return answer(c, connection, said.status, json_of(said.status, said.text));
+  return answer(c, connection, said.status, json_of(said));
 }
 
 MHD_Result PageServer::do_order(MHD_Connection* c, Connection& connection, std::string_view body) {
-  WishAnswer said{400, "a body where none belongs"};
+  Said said = refusal(400, refusals::body_unexpected);
   switch (connection.route) {
     case Route::release: said = ask_release(inbox_dir_, body); break;
     case Route::hand_back:
@@ -185,26 +186,17 @@ MHD_Result PageServer::do_order(MHD_Connection* c, Connection& connection, std::
     case Route::points_write:
       if (body.empty()) said = ask_write_check(inbox_dir_);
       break;
-    case Route::points_sign: {
-      const auto done = answers_.checkout().sign(body, connection.who);
-      said = {done.status, done.text};
-      break;
-    }
-    case Route::points_withdraw: {
-      const auto done = answers_.checkout().withdraw(body);
-      said = {done.status, done.text};
-      break;
-    }
+    case Route::points_sign: said = answers_.checkout().sign(body, connection.who); break;
+    case Route::points_withdraw: said = answers_.checkout().withdraw(body); break;
     case Route::alarm_seen: {
       const auto id = alarm_of(body);
-      if (!id) said = {400, "expected the number of an alarm, or all"};
+      if (!id) said = refusal(400, refusals::alarm_form);
       if (id)
-        said = answers_.ledger().see(*id, connection.who) ? WishAnswer{200, "seen"}
-                                                          : WishAnswer{404, "no alarm of that number waits to be seen"};
+        said = answers_.ledger().see(*id, connection.who) ? Said{200, "seen"} : refusal(404, refusals::alarm_unknown);
       break;
     }
     case Route::logout: {
-      Response* response = json_of(200, "signed out");
+      Response* response = json_of({200, "signed out"});
       if (response == nullptr) return MHD_NO;
       MHD_add_response_header(response, "Set-Cookie", sign_in_.cookie_line(nullptr).c_str());
       return answer(c, connection, 200, response);
@@ -218,13 +210,13 @@ MHD_Result PageServer::do_order(MHD_Connection* c, Connection& connection, std::
     log_.refusal(fmt::format("{} from {} refused: {} {}", name_of(connection.route), connection.peer.text, said.status,
                              said.text));
   }
-  return answer(c, connection, said.status, json_of(said.status, said.text));
+  return answer(c, connection, said.status, json_of(said));
 }
 
 MHD_Result PageServer::begin_login(MHD_Connection* c, Connection& connection, std::span<std::byte> body) {
   const SignIn::Start start = sign_in_.begin(text_of(body), connection.peer, hal::monotonic_ns());
   sodium_memzero(body.data(), body.size());
-  if (start.status != 200) return put_off(c, connection, start.status, start.reason, start.retry_after_s);
+  if (start.status != 200) return put_off(c, connection, start.status, start.why, start.retry_after_s);
   connection.waits = true;
   login_ = c;
   table_.begin_answer(connection, hal::monotonic_ns());
@@ -245,9 +237,8 @@ MHD_Result PageServer::end_login(MHD_Connection* c, Connection& connection) {
   if (!login_outcome_) return MHD_NO;  // the page is ending
   const SignIn::Outcome outcome = *login_outcome_;
   login_outcome_.reset();
-  if (outcome.session == nullptr)
-    return answer(c, connection, 403, json_of(403, "wrong password, or a role without one"));
-  Response* response = json_of(200, "signed in");
+  if (outcome.session == nullptr) return answer(c, connection, 403, json_of(refusal(403, refusals::password_wrong)));
+  Response* response = json_of({200, "signed in"});
   if (response == nullptr) return MHD_NO;
   MHD_add_response_header(response, "Set-Cookie", sign_in_.cookie_line(outcome.session).c_str());
   return answer(c, connection, 200, response);
@@ -260,7 +251,12 @@ PageServer::Refusal* PageServer::refusal_of(const PeerAddress& peer) {
 }
 
 MHD_Result PageServer::refuse(MHD_Connection* c, Connection& connection, const Verdict& verdict) {
-  Response* response = json_of(verdict.status, verdict.reason);
+  Said said = refusal(verdict.status, verdict.why);
+  if (verdict.expected_bytes > 0) {
+    said.found = std::to_string(verdict.found_bytes);
+    said.expected = std::to_string(verdict.expected_bytes);
+  }
+  Response* response = json_of(said);
   if (*verdict.allow != '\0') MHD_add_response_header(response, "Allow", verdict.allow);
   return answer(c, connection, verdict.status, response);
 }

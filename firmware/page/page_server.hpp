@@ -64,7 +64,7 @@ class PageServer {
   MHD_Result end_login(MHD_Connection* c, Connection& connection);
   MHD_Result send_asset(MHD_Connection* c, Connection& connection, const StaticFile& file);
   MHD_Result send_text(MHD_Connection* c, Connection& connection, const std::string& text, const char* type);
-  MHD_Result put_off(MHD_Connection* c, Connection& connection, int status, const char* reason, int after_s);
+  MHD_Result put_off(MHD_Connection* c, Connection& connection, int status, const Refused& why, int after_s);
   MHD_Result answer(MHD_Connection* c, Connection& connection, int status, Response* response);
   MHD_Result refuse(MHD_Connection* c, Connection& connection, const Verdict& verdict);
 

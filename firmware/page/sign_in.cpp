@@ -43,15 +43,15 @@ Person SignIn::identify(const RequestHead& head, std::int64_t now_ns) {
 SignIn::Start SignIn::begin(std::string_view body, const PeerAddress& from, std::int64_t now_ns) {
   const std::size_t end = body.find('\n');
   const Role role = role_of(body.substr(0, end));
-  if (end == std::string_view::npos || role == Role::none) return {400, "expected a role, a line's end, a password"};
-  if (!watch_.trouble().empty()) return {503, "the passwords cannot be read; the log of airside-page says why"};
+  if (end == std::string_view::npos || role == Role::none) return {400, refusals::sign_in_form};
+  if (!watch_.trouble().empty()) return {503, refusals::passwords_unreadable};
   if (const double wait_s = lockout_.wait_s(from.prefix(), now_ns); wait_s > 0) {
     log_.refusal(fmt::format("sign-in from {} put off: {:.0f} s after too many wrong passwords", from.text, wait_s));
-    return {429, "too many wrong passwords; wait", static_cast<int>(std::ceil(wait_s))};
+    return {429, refusals::passwords_locked, static_cast<int>(std::ceil(wait_s))};
   }
   const std::string& hash = watch_.access().password[static_cast<std::size_t>(role)];
   if (!check_.begin(hash, std::string(body.substr(end + 1)))) {
-    return {503, "somebody else is signing in at this moment", 1};
+    return {503, refusals::sign_in_busy, 1};
   }
   asked_role_ = role;
   asked_from_ = from;

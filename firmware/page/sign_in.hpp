@@ -34,7 +34,7 @@ class SignIn {
 
   struct Start {
     int status = 200;  ///< 200: the verification has begun
-    const char* reason = "";
+    Refused why{"", ""};
     int retry_after_s = 0;
   };
   /// `body`: the role's name, a line's end, the password.

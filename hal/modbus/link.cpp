@@ -22,14 +22,15 @@ LinkResult<void> failed(LinkError error, std::uint8_t exception = 0) {
 }
 
 /// The numeric form of a host, so that connecting later never asks a name server.
-std::string numeric_host(const std::string& host, bool& is_ipv4) {
+std::string numeric_host(const TcpAddress& address, bool& is_ipv4) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found);
+  const int error = getaddrinfo(address.host.c_str(), nullptr, &hints, &found);
   if (error != 0) {
-    throw InputError("modbus host", "\"" + host + "\" (" + gai_strerror(error) + ")",
-                     "an address or a name that this machine can look up", "correct the host or add it to /etc/hosts");
+    throw InputError(address.place, "\"" + address.host + "\" (" + gai_strerror(error) + ")",
+                     "an address or a name that this machine can look up",
+                     "give the numeric address, such as 192.168.1.20, or add the name to /etc/hosts");
   }
   const addrinfo* chosen = found;
   for (const addrinfo* entry = found; entry != nullptr; entry = entry->ai_next) {
@@ -48,7 +49,7 @@ std::string numeric_host(const std::string& host, bool& is_ipv4) {
 modbus_t* new_context(const LinkSettings& settings) {
   if (const auto* tcp = std::get_if<TcpAddress>(&settings.address)) {
     bool is_ipv4 = true;
-    const std::string host = numeric_host(tcp->host, is_ipv4);
+    const std::string host = numeric_host(*tcp, is_ipv4);
     return is_ipv4 ? modbus_new_tcp(host.c_str(), tcp->port)
                    : modbus_new_tcp_pi(host.c_str(), std::to_string(tcp->port).c_str());
   }

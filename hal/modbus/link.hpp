@@ -22,6 +22,7 @@ namespace airside::hal {
 struct TcpAddress {
   std::string host = "127.0.0.1";
   int port = 502;
+  std::string place = "modbus host";  ///< who named it, for messages
 };
 
 /// Serial line of Modbus RTU.

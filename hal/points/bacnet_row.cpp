@@ -155,31 +155,39 @@ std::string refuse_object(const PointRow& row) {
   return {};
 }
 
-void check_protocols(const PointMap& map) {
+void check_protocols(const PointMap& map, const std::vector<bool>& is_sound, std::vector<InputError>& complaints) {
   const auto text = [](Protocol p) { return p == Protocol::bacnet ? "bacnet" : "modbus"; };
   const std::vector<Point>& points = map.points();
+  const auto first = std::ranges::find(is_sound, true);
+  if (first == is_sound.end()) return;
+  const Point& front = points[static_cast<std::size_t>(first - is_sound.begin())];
+  bool is_mixed = false;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Point& p = points[i];
-    if (p.protocol != map.protocol()) {
-      throw InputError(
+    if (!is_sound[i]) continue;
+    if (p.protocol != front.protocol && !is_mixed) {
+      is_mixed = true;  // said once: it is one decision, for all rows
+      complaints.emplace_back(
           fmt::format("{}:{}, column protocol", map.file(), p.line),
-          fmt::format("{}, while line {} has {}", text(p.protocol), points.front().line, text(map.protocol())),
+          fmt::format("{}, while line {} has {}", text(p.protocol), front.line, text(front.protocol)),
           "one protocol for all rows, since a controller has one link: [modbus] of the site file",
           "read all of them by BACnet or all by Modbus; give stand-ins for what is left ([stand_in] of the "
           "site file)");
     }
+    if (p.object.empty() || p.object == held_by_gateway) continue;
     for (std::size_t j = 0; j < i; ++j) {
-      if (p.object.empty() || p.object != points[j].object || p.object == held_by_gateway) continue;
-      throw InputError(fmt::format("{}:{}, column object", map.file(), p.line),
-                       fmt::format("\"{}\" again, first on line {}", p.object, points[j].line), "each object once",
-                       "correct one of the two rows");
+      if (!is_sound[j] || p.object != points[j].object) continue;
+      complaints.emplace_back(fmt::format("{}:{}, column object", map.file(), p.line),
+                              fmt::format("\"{}\" again, first on line {}", p.object, points[j].line),
+                              "each object once", "correct one of the two rows");
+      break;
     }
   }
-  if (map.protocol() != Protocol::bacnet) return;
+  if (front.protocol != Protocol::bacnet) return;
   for (const char* name : {"heartbeat", "map_fingerprint"}) {
     if (map.find(name) != nullptr) continue;
     const bool beat = std::string_view(name) == "heartbeat";
-    throw InputError(
+    complaints.emplace_back(
         map.file(), fmt::format("no point \"{}\" in a map of BACnet", name),
         beat ? "a row for it: without new values of it the gateway gives the setpoint back"
              : "a row for it: it shows that gateway and controller read the same map",

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hal/points/point_map.hpp"
 #include "hal/points/point_row.hpp"
@@ -23,8 +24,8 @@ std::string take_bacnet_row(PointRow& row, std::size_t index);
 /// Of a row of Modbus, which has no object: the empty text. Errors: InputError.
 std::string refuse_object(const PointRow& row);
 
-/// Refuses a map that mixes protocols, names an object twice, or lacks what the gateway watches and shows.
-/// Errors: InputError at file:line, column.
-void check_protocols(const PointMap& map);
+/// Adds a complaint where a map mixes protocols, names an object twice, or lacks what the gateway watches and shows.
+/// `is_sound`: a point for each, whether its row is in order; of the others only names count.
+void check_protocols(const PointMap& map, const std::vector<bool>& is_sound, std::vector<InputError>& complaints);
 
 }  // namespace airside::hal

@@ -12,6 +12,7 @@
 #include "hal/points/point_names.hpp"
 #include "hal/points/point_row.hpp"
 #include "hal/text/foreign_text.hpp"
+#include "hal/text/toml_section.hpp"
 
 namespace airside::hal {
 namespace {
@@ -30,7 +31,6 @@ void check_unit(const PointRow& row, const Point& p) {
 }
 
 void check_known_point(const PointRow& row, const Point& p) {
-  check_unit(row, p);
   if (p.name == "setpoint" && !p.writable()) {
     row.complain("fc_write", "an empty cell", "5, 6 or 16, since the setpoint is what gets written",
                  "give fc_write and write_policy");
@@ -44,33 +44,44 @@ void check_known_point(const PointRow& row, const Point& p) {
   }
 }
 
-void check_duplicates(const std::vector<Point>& points, std::string_view file) {
+/// One complaint a row at most; of rows that are not in order the names alone are compared.
+void check_duplicates(const PointMap& map, const std::vector<bool>& is_sound, std::vector<InputError>& complaints) {
+  const std::vector<Point>& points = map.points();
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const Point &p = points[i], &q = points[j];
-      if (p.name == q.name) {
-        throw InputError(fmt::format("{}:{}, column name", file, p.line),
-                         fmt::format("\"{}\" again, first on line {}", p.name, q.line), "each name once",
-                         "rename or remove one of the two rows");
+      if (p.name == q.name && !p.name.empty()) {
+        complaints.emplace_back(fmt::format("{}:{}, column name", map.file(), p.line),
+                                fmt::format("\"{}\" again, first on line {}", p.name, q.line), "each name once",
+                                "rename or remove one of the two rows");
+        break;
       }
-      if (p.fc == q.fc && p.addr < q.addr + q.width() && q.addr < p.addr + p.width()) {
-        throw InputError(fmt::format("{}:{}, column addr", file, p.line),
-                         fmt::format("fc {} addr {}..{}, which overlaps {} at {}..{} (line {})", p.fc, p.addr,
-                                     p.addr + p.width() - 1, q.name, q.addr, q.addr + q.width() - 1, q.line),
-                         "each register in one point", "correct one of the two addresses or types");
+      if (is_sound[i] && is_sound[j] && p.fc == q.fc && p.addr < q.addr + q.width() && q.addr < p.addr + p.width()) {
+        complaints.emplace_back(fmt::format("{}:{}, column addr", map.file(), p.line),
+                                fmt::format("fc {} addr {}..{}, which overlaps {} at {}..{} (line {})", p.fc, p.addr,
+                                            p.addr + p.width() - 1, q.name, q.addr, q.addr + q.width() - 1, q.line),
+                                "each register in one point", "correct one of the two addresses or types");
+        break;
       }
     }
   }
 }
 
-void check_readbacks(const PointMap& map, const std::vector<Point>& points) {
-  for (const Point& p : points) {
-    if (p.readback == "self" || p.readback == "none") continue;
+void check_readbacks(const PointMap& map, const std::vector<bool>& is_sound, std::vector<InputError>& complaints) {
+  std::vector<std::string> names;
+  for (const Point& p : map.points()) names.push_back(p.name);
+  for (std::size_t i = 0; i < is_sound.size(); ++i) {
+    const Point& p = map.points()[i];
+    if (!is_sound[i] || p.readback == "self" || p.readback == "none") continue;
+    const int at = map.index_of(p.readback);
     const Point* target = map.find(p.readback);
     if (target != nullptr && target != &p && target->readable() && target->unit == p.unit) continue;
-    throw InputError(fmt::format("{}:{}, column readback", map.file(), p.line), "\"" + p.readback + "\"",
-                     "self, none, or another point of the map that can be read and has the same unit",
-                     "name the point that shows what the device took");
+    if (at >= 0 && !is_sound[static_cast<std::size_t>(at)]) continue;
+    const std::string near = target == nullptr ? nearest_name(p.readback, names) : "";
+    complaints.emplace_back(
+        fmt::format("{}:{}, column readback", map.file(), p.line), "\"" + p.readback + "\"",
+        "self, none, or another point of the map that can be read and has the same unit",
+        near.empty() ? "name the point that shows what the device took" : "did you mean \"" + near + "\"?");
   }
 }
 
@@ -115,7 +126,10 @@ std::string point_name(SignalId id) {
   return id.place == 0 ? std::string(stem) : fmt::format("{}_{}", stem, id.place);
 }
 
-PointMap PointMap::load(const std::string& path) {
+namespace {
+
+/// At most 1 MiB and a byte of a file.
+std::string text_of_map(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) {
     throw InputError(path, std::string("no readable file (") + std::strerror(errno) + ")", "a point map in CSV",
@@ -127,10 +141,65 @@ PointMap PointMap::load(const std::string& path) {
     throw InputError(path, "a read error", "a regular file", "check the path and the disk");
   }
   text.resize(static_cast<std::size_t>(in.gcount()));
-  return parse(text, path);
+  return text;
+}
+
+/// The columns of a map, once its header was read.
+struct Columns {
+  std::array<std::size_t, point_columns.size()> position{};
+  std::size_t count = 0;  ///< 0: no header yet
+};
+
+void refuse_nul(std::string_view content, const std::string& file, int line) {
+  if (content.find('\0') == std::string_view::npos) return;
+  throw InputError(fmt::format("{}:{}", file, line), "a NUL byte", "plain text", "save the file as UTF-8 CSV");
+}
+
+/// One row; where it cannot even be cut into cells, a Point of what looks like its name.
+Point read_row(std::string_view content, const std::string& file, int line, const Columns& columns, std::size_t index,
+               std::vector<InputError>& complaints) {
+  Point p;
+  p.line = line;
+  PointRow row{file, line, {}};
+  const bool is_cut = keeps_complaint(complaints, [&] {
+    if (columns.position[0] == 0) p.name = content.substr(0, content.find(','));
+    refuse_nul(content, file, line);
+    const std::vector<std::string> cells = split_csv_line(content, file, line);
+    if (columns.position[0] < cells.size()) p.name = cells[columns.position[0]];
+    if (cells.size() != columns.count) {
+      throw InputError(fmt::format("{}:{}", file, line), fmt::format("{} cells", cells.size()),
+                       fmt::format("{} as in the header", columns.count),
+                       cells.size() > columns.count ? "write decimal marks as points, quote cells that hold a comma"
+                                                    : "add the missing commas");
+    }
+    for (std::size_t i = 0; i < row.cell.size(); ++i) {
+      if (columns.position[i] < cells.size()) row.cell[i] = cells[columns.position[i]];
+    }
+  });
+  if (!is_cut) return p;
+  const std::size_t before = complaints.size();
+  p = parse_point(row, index, complaints);
+  if (!p.name.empty()) keeps_complaint(complaints, [&] { check_unit(row, p); });
+  if (complaints.size() == before) keeps_complaint(complaints, [&] { check_known_point(row, p); });
+  return p;
+}
+
+}  // namespace
+
+PointMap PointMap::load(const std::string& path) { return parse(text_of_map(path), path); }
+
+PointMap PointMap::load(const std::string& path, std::vector<InputError>& complaints) {
+  return parse(text_of_map(path), path, complaints);
 }
 
 PointMap PointMap::parse(std::string_view text, std::string file) {
+  std::vector<InputError> complaints;
+  PointMap map = parse(text, std::move(file), complaints);
+  if (!complaints.empty()) throw InputError(complaints.front());
+  return map;
+}
+
+PointMap PointMap::parse(std::string_view text, std::string file, std::vector<InputError>& complaints) {
   if (text.size() > max_file_bytes) {
     throw InputError(file, fmt::format("more than {} bytes", max_file_bytes), "a point map of at most 1 MiB",
                      "check that this is the right file");
@@ -139,47 +208,36 @@ PointMap PointMap::parse(std::string_view text, std::string file) {
   refuse_foreign_text(text, file + ":1", "a point map in CSV");
   PointMap map;
   map.file_ = std::move(file);
-  std::array<std::size_t, point_columns.size()> position{};
-  std::size_t columns = 0;
+  Columns columns;
+  std::vector<bool> is_sound;
   for (int line = 1; !text.empty(); ++line) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     std::string_view content = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     while (!content.empty() && (content.back() == '\r' || content.back() == ' ')) content.remove_suffix(1);
     if (content.empty() || content.front() == '#') continue;
-    if (content.find('\0') != std::string_view::npos) {
-      throw InputError(fmt::format("{}:{}", map.file_, line), "a NUL byte", "plain text", "save the file as UTF-8 CSV");
-    }
-    const std::vector<std::string> cells = split_csv_line(content, map.file_, line);
-    if (columns == 0) {
-      position = read_header(cells, map.file_, line);
-      columns = cells.size();
+    if (columns.count == 0) {
+      refuse_nul(content, map.file_, line);
+      const std::vector<std::string> cells = split_csv_line(content, map.file_, line);
+      columns = {read_header(cells, map.file_, line), cells.size()};
       continue;
     }
-    if (cells.size() != columns) {
-      throw InputError(fmt::format("{}:{}", map.file_, line), fmt::format("{} cells", cells.size()),
-                       fmt::format("{} as in the header", columns),
-                       cells.size() > columns ? "write decimal marks as points, quote cells that hold a comma"
-                                              : "add the missing commas");
-    }
     if (map.points_.size() == max_points) {
-      throw InputError(fmt::format("{}:{}", map.file_, line), fmt::format("more than {} points", max_points),
-                       "a map of one AHU", "leave out what the controller does not use");
+      complaints.emplace_back(fmt::format("{}:{}", map.file_, line), fmt::format("more than {} points", max_points),
+                              "a map of one AHU", "leave out what the controller does not use");
+      break;
     }
-    PointRow row{map.file_, line, {}};
-    for (std::size_t i = 0; i < row.cell.size(); ++i) {
-      if (position[i] < columns) row.cell[i] = cells[position[i]];
-    }
-    map.points_.push_back(parse_point(row, map.points_.size()));
-    check_known_point(row, map.points_.back());
+    const std::size_t before = complaints.size();
+    map.points_.push_back(read_row(content, map.file_, line, columns, map.points_.size(), complaints));
+    is_sound.push_back(complaints.size() == before);
   }
   if (map.points_.empty()) {
-    throw InputError(map.file_, columns == 0 ? "no header row" : "no points", "a header row and at least one point",
-                     "start from the one that `airside init` writes");
+    throw InputError(map.file_, columns.count == 0 ? "no header row" : "no points",
+                     "a header row and at least one point", "start from the one that `airside init` writes");
   }
-  check_protocols(map);
-  check_duplicates(map.points_, map.file_);
-  check_readbacks(map, map.points_);
+  check_protocols(map, is_sound, complaints);
+  check_duplicates(map, is_sound, complaints);
+  check_readbacks(map, is_sound, complaints);
   return map;
 }
 
@@ -197,7 +255,7 @@ const Point& PointMap::at(std::string_view name) const {
   const Point* point = find(name);
   if (point == nullptr) {
     throw InputError(file_, fmt::format("no point \"{}\"", name), "a row for it",
-                     "add the row with its address, type, scale and limits");
+                     named_alike(*this, name) + "add the row with its address, type, scale and limits");
   }
   return *point;
 }

@@ -74,6 +74,11 @@ class PointMap {
   static PointMap load(const std::string& path);
   /// The same for text already in memory; `file` stands in messages.
   static PointMap parse(std::string_view text, std::string file);
+  /// Both again, with what is wrong with rows in `complaints`, all of it, the rows in their order, then what rows are
+  /// to each other. After a complaint the map is fit for topology_complaints() alone: it knows the names of all rows.
+  /// Errors: InputError for what hides the rows: no file, another kind of file, a wrong header, none of them.
+  static PointMap load(const std::string& path, std::vector<InputError>& complaints);
+  static PointMap parse(std::string_view text, std::string file, std::vector<InputError>& complaints);
 
   const std::vector<Point>& points() const { return points_; }
   /// nullptr where the map has no such point.
@@ -101,6 +106,8 @@ class PointMap {
   /// topology does not or that has a stand-in.
   /// Errors: InputError naming the point.
   void check_topology(int vavs, int fcus, int powers, const StandIns& stand_ins = {}) const;
+  /// All that check_topology() refuses, at once.
+  std::vector<InputError> topology_complaints(int vavs, int fcus, int powers, const StandIns& stand_ins = {}) const;
 
  private:
   std::string file_;

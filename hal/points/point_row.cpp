@@ -66,10 +66,36 @@ void parse_name(const PointRow& row, Point& p) {
   p.name = name;
 }
 
-void parse_address(const PointRow& row, Point& p) {
-  static constexpr std::array<std::pair<const char*, int>, 4> functions{{{"1", 1}, {"2", 2}, {"3", 3}, {"4", 4}}};
-  p.fc = choice(row, "fc", functions);
-  p.type = choice(row, "type", point_type_names);
+constexpr const char* read_functions =
+    "one of 1, 2, 3, 4: 1 reads coils, 2 discrete inputs, 3 holding registers, 4 input registers";
+
+/// What to write where a cell is no function that reads.
+std::string remedy_of_function(const std::string& cell) {
+  static constexpr std::array<std::pair<const char*, const char*>, 4> words{{{"hold", "3, holding registers"},
+                                                                             {"input r", "4, input registers"},
+                                                                             {"coil", "1, coils"},
+                                                                             {"discr", "2, discrete inputs"}}};
+  if (cell == "5" || cell == "6" || cell == "15" || cell == "16") {
+    return fmt::format("function {} writes: use one of the four here ({}), and give fc_write what writes: 5, 6 or 16",
+                       cell, cell == "5" || cell == "15" ? "1 for a coil" : "3 for a holding register");
+  }
+  std::string small(cell);
+  for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  for (const auto& [word, function] : words) {
+    if (small.starts_with(word)) return fmt::format("use one of these numbers: {}", function);
+  }
+  return "use one of these numbers; a manual's 4xxxx are 3, 3xxxx are 4, 1xxxx are 2, 0xxxx are 1";
+}
+
+void parse_function(const PointRow& row, Point& p) {
+  const std::string& function = row["fc"];
+  if (function.size() != 1 || function[0] < '1' || function[0] > '4') {
+    row.complain("fc", cell_text(function), read_functions, remedy_of_function(function));
+  }
+  p.fc = function[0] - '0';
+}
+
+void check_type(const PointRow& row, const Point& p) {
   if ((p.fc == 1) != (p.type == PointType::coil) || (p.fc == 2) != (p.type == PointType::discrete)) {
     row.complain("type", cell_text(row["type"]),
                  p.fc == 1   ? "coil, which is what function 1 reads"
@@ -77,6 +103,9 @@ void parse_address(const PointRow& row, Point& p) {
                              : "a register type, which is what functions 3 and 4 read",
                  "correct fc or type");
   }
+}
+
+void parse_address(const PointRow& row, Point& p) {
   const auto addr = to_integer(row["addr"]);
   if (!addr || *addr < 0 || *addr + p.width() > 65536) {
     row.complain("addr", cell_text(row["addr"]), fmt::format("a protocol address from 0 to {}", 65536 - p.width()),
@@ -151,14 +180,24 @@ void parse_sentinels(const PointRow& row, Point& p) {
   }
 }
 
+/// 0 where nothing may be written.
+int write_function(const PointRow& row) {
+  const std::string& cell = row["fc_write"];
+  if (cell.empty()) return 0;
+  if (cell == "5" || cell == "6" || cell == "16") return cell == "16" ? 16 : cell[0] - '0';
+  row.complain("fc_write", cell_text(cell),
+               "one of 5, 6, 16, or an empty cell: 5 writes a coil, 6 one holding register, 16 several",
+               cell == "15" ? "write 5: one coil is written at a time"
+                            : "use one of these numbers, or leave it empty where nothing is written");
+}
+
 void parse_write(const PointRow& row, Point& p) {
   static constexpr std::array<std::pair<const char*, WritePolicy>, 4> policies{{{"on-change", WritePolicy::on_change},
                                                                                 {"refresh", WritePolicy::refresh},
                                                                                 {"none", WritePolicy::none},
                                                                                 {"", WritePolicy::none}}};
-  static constexpr std::array<std::pair<const char*, int>, 4> functions{{{"5", 5}, {"6", 6}, {"16", 16}, {"", 0}}};
   p.write_policy = choice(row, "write_policy", policies);
-  p.fc_write = choice(row, "fc_write", functions);
+  p.fc_write = write_function(row);
   if (p.fc_write != 0) {
     if (p.fc == 2 || p.fc == 4) {
       row.complain("fc_write", cell_text(row["fc_write"]), fmt::format("an empty cell, since fc {} is read-only", p.fc),
@@ -268,22 +307,31 @@ std::string modbus_header() {
   return fmt::format("{}", fmt::join(point_columns.begin(), point_columns.begin() + modbus_columns, ","));
 }
 
-Point parse_point(const PointRow& written, std::size_t index) {
+Point parse_point(const PointRow& written, std::size_t index, std::vector<InputError>& complaints) {
   static constexpr std::array<std::pair<const char*, Protocol>, 3> protocols{
       {{"modbus", Protocol::modbus}, {"bacnet", Protocol::bacnet}, {"", Protocol::modbus}}};
   PointRow row = written;
   Point p;
   p.line = row.line;
-  parse_name(row, p);
-  p.protocol = choice(row, "protocol", protocols);
-  p.object = p.protocol == Protocol::bacnet ? take_bacnet_row(row, index) : refuse_object(row);
+  const std::size_t before = complaints.size();
+  const auto tries = [&](auto&& look) { return keeps_complaint(complaints, look); };
+  tries([&] { parse_name(row, p); });
   p.unit = row["unit"];
-  parse_address(row, p);
-  parse_scaling(row, p);
-  parse_limits(row, p);
-  parse_sentinels(row, p);
-  parse_write(row, p);
-  check_representable(row, p);
+  const bool is_held = tries([&] {
+    p.protocol = choice(row, "protocol", protocols);
+    p.object = p.protocol == Protocol::bacnet ? take_bacnet_row(row, index) : refuse_object(row);
+  });
+  bool is_placed = is_held && tries([&] { parse_function(row, p); });
+  is_placed = is_held && tries([&] { p.type = choice(row, "type", point_type_names); }) && is_placed;
+  is_placed = is_placed && tries([&] { check_type(row, p); });
+  is_placed = is_held && tries([&] { parse_address(row, p); }) && is_placed;
+  tries([&] { parse_scaling(row, p); });
+  // What the type decides is looked at where there is one: a complaint of what follows from another would be none.
+  const bool has_limits = is_placed || (!row["min"].empty() && !row["max"].empty());
+  const bool is_limited = has_limits && tries([&] { parse_limits(row, p); });
+  if (is_placed) tries([&] { parse_sentinels(row, p); });
+  if (is_placed && is_limited) tries([&] { parse_write(row, p); });
+  if (complaints.size() == before) tries([&] { check_representable(row, p); });
   return p;
 }
 

@@ -40,8 +40,21 @@ std::string cell_text(std::string_view text);
 /// Errors: InputError where a quote is left open or text follows a closing quote.
 std::vector<std::string> split_csv_line(std::string_view line, std::string_view file, int line_number);
 
+/// Runs `look`, and keeps its complaint; returns whether there was none.
+template <class Look>
+bool keeps_complaint(std::vector<InputError>& complaints, Look&& look) {
+  try {
+    look();
+    return true;
+  } catch (const InputError& complaint) {
+    complaints.push_back(complaint);
+    return false;
+  }
+}
+
 /// Checks everything a row can say about itself and makes the Point; `index`: its place among the points, from 0.
-/// Errors: InputError at file:line, column.
-Point parse_point(const PointRow& row, std::size_t index = 0);
+/// Each part of the row is looked at, whatever became of the others; what is wrong is added to `complaints`, at
+/// file:line, column. After a complaint only name and line of the Point can be trusted.
+Point parse_point(const PointRow& row, std::size_t index, std::vector<InputError>& complaints);
 
 }  // namespace airside::hal

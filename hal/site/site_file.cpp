@@ -252,7 +252,13 @@ void read_modbus(TomlSection root, SiteFile& out) {
   ModbusSection m;
   m.transport = static_cast<ModbusTransport>(root.choice("transport", {"tcp", "rtu"}, 0));
   const bool tcp = m.transport == ModbusTransport::tcp;
+  if (tcp && root.has("host") && root.text("host", "").empty()) {
+    throw InputError(root.place("host"), "an empty text", "the address of the AHU's controller, or a host name",
+                     "write it as host = \"192.168.1.20\": it is in the controller's network settings; where the AHU "
+                     "speaks BACnet, host = \"127.0.0.1\"; for a room that is only simulated take [modbus] out");
+  }
   m.host = tcp ? root.required_text("host", "192.168.1.20") : root.text("host", "");
+  m.host_place = root.place("host");
   if (tcp && !is_address(m.host)) {
     throw InputError(root.place("host"), root.found("host"), "an address such as 192.168.1.20, or a host name",
                      "leave scheme, path and port out; the port goes to port");

@@ -39,15 +39,16 @@ enum class ClockSource : std::uint8_t { system, plant };
 
 struct ModbusSection {
   ModbusTransport transport = ModbusTransport::tcp;
-  std::string host;         ///< tcp
-  int port = 502;           ///< tcp
-  std::string device;       ///< rtu, such as /dev/ttyUSB0
-  int baud = 19200;         ///< rtu
-  char parity = 'E';        ///< rtu: N, E or O
-  int unit_id = 1;          ///< 0..247, rtu: from 1
-  double deadline_s = 5;    ///< one exchange is over after so long
-  double heartbeat_s = 20;  ///< between two beats, where the map has a heartbeat
-  std::string points;       ///< path of the point map, resolved against the site file's folder
+  std::string host;                        ///< tcp
+  std::string host_place = "modbus host";  ///< who named it, for messages: `site.toml:39:1: modbus.host`
+  int port = 502;                          ///< tcp
+  std::string device;                      ///< rtu, such as /dev/ttyUSB0
+  int baud = 19200;                        ///< rtu
+  char parity = 'E';                       ///< rtu: N, E or O
+  int unit_id = 1;                         ///< 0..247, rtu: from 1
+  double deadline_s = 5;                   ///< one exchange is over after so long
+  double heartbeat_s = 20;                 ///< between two beats, where the map has a heartbeat
+  std::string points;                      ///< path of the point map, resolved against the site file's folder
 };
 
 /// Where `airside-page` listens; without the table, its defaults.

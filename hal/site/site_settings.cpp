@@ -141,7 +141,7 @@ std::string warning_of(const PointMap& points) {
 LinkSettings link_settings(const ModbusSection& modbus, double backoff_first_s, double backoff_max_s) {
   LinkSettings settings;
   if (modbus.transport == ModbusTransport::tcp) {
-    settings.address = TcpAddress{modbus.host, modbus.port};
+    settings.address = TcpAddress{modbus.host, modbus.port, modbus.host_place};
   } else {
     settings.address = SerialAddress{modbus.device, modbus.baud, modbus.parity};
   }

@@ -150,6 +150,7 @@ std::string TomlSection::required_text(std::string_view key, std::string_view ex
   std::string value = text(key, "");
   if (value.empty()) {
     const std::string example_line = std::string(key) + " = \"" + std::string(example) + "\"";
+    if (has(key)) throw InputError(place(key), "an empty text", "a text", "write " + example_line + " or the like");
     refuse(key, "a text", "add " + example_line + (name_.empty() ? "" : " to [" + name_ + "]"));
   }
   return value;

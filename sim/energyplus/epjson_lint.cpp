@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sim/json/json_file.hpp"
+#include "sim/json/json_members.hpp"
 
 namespace airside::sim {
 namespace {
@@ -59,9 +60,58 @@ std::string shown(const json& value) {
   return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
 
+/// The engine's schema, 10 MB of 850 object types. A model has some sixty: the others are never parsed.
+class EngineSchema {
+ public:
+  explicit EngineSchema(const std::filesystem::path& file) : place_(file.string()), text_(json_text(file)) {
+    for (const JsonMember& part : json_members(text_, place_)) {
+      if (part.key != "properties") continue;
+      for (const JsonMember& type : json_members(part.value, place_)) {
+        const std::string name(type.key);
+        types_.emplace(name, type.value);
+        gather_lists(name, type.value);
+      }
+    }
+    if (types_.empty())
+      throw hal::InputError(place_ + ": properties", "no object types", "the engine's schema", "install it again");
+  }
+
+  bool has(const std::string& type) const { return types_.contains(type); }
+  const json& at(const std::string& type) const {
+    const std::lock_guard lock(guard_);
+    auto found = parsed_.find(type);
+    if (found == parsed_.end())
+      found = parsed_.emplace(type, parse_json(std::string(types_.at(type)), place_ + ": " + type)).first;
+    return found->second;
+  }
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& [type, text] : types_) all.push_back(type);
+    return all;
+  }
+  /// Every list that objects of some type stand in by their name, such as ZoneNames.
+  const std::vector<std::string>& name_lists() const { return lists_; }
+
+ private:
+  void gather_lists(const std::string& type, std::string_view text) {
+    for (const JsonMember& member : json_members(text, place_ + ": " + type)) {
+      if (member.key != "name") continue;
+      const json name = parse_json(std::string(member.value), place_ + ": " + type + " / name");
+      if (!name.contains("reference")) continue;
+      for (const auto& list : name["reference"]) lists_.push_back(list);
+    }
+  }
+
+  std::string place_, text_;
+  std::map<std::string, std::string_view> types_;
+  std::vector<std::string> lists_;
+  mutable std::mutex guard_;
+  mutable std::map<std::string, json> parsed_;
+};
+
 class Linter {
  public:
-  Linter(const json& schema, const LintTarget& target) : types_(schema.at("properties")), target_(target) {}
+  Linter(const EngineSchema& schema, const LintTarget& target) : types_(schema), target_(target) {}
 
   std::vector<hal::InputError> run(const json& model) {
     if (!model.is_object()) {
@@ -90,14 +140,10 @@ class Linter {
 
   /// Which names each list of the schema (ScheduleNames, ZoneNames ...) holds in this model.
   void gather_names(const json& model) {
-    for (const auto& [type, description] : types_.items()) {
-      if (description.contains("name") && description["name"].contains("reference")) {
-        for (const auto& list : description["name"]["reference"]) known_lists_[list].size();
-      }
-    }
+    for (const std::string& list : types_.name_lists()) known_lists_.try_emplace(list);
     for (const auto& [type, objects] : model.items()) {
-      if (!types_.contains(type) || !objects.is_object()) continue;
-      const json& description = types_[type];
+      if (!types_.has(type) || !objects.is_object()) continue;
+      const json& description = types_.at(type);
       for (const auto& [name, fields] : objects.items()) {
         if (description.contains("name") && description["name"].contains("reference")) {
           for (const auto& list : description["name"]["reference"]) known_lists_[list].emplace(upper(name), name);
@@ -116,9 +162,9 @@ class Linter {
   }
 
   void check_type(const std::string& type, const json& objects) {
-    if (!types_.contains(type)) {
+    if (!types_.has(type)) {
       complain(type, "an object type that EnergyPlus does not know", "an object type of Energy+.schema.epJSON",
-               nearest(type, keys_of(types_), "see the engine's schema for the types"));
+               nearest(type, types_.names(), "see the engine's schema for the types"));
       return;
     }
     if (objects.is_null() && !whole()) return;
@@ -128,7 +174,7 @@ class Linter {
     }
     for (const auto& [name, fields] : objects.items()) {
       if (fields.is_null() && !whole()) continue;
-      check_fields(type + " / " + name, object_schema(types_[type]), fields);
+      check_fields(type + " / " + name, object_schema(types_.at(type)), fields);
     }
   }
 
@@ -260,19 +306,19 @@ class Linter {
     return text;
   }
 
-  const json& types_;
+  const EngineSchema& types_;
   const LintTarget& target_;
   std::vector<hal::InputError> complaints_;
   std::map<std::string, std::map<std::string, std::string>> known_lists_;  // list: upper case to name
 };
 
-/// Schemas are large (10 MB): each is read once.
-const json& schema_of(const std::filesystem::path& file) {
+/// Each is read once.
+const EngineSchema& schema_of(const std::filesystem::path& file) {
   static std::mutex guard;
-  static std::map<std::filesystem::path, json> read;
+  static std::map<std::filesystem::path, EngineSchema> read;
   const std::lock_guard lock(guard);
   auto found = read.find(file);
-  if (found == read.end()) found = read.emplace(file, read_json(file)).first;
+  if (found == read.end()) found = read.try_emplace(file, file).first;
   return found->second;
 }
 

@@ -107,13 +107,18 @@ nlohmann::json parse_json(const std::string& text, const std::string& place) {
   return parsed;
 }
 
-nlohmann::json read_json(const std::filesystem::path& file) {
+std::string json_text(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!std::filesystem::is_regular_file(file) || !in || !(text << in.rdbuf())) {
+  std::error_code unknown;
+  const auto size = std::filesystem::is_regular_file(file) ? std::filesystem::file_size(file, unknown) : 0;
+  std::string text(unknown ? 0 : static_cast<std::size_t>(size), '\0');
+  if (!std::filesystem::is_regular_file(file) || !in ||
+      !in.read(text.data(), static_cast<std::streamsize>(text.size()))) {
     throw hal::InputError(file.string(), "no readable file", "a JSON file", "check the path and its permissions");
   }
-  return parse_json(text.str(), file.string());
+  return text;
 }
+
+nlohmann::json read_json(const std::filesystem::path& file) { return parse_json(json_text(file), file.string()); }
 
 }  // namespace airside::sim

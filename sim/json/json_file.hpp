@@ -18,6 +18,9 @@ void refuse_deep_json(int depth, const std::string& place);
 /// that no double holds, or brackets more than deepest_json deep (what reads a value later calls itself once a level).
 nlohmann::json parse_json(const std::string& text, const std::string& place);
 
+/// The bytes of a file. Errors: hal::InputError when it cannot be read.
+std::string json_text(const std::filesystem::path& file);
+
 /// parse_json() of a file.
 /// Errors: hal::InputError also when the file cannot be read.
 nlohmann::json read_json(const std::filesystem::path& file);

@@ -26,7 +26,13 @@ struct Disturbance {
 /// `hour` is the hour of the day and may leave 0..24, it wraps.
 double occupancy_profile(const RcRoom& room, double hour, bool weekend);
 
-/// The true disturbance of the step that starts at t.  Cost: about 1 us.
+/// The seed of a room's people and noise: that of the run mixed with the room's own. Its own inverse: of what it gave,
+/// it gives the run's seed back.
+constexpr std::uint64_t seed_in_room(const RcRoom& room, std::uint64_t seed) {
+  return seed ^ (room.seed * 0x9E3779B97F4A7C15u);
+}
+
+/// The true disturbance of the step that starts at t, `seed` as seed_in_room().  Cost: about 1 us.
 void disturb(const RcRoom& room, const Weather& weather, std::uint64_t seed, CivilTime t, Disturbance& out);
 
 /// What a forecaster with the mean daily profile expects at t, who saw `last` at `last_time`: people deviate from

@@ -23,7 +23,7 @@ ModulatingPlant::ModulatingPlant(ModulatingRoom room, std::shared_ptr<const Weat
                                  std::uint64_t seed, double setpoint_degc)
     : room_(std::move(room)),
       weather_(std::move(weather)),
-      seed_(seed ^ (room_.building.seed * 0x9E3779B97F4A7C15u)),
+      seed_(seed_in_room(room_.building, seed)),
       now_(start),
       setpoint_degc_(setpoint_degc),
       supply_degc_(setpoint_degc) {
@@ -43,7 +43,8 @@ ModulatingPlant::ModulatingPlant(ModulatingRoom room, std::shared_ptr<const Weat
 }
 
 std::string ModulatingPlant::description() const {
-  return room_.name + ", " + weather_->description() + ", seed " + std::to_string(seed_);
+  return room_.name + ", seed " + std::to_string(seed_in_room(room_.building, seed_)) + ", weather " +
+         weather_->description();
 }
 
 bool ModulatingPlant::hour_within(double from_h, double to_h) const {

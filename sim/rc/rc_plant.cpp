@@ -23,7 +23,7 @@ double rounded(double value) { return std::round(value * 100) / 100; }
 RcPlant::RcPlant(RcRoom room, std::shared_ptr<const Weather> weather, CivilTime start, std::uint64_t seed,
                  double setpoint_degc)
     : weather_(std::move(weather)),
-      seed_(seed ^ (room.seed * 0x9E3779B97F4A7C15u)),
+      seed_(seed_in_room(room, seed)),
       start_(start),
       now_(start),
       frozen_at_(start),
@@ -394,7 +394,7 @@ double RcPlant::mean_shown_temp_degc() const {
 
 std::string RcPlant::description() const {
   return "RC room " + room_->name + " (" + std::to_string(room_->vavs) + " VAV, " + std::to_string(room_->fcus) +
-         " FCU), " + weather_->description() + ", seed " + std::to_string(seed_);
+         " FCU), seed " + std::to_string(seed_in_room(*room_, seed_)) + ", weather " + weather_->description();
 }
 
 }  // namespace airside::sim

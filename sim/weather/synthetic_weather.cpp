@@ -30,7 +30,7 @@ double between_days(const std::vector<double>& chain, std::size_t day, double sh
 
 }  // namespace
 
-std::shared_ptr<const Weather> synthetic_weather(std::uint64_t seed, const Climate& climate) {
+std::shared_ptr<const Weather> synthetic_weather(std::uint64_t seed, const Climate& climate, const std::string& of) {
   using std::numbers::pi;
   const auto clouds = day_chain(seed, cloud_day);
   const auto warmth = day_chain(seed, temp_day);
@@ -74,8 +74,9 @@ std::shared_ptr<const Weather> synthetic_weather(std::uint64_t seed, const Clima
     }
   }
   const std::string kind = climate.mean_temp_degc < 18 ? "temperate" : "hot-humid";
-  return std::make_shared<const Weather>(climate.location, "synthetic " + kind + " year, seed " + std::to_string(seed),
-                                         3600, 0, std::move(records));
+  const std::string whose = of.empty() ? ", seed " + std::to_string(seed) : " " + of;
+  return std::make_shared<const Weather>(climate.location, "synthetic " + kind + " year" + whose, 3600, 0,
+                                         std::move(records));
 }
 
 }  // namespace airside::sim

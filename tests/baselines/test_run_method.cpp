@@ -66,6 +66,30 @@ TEST(RunMethod, AMethodOfTheCycleHoldsItsSetpointBetweenCycles) {
   EXPECT_EQ(moves.between, 0);
 }
 
+TEST(RunMethod, HeedsTheDaysBeforeWhereTheMethodSaysSo) {
+  Trial trial{built_in_site(), {}, 1, 1};
+  trial.plant.kind = "rc";
+  trial.plant.room = "301-real";
+  const auto setpoints = [&trial](const std::string& method, bool other_days) {
+    Prepared prepared = prepare(trial);
+    for (std::size_t i = 0; other_days && i < prepared.history.size(); ++i) {
+      hal::LogRow& row = prepared.history[i];
+      row.setpoint_degc = 21 + static_cast<double>(i / 30 % 4);
+      for (std::size_t room = 0; room < 5; ++room) row.value[room] += 0.2 * static_cast<double>(i / 45 % 3);
+    }
+    std::vector<double> held;
+    for (const hal::LogRow& row : run_method(trial, prepared, method).rows) held.push_back(row.setpoint_degc);
+    return held;
+  };
+  int heeding = 0;
+  for (const std::string& name : baseline_names()) {
+    const bool heeds = make_baseline(name, trial.site.settings)->heeds_history();
+    heeding += heeds ? 1 : 0;
+    EXPECT_EQ(setpoints(name, false) != setpoints(name, true), heeds) << name;
+  }
+  EXPECT_GE(heeding, 4);
+}
+
 TEST(RunMethod, Guideline36AsWrittenReachesItsMinimumBelowTheSitesLimits) {
   const auto lowest = [](const std::string& method) {
     double low = 99;

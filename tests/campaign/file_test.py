@@ -27,6 +27,13 @@ WRONG = [
     ('name = "a-{x}"', 'name = "a/{x}"', ["job 1: name", "a/1", "letters, digits"]),
     ('name = "a-{x}"', 'name = "a-{x}"\nafter = "b-{x}"', ["job 1: after.after", "b-1, which no job is"]),
     ('name = "a-{x}"', 'name = "a-{x}"\nafter = "a-{x}"', ["job 1: after", "wait for each other"]),
+    ('name = "a-{x}"', 'name = "a-{x}"\nafter = "b-*"', ["job 1: after.after", "b-*, which no job is", "a pattern"]),
+    (
+        'name = "a-{x}"\nrun = ["blob", "{x}"]',
+        'name = "b-{x}"\nrun = ["blob", "{x}"]\nover = {x = [1, 2]}\n'
+        '[[job]]\nname = "c-{x}"\nafter = {p = "b-*", q = "b-*"}\nrun = ["blob", "{p}{q}"]',
+        ["job 2: run", "two places of several jobs", "one such place in a word"],
+    ),
     ('name = "a-{x}"', 'name = "a-{x}"\ninputs = ["no.csv"]', ["job 1: inputs", "no.csv, which is not there"]),
     ('name = "a-{x}"', 'name = "a-{x}"\ncpus = 0', ["job 1: cpus", "0", "from 0.1 to 64"]),
     ("[campaign]", "[campaign", ["campaign.toml", "expected TOML"]),

@@ -63,7 +63,8 @@ COMMANDS = [
     Case("PullWithoutAServer", nothing, "airside pull http://127.0.0.1:9 -o x.blob",
          ("127.0.0.1:9", "no answer", "airside-page", "start airside-page")),
     Case("ProbeWithoutADevice", edit(SITE, "port = 502", "port = 9"), "airside probe site/site.toml",
-         ("127.0.0.1:9 unit 1", "cannot connect", "a Modbus device", "host, port or device")),
+         ("127.0.0.1:9 unit 1", "connection refused by 127.0.0.1:9: nothing listens", "a Modbus device",
+          "whether port 9 is the device's")),
     Case("KeyOfTheSiteFileWhereNothingRuns", nothing, "airside status site/site.toml",
          ("status.json", "no such file", "airsided", "state folder")),
 ]

@@ -61,7 +61,9 @@ bool judge(View input) {
   (void)page::bearer_of(head);
   const page::Verdict verdict = page::check_request(head, rules, caller);
   if (verdict.status != 200) {
-    FUZZ_CLAIM(verdict.status >= 400 && verdict.status < 500 && verdict.reason[0] != '\0' && verdict.upload_bytes == 0);
+    FUZZ_CLAIM(verdict.status >= 400 && verdict.status < 500 && verdict.upload_bytes == 0);
+    FUZZ_CLAIM(verdict.why.code[0] != '\0' && verdict.why.text[0] != '\0');
+    FUZZ_CLAIM((verdict.status == 413) == (verdict.found_bytes > verdict.expected_bytes));
     FUZZ_CLAIM(verdict.route == page::Route::none && (verdict.status == 405) == (verdict.allow[0] != '\0'));
     return false;
   }

@@ -73,7 +73,7 @@ inline void map(Rows& rows, const Column& column, const std::function<double(dou
 inline void swap(Rows& rows, const Column& a, const Column& b) {
   for (hal::LogRow& row : rows) std::swap(a(row), b(row));
 }
-double hundredths(double v) { return std::round(100 * v) / 100; }
+inline double hundredths(double v) { return std::round(100 * v) / 100; }
 
 inline std::string told(const std::vector<Remark>& remarks) {
   std::string text;

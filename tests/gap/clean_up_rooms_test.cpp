@@ -22,8 +22,8 @@ TEST(CleanUp, SaysNothingAboutCleanLogsOfManyRoomsAndSeasons) {
     CleanUpContext alone = log.context;
     alone.station = nullptr;
     EXPECT_TRUE(clean_up(log.rows, alone).remarks.empty()) << told(clean_up(log.rows, alone).remarks);
-    alone.station = sim::synthetic_weather(seed + 100);  // a typical year: another year's weather
-    EXPECT_TRUE(clean_up(log.rows, alone).remarks.empty()) << told(clean_up(log.rows, alone).remarks);
+    alone.station = sim::synthetic_weather(seed + 100);  // a typical year: another year's weather, and no unit
+    for (const Remark& r : clean_up(log.rows, alone).remarks) EXPECT_EQ(r.defect, Defect::other_weather) << r.text;
   }
 }
 

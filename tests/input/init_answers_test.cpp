@@ -65,7 +65,7 @@ TEST(InitAnswers, OfATerminalAreKeptAndMakeTheSameSiteAgain) {
       "3:7 - '' '' '' 3:90:float32 '' '' - - | $airside init asked --ask");
   ASSERT_EQ(asked.code, 0) << asked.err;
   for (const char* again : {"found 'four'; expected a whole number from 1 to 32", "found '7'; expected a time such as",
-                            "no site can do without it", "expected a register such as 40"})
+                            "no site can do without it", "found function '7'; expected 1 (coils)"})
     EXPECT_TRUE(says(asked.err, again)) << again << "\n" << asked.err;
   const std::string site = text_of_file(desk.path("asked/site.toml"));
   for (const char* there : {"topology = \"4vav-2fcu-1power\"", "transport = \"rtu\"", "device = \"/dev/ttyUSB1\"",
@@ -81,8 +81,9 @@ TEST(InitAnswers, OfATerminalAreKeptAndMakeTheSameSiteAgain) {
 TEST(InitAnswers, OfBandSayWhereDampersAndZoneSetpointsAre) {
   const Desk desk;
   const Outcome asked = desk.shell(
-      "printf '%s\\n' 'AHU 8' 2 0 1 band '' '' '' '' '' '' '' 10.1.1.1 '' '' 100 200 - 300 '' '' '' - - "
-      "4:500:float64 4:500:float32:0.01 4:600 - - - 4:700 | $airside init asked --ask");
+      "printf '%s\\n' 'AHU 8' 2 0 1 band '' '' '' '' '' '' '' 10.1.1.1 '' '' 100 '' '' '' '' '' 200 '' '' '' - 300 '' "
+      "'' "
+      "'' '' '' '' '' '' - - 4:500:float64 4:500:float32:0.01 4:600 - - - 4:700 | $airside init asked --ask");
   ASSERT_EQ(asked.code, 0) << asked.err;
   EXPECT_TRUE(says(asked.err, "found type 'float64'; expected int16")) << asked.err;
   const std::string points = text_of_file(desk.path("asked/points.csv"));
@@ -92,6 +93,115 @@ TEST(InitAnswers, OfBandSayWhereDampersAndZoneSetpointsAre) {
   for (const char* gone : {"occupied", "supply_flow", "zone_heating_setpoint"})
     EXPECT_FALSE(says(points, gone)) << gone;
   EXPECT_EQ(desk.run("airside", {"check", "asked/site.toml"}).code, 0);
+}
+
+TEST(InitAnswers, OfATerminalAreCheckedWhenTheyAreGivenForModbusTcp) {
+  const Desk desk;
+  const Outcome asked = desk.shell(
+      "printf '%s\\n' 'AHU <6>' 'AHU 6' 2 0 1 maen '' 24,5 '' '' 06:00 '' 26 25.9 26.5 '' '' '' 192.168.1.5:502 "
+      "192.168.1.5 '' '' 100 3 float32 0 0.5555555556 -17.77777778 lttle little '' 101 '' '' '' 3:200:int16:0.1 201 "
+      "'' '' '' - 4:300:uint32:0.001:0:little back 4:310:uint32:0.001:0:little 4:320:int16:0.1 '' '' - "
+      "| $airside init asked --ask");
+  ASSERT_EQ(asked.code, 0) << asked.err;
+  for (const char* again :
+       {"found the text \"AHU <6>\"; expected a name without control characters", "found 'maen'; expected mean or band",
+        "found '24,5'; expected a number from 10 to 35; write the decimal mark as a point",
+        "found the text \"06:00\"; expected work_start before work_end", "found 25.9; expected min_degc below max_degc",
+        "leave scheme, path and port out", "found '0'; expected a number other than 0",
+        "found 'lttle'; expected big or little; did you mean little?",
+        "column addr: found fc 3 addr 101..101, which overlaps room_temp_1 at 100..101"})
+    EXPECT_TRUE(says(asked.err, again)) << again << "\n" << asked.err;
+  for (const char* shown : {"Name of the room or AHU [AHU 1]: ", "Port [502]: ", "Working hours begin [07:00]: "})
+    EXPECT_TRUE(says(asked.err, shown)) << shown;
+  const std::string points = text_of_file(desk.path("asked/points.csv"));
+  for (const char* there : {"\nroom_temp_2,degc,3,102,float32,big,little,0.5555555556,-17.77777778,",
+                            "\nsetpoint,degc,3,200,int16,big,big,0.1,", "\npower_1,kw,4,310,uint32,big,little,0.001,",
+                            "\nheartbeat,,3,201,"})
+    EXPECT_TRUE(says(points, there)) << there << "\n" << points;
+  EXPECT_TRUE(says(text_of_file(desk.path("asked/site.toml")), "host = \"192.168.1.5\""));
+  EXPECT_EQ(desk.run("airside", {"check", "asked/site.toml"}).code, 0);
+  ASSERT_EQ(desk.run("airside", {"init", "again", "--answers", "asked/answers.toml"}).code, 0);
+  EXPECT_EQ(text_of_file(desk.path("again/points.csv")), points);
+}
+
+TEST(InitAnswers, OfATerminalMakeABacnetSiteThatCheckAccepts) {
+  const Desk desk;
+  const Outcome asked = desk.shell(
+      "printf '%s\\n' 'AHU 9' 2 0 1 '' '' '' '' '' '' '' '' bacnet 192.168.1.30 192.168.1.30/24 '' 7 9 1201 "
+      "1201@192.168.1.50 '' '' AI:3 1201:analog-input:3 0.5555555556 -17.77777778 0 1 1201:analog-input:9 "
+      "1201:analog-output:1 '' '' 1203:binary-value:4 - 1201:analog-input:50 0 0.001 '' back 1201:analog-input:51 "
+      "0.001 '' 1201:analog-input:9 '' '' '' '' '' | $airside init asked --ask");
+  ASSERT_EQ(asked.code, 0) << asked.err;
+  for (const char* again :
+       {"length of its prefix, 8 to 32", "found '7'; expected a whole number from 8 to 16",
+        "found \"1201\"; expected INSTANCE@ADDRESS", "found nothing; expected an answer",
+        "found \"AI:3\"; expected DEVICE:TYPE:INSTANCE", "column object: found \"1201:analog-input:9\"",
+        "found '0'; expected a number other than 0"})
+    EXPECT_TRUE(says(asked.err, again)) << again << "\n" << asked.err;
+  const std::string points = text_of_file(desk.path("asked/points.csv")),
+                    site = text_of_file(desk.path("asked/site.toml"));
+  for (const char* there :
+       {"\nroom_temp_2,degc,bacnet,1202:analog-input:3,5,45,0.5555555556,-17.77777778,",
+        "\nsetpoint,degc,bacnet,1201:analog-output:1,8,32,", "\nheartbeat,,bacnet,1203:binary-value:4,0,1,",
+        "\npower_1,kw,bacnet,1201:analog-input:51,0,500,0.001,0,", "\nmap_fingerprint,,bacnet,gateway,"})
+    EXPECT_TRUE(says(points, there)) << there << "\n" << points;
+  for (const char* there :
+       {"\n[bacnet] ", "\naddress = \"192.168.1.30/24\"", "\npriority = 9 ", "\ndevices = [\"1201@192.168.1.50\"]",
+        "\nhost = \"127.0.0.1\"", "\nport = 1502\n", "\noutdoor_temp = ", "\nvav_on = "})
+    EXPECT_TRUE(says(site, there)) << there << "\n" << site;
+  EXPECT_EQ(desk.run("airside", {"check", "asked/site.toml"}).code, 0);
+  ASSERT_EQ(desk.run("airside", {"init", "again", "--answers", "asked/answers.toml"}).code, 0);
+  for (const char* name : {"site.toml", "points.csv", "answers.toml"})
+    EXPECT_EQ(text_of_file(desk.path(std::string("again/") + name)),
+              text_of_file(desk.path(std::string("asked/") + name)));
+}
+
+constexpr const char* bacnet_answers = R"([site]
+vavs = 2
+fcus = 0
+powers = 0
+[bus]
+transport = "bacnet"
+address = "192.168.1.30/24"
+[signals.room_temp]
+object = "1201:analog-input:3"
+[signals.setpoint]
+object = "1201:analog-output:1"
+)";
+
+TEST(InitAnswers, OfBacnetThatAreWrongAreNamed) {
+  const Desk desk;
+  desk.write("a.toml", bacnet_answers);
+  const Outcome made = desk.run("airside", {"init", "site", "--answers", "a.toml"});
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_TRUE(says(made.out, "taken for absent")) << made.out;
+  EXPECT_EQ(desk.run("airside", {"check", "site/site.toml"}).code, 0);
+  EXPECT_TRUE(says(text_of_file(desk.path("site/points.csv")), "\nheartbeat,,bacnet,gateway,"));
+  struct Wrong {
+    const char *from, *to, *said;
+  };
+  for (const Wrong& c : {Wrong{"address = \"192.168.1.30/24\"", "", "bus.address"},
+                         Wrong{"address = \"192.168.1.30/24\"", "address = \"192.168.1.30\"", "bacnet.address"},
+                         Wrong{"transport = \"bacnet\"", "transport = \"tcp\"", "bus.address"},
+                         Wrong{"object = \"1201:analog-output:1\"", "addr = 3", "signals.setpoint.addr"},
+                         Wrong{"object = \"1201:analog-output:1\"", "object = \"1201:AO:1\"", "column object"},
+                         Wrong{"[signals.room_temp]", "[signals.supply_temp]", "signals.room_temp"},
+                         Wrong{"[signals.setpoint]", "apart = 0\n[signals.setpoint]", "first on line"}}) {
+    desk.write("a.toml", hal::replaced(bacnet_answers, c.from, c.to));
+    const Outcome refused = desk.run("airside", {"init", "other", "--answers", "a.toml"});
+    EXPECT_EQ(refused.code, 1) << c.to << refused.out;
+    EXPECT_TRUE(says(refused.err, c.said)) << c.to << "\n" << refused.err;
+    EXPECT_TRUE(says(refused.err, "a.toml")) << refused.err;
+    EXPECT_FALSE(fs::exists(desk.path("other"))) << c.to;
+  }
+}
+
+TEST(InitAnswers, GiveMadeUpRegistersWayToThoseThatAreSaid) {
+  const Desk desk;
+  desk.write("a.toml", "[site]\nvavs = 3\nfcus = 0\npowers = 1\n[signals.supply_temp]\naddr = 0\n");
+  ASSERT_EQ(desk.run("airside", {"init", "site", "--answers", "a.toml"}).code, 0);
+  EXPECT_TRUE(says(text_of_file(desk.path("site/points.csv")), "\nsupply_temp,degc,4,0,"));
+  EXPECT_EQ(desk.run("airside", {"check", "site/site.toml"}).code, 0);
 }
 
 TEST(InitAnswers, EachTopologyAndObjectiveGivesASiteThatIsInOrder) {
@@ -112,14 +222,17 @@ TEST(InitAnswers, ThatAreWrongAreNamedAndNothingIsWritten) {
   struct Wrong {
     const char *from, *to, *said;
   };
-  for (const Wrong& c :
-       {Wrong{"vavs = 3", "vavs = 0", "a.toml:3:1: site.vavs"}, Wrong{"vavs", "boxes", "site.boxes"},
-        Wrong{"type = \"uint32\"", "type = \"uint64\"", "signals.power.type"},
-        Wrong{"[signals.rain]", "[signals.rainfall]", "signals.rainfall"},
-        Wrong{"fc = 3", "absent = true", "signals.room_temp"}, Wrong{"scale = 0.001", "scale = 0", "points.csv"},
-        Wrong{"setpoint_min_degc = 18", "setpoint_min_degc = 30", "setpoint"},
-        Wrong{"unit_id = 3", "unit_id = 3 4", "a.toml:"},
-        Wrong{"host = \"192.0.2.7\"", "host = 'a\"b'", "bus: host, device"}}) {
+  for (const Wrong& c : {Wrong{"vavs = 3", "vavs = 0", "a.toml:3:1: site.vavs"}, Wrong{"vavs", "boxes", "site.boxes"},
+                         Wrong{"type = \"uint32\"", "type = \"uint64\"", "signals.power.type"},
+                         Wrong{"[signals.rain]", "[signals.rainfall]", "signals.rainfall"},
+                         Wrong{"fc = 3", "absent = true", "signals.room_temp"},
+                         Wrong{"scale = 0.001", "scale = 0", "signals.power.scale"},
+                         Wrong{"scale = 0.001", "scale = 0.001\nword_order = \"middle\"", "signals.power.word_order"},
+                         Wrong{"scale = 0.001", "scale = 1e-9", "points.csv"},
+                         Wrong{"unit_id = 3", "unit_id = 3\ntransport = \"rtu\"\nbaud = 300", "bus.baud"},
+                         Wrong{"setpoint_min_degc = 18", "setpoint_min_degc = 30", "setpoint"},
+                         Wrong{"unit_id = 3", "unit_id = 3 4", "a.toml:"},
+                         Wrong{"host = \"192.0.2.7\"", "host = 'a\"b'", "bus: host, device"}}) {
     desk.write("a.toml", hal::replaced(good_answers, c.from, c.to));
     const Outcome refused = desk.run("airside", {"init", "site", "--answers", "a.toml"});
     EXPECT_EQ(refused.code, 1) << c.to << refused.out;
@@ -141,6 +254,9 @@ TEST(InitAnswers, DoNotReplaceASiteUnasked) {
   const Desk desk;
   desk.site();
   const std::string before = text_of_file(desk.path("site.toml"));
+  const Outcome unasked = desk.shell("$airside init . --ask < /dev/null");
+  EXPECT_EQ(unasked.code, 1);
+  EXPECT_TRUE(says(unasked.err, "already there") && !says(unasked.err, "Name of")) << "asked in vain: " << unasked.err;
   desk.write("a.toml", good_answers);
   EXPECT_EQ(desk.run("airside", {"init", ".", "--answers", "a.toml"}).code, 1);
   EXPECT_EQ(text_of_file(desk.path("site.toml")), before);

@@ -99,6 +99,70 @@ INSTANTIATE_TEST_SUITE_P(
         BrokenMap{"ClockOfWrongType", row("clock_s,s,4,0,uint16,,,1,0,0,9,,,,,,,"), "column type", "int32"}),
     [](const auto& test) { return std::string(test.param.name); });
 
+TEST(PointMap, NamesEveryMistakeWithItsLine) {
+  const std::string text =
+      header + good +                                                       // line 2
+      "room_temp_2,degf,5,4O001,int16,,,0,0,45,5,1,1200,0x18000,,,,\n"      // 3: five mistakes that show
+      "room_temp_3,degc,4\n"                                                // 4
+      "room_temp_4,degc,4,0,int16,,,0.01,0,5,45,1,1200,,,,,\n"              // 5: overlaps 2
+      "room_temp_1,degc,4,9,int16,,,0.01,0,5,45,1,1200,,,,,\n"              // 6: again
+      "setpoint,degc,3,0,int16,,,0.01,0,8,32,,,,on-change,6,,rom_temp_1\n"  // 7
+      "\"open,degc,4,20,int16,,,0.01,0,5,45,1,1200,,,,,\n";                 // 8
+  std::vector<InputError> complaints;
+  const PointMap map = PointMap::parse(text, "points.csv", complaints);
+  std::vector<std::string> places;
+  for (const InputError& e : complaints) {
+    places.push_back(e.place());
+    EXPECT_FALSE(e.found().empty() || e.expected().empty() || e.remedy().empty()) << e.what();
+  }
+  EXPECT_EQ(places, (std::vector<std::string>{
+                        "points.csv:3, column fc", "points.csv:3, column addr", "points.csv:3, column scale",
+                        "points.csv:3, column min", "points.csv:3, column unit", "points.csv:4", "points.csv:8, cell 1",
+                        "points.csv:5, column addr", "points.csv:6, column name", "points.csv:7, column readback"}));
+  EXPECT_NE(complaints.back().remedy().find("did you mean \"room_temp_1\""), std::string::npos);
+  // A row that is wrong is still a row: its signal is not missing too.
+  EXPECT_TRUE(map.has({SignalKind::room_temp, 3}));
+  try {
+    PointMap::parse(text, "points.csv");
+    FAIL();
+  } catch (const InputError& first) {
+    EXPECT_EQ(first.place(), places.front()) << "the daemon names the first";
+  }
+}
+
+TEST(PointMap, FunctionThatIsNoneIsToldFromThoseThatRead) {
+  const auto complaint_of = [](const std::string& cells) {
+    std::vector<InputError> complaints;
+    PointMap::parse(row(cells), "points.csv", complaints);
+    return complaints.empty() ? std::string() : std::string(complaints.front().what());
+  };
+  for (const char* word : {"1 reads coils", "2 discrete inputs", "3 holding registers", "4 input registers"})
+    EXPECT_NE(complaint_of("x,,7,0,int16,,,1,0,5,45,,,,,,,").find(word), std::string::npos) << word;
+  EXPECT_NE(complaint_of("x,,5,0,coil,,,,,,,,,,,,,").find("function 5 writes"), std::string::npos);
+  EXPECT_NE(complaint_of("x,,16,0,int16,,,1,0,5,45,,,,,,,").find("3 for a holding register"), std::string::npos);
+  EXPECT_NE(complaint_of("x,,Holding,0,int16,,,1,0,5,45,,,,,,,").find("3, holding"), std::string::npos);
+  EXPECT_NE(complaint_of("x,,3,0,int16,,,1,0,5,45,,,,on-change,15,,").find("5 writes a coil"), std::string::npos);
+}
+
+TEST(PointMap, MissingPointNamesTheRowThatIsNearlyCalledSo) {
+  std::string csv = default_point_map(3, 0, 0);
+  csv.replace(csv.find("room_temp_2"), 11, "rom_temp_2");
+  const PointMap map = PointMap::parse(csv, "points.csv");
+  const std::vector<InputError> complaints = map.topology_complaints(3, 0, 0);
+  ASSERT_EQ(complaints.size(), 1U);
+  EXPECT_NE(complaints[0].remedy().find("has \"rom_temp_2\""), std::string::npos) << complaints[0].what();
+}
+
+TEST(PointMap, EverythingAgainstTheTopologyIsNamedAtOnce) {
+  const PointMap map = PointMap::parse(default_point_map(5, 2, 1), "points.csv");
+  const std::vector<InputError> complaints = map.topology_complaints(6, 0, 2);
+  std::string all;
+  for (const InputError& e : complaints) all += e.what() + std::string("\n");
+  for (const char* part : {"no point \"room_temp_6\"", "\"vav_on_6\", \"power_2\"", "\"fcu_temp_2\"", "\"fcu_on_1\""})
+    EXPECT_NE(all.find(part), std::string::npos) << part << "\n" << all;
+  EXPECT_THROW(map.check_topology(6, 0, 2), InputError);
+}
+
 TEST(PointMap, TakesColumnsInAnyOrderCommentsQuotesAndWindowsLineEnds) {
   const PointMap map = PointMap::parse(
       "\xEF\xBB\xBF# from the controls engineer\r\n"

@@ -381,7 +381,7 @@ step('an alarm that has ended stays until it is acknowledged', async () => {
 });
 async function reopen() {
   const next = await open();
-  next.expected = ['403', '429', '401', '404', '409', '422'];
+  next.expected = ['403', '429', '401', '404', '409', '413', '422'];
   return next;
 }
 
@@ -406,6 +406,39 @@ step('weights: sent by the installer, on trial, rolled back, and kept in the his
   await says(view, 'weights-said', 'were rolled back');
   same(await view.locator('#rollback').isVisible(), false, 'a second rollback');
   for (const words of ['sent by this page', 'taken on trial', 'rollback asked for', 'rolled back']) await says(view, 'history', words);
+});
+
+step('weights that are refused: why, in the language of the reader, with what was found', async () => {
+  await view.locator('#language').selectOption('zh-Hant');
+  await says(view, 'weights-h', '權重');
+  const signed = readFileSync(box.path('signed.blob')), damaged = Buffer.from(signed);
+  damaged[damaged.length >> 1] ^= 1;
+  writeFileSync(box.path('damaged.blob'), damaged);
+  writeFileSync(box.path('cut.blob'), signed.subarray(0, signed.length - 100));
+  box.run('airside', 'sign', box.path('room.blob'), '--key', box.path('ann.key'), '-o', box.path('elsewhere.blob'), '--scope', 'Room 999');
+  const refused = async (file, words) => {
+    await pause(2200);  // a peer whose blob was refused waits for 2 s
+    await view.locator('#blob').setInputFiles(box.path(file));
+    await view.locator('#upload button').click();
+    await says(view, 'weights-order-said', words);
+    const said = await text_of(view, 'weights-order-said');
+    check(!/[a-z]{3,} [a-z]{3,}/i.test(said), `no English sentence: ${said}`);
+  };
+  await refused('damaged.blob', '被拒絕（403）：簽章與檔案不符：檔案在簽署後損壞或遭更改');
+  await accessible(view, 'a refusal in Chinese');
+  await picture(view, 'refused-zh', false);
+  await refused('cut.blob', `被拒絕（403）：檔案不完整：只有 ${signed.length - 100} 位元組，至少應有 ${signed.length} 位元組`);
+  await refused('room.blob', '被拒絕（403）：未經簽署，或簽署的金鑰不為此控制箱所知或已撤銷');
+  writeFileSync(box.path('large.blob'), Buffer.alloc(400000, 7));
+  await refused('large.blob', '被拒絕（413）：檔案有 400000 位元組，此空調箱的權重檔最多 ');
+  await refused('elsewhere.blob', '被拒絕（422）：是為其他場所簽署的；此場所為 Room 301');
+  await view.locator('#language').selectOption('en');
+  await says(view, 'weights-h', 'Weights');
+  same(await text_of(view, 'weights-order-said'), '', 'Chinese words on the English page');
+  await pause(2200);
+  await view.locator('#upload button').click();  // the same file once more
+  await says(view, 'weights-order-said', 'Refused (422): signed for another site; this one is Room 301');
+  check(!existsSync(box.path('site', 'inbox', 'page.blob')), 'nothing in the inbox');
 });
 
 step('point checkout: read, signed off by name, kept, withdrawn, exported', async () => {

@@ -33,6 +33,22 @@ for (const [, name, why, out] of rows) {
   }
 }
 
+// What the server refuses has a code; the page shows that code's text, with the words for what was found in it.
+const codes = [...readFileSync(join(root, 'firmware/page/http/refusals.hpp'), 'utf8').matchAll(/Refused \w+\{\s*"(\w+)",/g)].map((m) => m[1]);
+if (codes.length < 50 || new Set(codes).size !== codes.length) wrong.push(`${codes.length} codes found in refusals.hpp, ${new Set(codes).size} of them different`);
+for (const code of codes) if (!(`refused.${code}` in en)) wrong.push(`en lacks refused.${code}, a code of refusals.hpp`);
+for (const key of Object.keys(en)) if (key.startsWith('refused.') && !codes.includes(key.slice(8))) wrong.push(`${key} is no code of refusals.hpp`);
+const values = new Set(['found', 'expected', 'field']);
+for (const code of codes) for (const m of (en[`refused.${code}`] ?? '').matchAll(/\{(\w+)\}/g)) if (!values.has(m[1])) wrong.push(`refused.${code} has {${m[1]}}, which no refusal has`);
+const store = readFileSync(join(root, 'hal/storage/store_error.cpp'), 'utf8');
+const given = new Set([...store.split('StoreError store_error(')[1].matchAll(/StoreFault::(\w+)/g)].map((m) => m[1]));
+given.delete('no_space');  // has a code of its own
+if (given.size < 4) wrong.push(`only ${given.size} faults found in store_error.cpp`);
+for (const fault of given) {
+  const text = new RegExp(`case StoreFault::${fault}: return "([^;"]*)";\\n`).exec(store.split('text_of(StoreFault fault) {')[1])[1];
+  if (!(`found.${text}` in en)) wrong.push(`en lacks found.${text}, the storage fault ${fault}`);
+}
+
 let asked = 0;
 for (const file of ['app.js', 'views.js', 'why.js', 'checkout.js', 'charts.js', 'index.html']) {
   const source = readFileSync(join(web, file), 'utf8');

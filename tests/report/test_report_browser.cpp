@@ -11,8 +11,10 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "report/synthetic_run.hpp"
+#include "tools/gap/report/gap_charts.hpp"
 #include "tools/report/report.hpp"
 
 namespace airside::tools {
@@ -119,6 +121,46 @@ TEST_F(ReportInABrowser, ShowsHostileNamesAsText) {
   EXPECT_EQ(matches(dom, "<canvas"), 6u);
   EXPECT_EQ(matches(dom, "<img"), 0u);
   EXPECT_EQ(text_of("log").find("CONSOLE"), std::string::npos) << text_of("log");
+}
+
+/// Width of each picture of a page with one heat map alone and two side by side, px.
+std::vector<double> picture_widths(const std::string& dom) {
+  std::vector<double> widths;
+  const std::regex width("w([0-9.]+);");
+  const std::size_t at = dom.find("data-widths=\"");
+  const std::string text = dom.substr(at, dom.find('>', at) - at);
+  for (std::sregex_iterator m(text.begin(), text.end(), width); m != std::sregex_iterator(); ++m) {
+    widths.push_back(std::stod((*m)[1]));
+  }
+  return widths;
+}
+
+TEST_F(ReportInABrowser, DrawsOneHeatMapNoLargerThanEachOfTwo) {
+  HeatMap map;
+  map.title = "the twin";
+  map.rows = {{"room 1", "K"}, {"room 2", "K"}};
+  map.columns = {"0", "6", "12", "18"};
+  map.values = Eigen::MatrixXd::Constant(2, 4, 0.5);
+  map.full_colour = {{"K", 1.0}};
+  const std::string svg = heat_map_svg(map);
+  ReportInput input;
+  input.title = "Maps";
+  input.blocks.emplace_back(PictureRow{"one", "", {svg}});
+  input.blocks.emplace_back(PictureRow{"two", "", {svg, svg}});
+  std::string page = report_html(input, {});
+  page.insert(page.find("</body>"),
+              "<script>document.body.dataset.widths=[...document.querySelectorAll('.pictures svg')].map(e=>'w'+"
+              "e.getBoundingClientRect().width+';').join('')</script>");
+  std::ofstream(folder_ / "maps.html") << page;
+  for (const char* window : {"1280,900", "800,900"}) {
+    const std::string dom = open(folder_ / "maps.html", "--window-size=" + std::string(window) + " --dump-dom");
+    const std::vector<double> widths = picture_widths(dom);
+    ASSERT_EQ(widths.size(), 3u) << window;
+    EXPECT_GT(widths[0], 400) << window;
+    EXPECT_LT(widths[0], 1.1 * widths[1]) << "one beside nothing, in a window of " << window;
+    EXPECT_LT(widths[0], 540) << "hardly larger than it is drawn, in a window of " << window;
+    EXPECT_EQ(widths[1], widths[2]) << window;
+  }
 }
 
 TEST_F(ReportInABrowser, PaintsAScreenshotThatIsNotBlank) {

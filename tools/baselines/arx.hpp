@@ -51,6 +51,7 @@ class ArxBaseline final : public BaselineController {
   ArxBaseline(const ControllerSettings& site, const ArxSettings& settings);
   std::string name() const override;
   void observe_history(std::span<const HistoryRow> rows) override;
+  bool heeds_history() const override { return true; }
   double decide(const CycleObservation& now) override;
 
   /// [p, b, c...]

@@ -42,6 +42,8 @@ class BaselineController {
   virtual std::string name() const = 0;
   /// The expert days that every method is given before the first decision, 6 min apart, in order of time.
   virtual void observe_history(std::span<const HistoryRow> rows) { static_cast<void>(rows); }
+  /// Whether anything that it decides depends on those days, be it by the setpoint that they end with.
+  virtual bool heeds_history() const { return false; }
   /// How often decide() is called and its setpoint written, s: a whole number of rows, whole in a cycle; `cycle_s`, the
   /// site's control cycle, except where the method is defined otherwise.
   virtual int decision_period_s(int cycle_s) const { return cycle_s; }

@@ -38,6 +38,7 @@ class MpcBaseline final : public BaselineController {
   MpcBaseline(const ControllerSettings& site, const MpcSettings& settings);
   std::string name() const override { return "MPC, grey box"; }
   void observe_history(std::span<const HistoryRow> rows) override;
+  bool heeds_history() const override { return true; }
   double decide(const CycleObservation& now) override;
 
   /// [a1, a2, b1, b2, c, constant, cos and sin of each harmonic]

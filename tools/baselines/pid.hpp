@@ -47,6 +47,7 @@ class IntegralBaseline final : public BaselineController {
  public:
   IntegralBaseline(const ControllerSettings& site, double ki_per_h) : site_(site), ki_per_h_(ki_per_h) {}
   std::string name() const override;
+  bool heeds_history() const override { return true; }
   double decide(const CycleObservation& now) override;
 
  private:
@@ -63,6 +64,7 @@ class VariedBaseline final : public BaselineController {
  public:
   VariedBaseline(const ControllerSettings& site, double ki_per_h) : site_(site), integral_(site, ki_per_h) {}
   std::string name() const override { return "integral, setpoint varied"; }
+  bool heeds_history() const override { return true; }
   double decide(const CycleObservation& now) override;
 
  private:

@@ -120,6 +120,10 @@ struct Bench {
     std::vector<std::uint32_t> index(1000);
     watch.measure(of(prefix + "/sample", 1000), [&] { sink = static_cast<float>(ring->sample(generator, index)); });
     watch.measure(of(prefix + "/pack", 1), [&] { pack(*weights, scratch->kernels, *packed); });
+    if (cpu_has(KernelKind::avx2)) {  // what one row cannot be faster than
+      const int whole = static_cast<int>(packed->values.size()) / 64 * 64;
+      watch.measure(of(prefix + "/read-weights", 1), [&] { sink = read_all_avx2(packed->values.data(), whole); });
+    }
     AdamState<Topo, float> adam;
     watch.measure(of(prefix + "/adam", 1),
                   [&] { adam.update(*weights, scratch->gradient, AdamSettings{}, scratch->kernels); });
@@ -159,7 +163,7 @@ int main(int argc, char** argv) {
   app.add_option("--budget", budget_s, "seconds a measurement")->check(CLI::PositiveNumber);
   bool cpu_time = false;
   app.add_flag("--cpu-time", cpu_time, "count the thread's CPU time instead of wall time");
-  app.add_flag("--parts", with_parts, "also sampling, packing and Adam alone");
+  app.add_flag("--parts", with_parts, "also sampling, packing, reading the weights and Adam alone");
   app.add_flag("--peers", peers, "the published network alone: what tools/bench-peers sets beside other libraries");
   CLI11_PARSE(app, argc, argv);
 

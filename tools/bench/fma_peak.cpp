@@ -43,6 +43,17 @@ __attribute__((target("avx2,fma"))) float fma_peak_avx2() {
   return first;
 }
 
+__attribute__((target("avx2"))) float read_all_avx2(const float* values, int count) {
+  __m256 sum[8];
+  for (__m256& s : sum) s = _mm256_setzero_ps();
+  for (int i = 0; i < count; i += 64) {
+#pragma GCC unroll 8
+    for (int j = 0; j < 8; ++j) sum[j] = _mm256_add_ps(sum[j], _mm256_loadu_ps(values + i + 8 * j));
+  }
+  for (int j = 1; j < 8; ++j) sum[0] = _mm256_add_ps(sum[0], sum[j]);
+  return _mm256_cvtss_f32(sum[0]);
+}
+
 }  // namespace airside::tools
 
 #else
@@ -50,6 +61,7 @@ __attribute__((target("avx2,fma"))) float fma_peak_avx2() {
 namespace airside::tools {
 float fma_peak_avx512() { return 0; }
 float fma_peak_avx2() { return 0; }
+float read_all_avx2(const float*, int) { return 0; }
 }  // namespace airside::tools
 
 #endif

@@ -1,5 +1,5 @@
-// airside campaign and airside library: hand over to the Python programs that run many of these, on one machine or on a
-// cluster, and that keep what comes of them.
+// airside campaign, library and fleet: hand over to the Python programs that run many of these, on one machine or on a
+// cluster, that keep what comes of them, and that send it to many boxes.
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -134,7 +134,7 @@ std::vector<std::string> words_given(const CLI::App& action) {
   for (const CLI::Option* option : action.get_options()) {
     if (option->count() == 0) continue;
     if (option->get_positional()) {
-      places = option->results();
+      places.insert(places.end(), option->results().begin(), option->results().end());
     } else if (option->get_expected_max() == 0) {
       words.push_back(option->get_single_name().size() == 1 ? "-" + option->get_single_name()
                                                             : "--" + option->get_single_name());
@@ -183,6 +183,66 @@ void add_weight_library(CLI::App& app) {
       "The Python package of tools/campaign does it (docs/campaigns.md).");
   command->require_subcommand(1);
   for (const LibraryAction& action : library_actions()) add_library_action(*command, action);
+}
+
+namespace {
+
+struct FleetAction {
+  const char *name, *what;
+  std::vector<LibraryOption> places, options, flags;
+};
+
+const std::vector<FleetAction>& fleet_actions() {
+  static const LibraryOption by{"--by", "for the ledger (default: the user's name)"};
+  static const std::vector<FleetAction> all{
+      {"push",
+       "send signed weights to every box, in waves; the same command goes on after a stop",
+       {{"file", "fleet.toml"}},
+       {{"--blob", "the weights, signed and for any site"},
+        {"--from-library", "the weights, from a library: first 8 or more digits"},
+        {"--library", "whose revoked weights are refused (default: $AIRSIDE_LIBRARY, else none)"},
+        {"--library-keys", "whose index is believed (default: $AIRSIDE_LIBRARY_KEYS, else ./keys)"},
+        {"--at-least", "refuse an index of a lower serial number: somebody put it back"},
+        by},
+       {{"--dry-run", "check everything, print the waves, send nothing"},
+        {"--example", "print a fleet file to begin with"}}},
+      {"status",
+       "ask every box what it does and what became of pushed weights; with the last push",
+       {{"file", "fleet.toml"}},
+       {},
+       {}},
+      {"undo",
+       "let every box of a push return to the weights before it",
+       {{"file", "fleet.toml"}, {"DIGEST", "of the pushed weights: its first 8 or more digits"}},
+       {by},
+       {}},
+  };
+  return all;
+}
+
+void add_fleet_action(CLI::App& fleet, const FleetAction& action) {
+  CLI::App* command = fleet.add_subcommand(action.name, action.what);
+  for (const LibraryOption& place : action.places) command->add_option(place.name)->description(place.what);
+  for (const LibraryOption& option : action.options) command->add_option(option.name)->description(option.what);
+  for (const LibraryOption& flag : action.flags) command->add_flag(flag.name)->description(flag.what);
+  command->add_flag("--json")->description("print one JSON object and nothing else on standard output");
+  command->callback([command] {
+    std::vector<std::string> words = words_to("airside-fleet");
+    const std::vector<std::string> given = words_given(*command);
+    words.insert(words.end(), given.begin(), given.end());
+    hand_over("airside fleet", std::move(words));
+  });
+}
+
+}  // namespace
+
+void add_fleet(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "fleet",
+      "send signed weights to many boxes: a canary share first, then waves; it halts when trials end in rollbacks.\n"
+      "The Python package of tools/campaign does it (docs/fleet.md).");
+  command->require_subcommand(1);
+  for (const FleetAction& action : fleet_actions()) add_fleet_action(*command, action);
 }
 
 }  // namespace airside::tools

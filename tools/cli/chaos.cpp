@@ -12,7 +12,7 @@
 #include "hal/text/text_file.hpp"
 #include "tools/chaos/chaos_proxy.hpp"
 #include "tools/cli/command.hpp"
-#include "tools/run/twin_options.hpp"
+#include "tools/run/options/option_checks.hpp"
 
 namespace airside::tools {
 

@@ -5,6 +5,7 @@
 
 #include "airside/crc32c.hpp"
 #include "hal/site/site_settings.hpp"
+#include "hal/text/input_error.hpp"
 
 namespace airside::tools {
 
@@ -28,6 +29,10 @@ void add_site_options(CLI::App& command, SiteOptions& options) {
 }
 
 Site make_site(const SiteOptions& options) {
+  if (!options.path.empty() && options.topology != SiteOptions{}.topology) {
+    throw hal::InputError("--topology " + options.topology, "--site " + options.path + " beside it",
+                          "one of the two: a site file has a topology of its own", "leave one of them out");
+  }
   Site site = options.path.empty() ? built_in_site(options.topology) : load_site(options.path);
   if (!options.preset.empty()) {
     site = with_preset(site, hal::preset_named(options.preset));

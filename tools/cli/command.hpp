@@ -33,6 +33,7 @@ void add_serve(CLI::App& app);
 void add_study(CLI::App& app);
 void add_campaign(CLI::App& app);
 void add_weight_library(CLI::App& app);
+void add_fleet(CLI::App& app);
 void add_blob(CLI::App& app);
 void add_report(CLI::App& app);
 void add_footprint(CLI::App& app);

@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
   tools::add_study(app);
   tools::add_campaign(app);
   tools::add_weight_library(app);
+  tools::add_fleet(app);
   tools::add_blob(app);
   tools::add_report(app);
   tools::add_footprint(app);

@@ -12,12 +12,12 @@
 #include "sim/scenarios/scenario.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/run/child_jobs.hpp"
+#include "tools/run/options/option_checks.hpp"
 #include "tools/run/plant_choice.hpp"
 #include "tools/run/run_facts.hpp"
 #include "tools/run/training/blob_place.hpp"
 #include "tools/run/training/residual_cycles.hpp"
 #include "tools/run/training/residual_training.hpp"
-#include "tools/run/twin_options.hpp"
 #include "tools/study/control_methods.hpp"
 
 namespace airside::tools {

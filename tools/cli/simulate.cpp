@@ -33,6 +33,7 @@ struct SimulateCommand : Simulation {
     const Site chosen = make_site(site);
     take_site_twin(command, plant, chosen, TwinUse::when_asked);
     take_scenario_start(command, plant);
+    steps_given = command.count("--steps") > 0;
     const Ready ready = make_ready(chosen, compare);
     const Trial& trial = ready.trial;
     say_fallback(ready.facts);

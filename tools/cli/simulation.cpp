@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "hal/log/log_csv.hpp"
 #include "hal/text/input_error.hpp"
 #include "sim/rc/modulating_room.hpp"
 #include "sim/weather/epw.hpp"
+#include "tools/baselines/baseline.hpp"
 #include "tools/run/log_weather.hpp"
 
 namespace airside::tools {
@@ -60,10 +62,41 @@ void Simulation::check_start(Objective objective, bool engine) const {
                         "choose one of these rooms, or objective = \"mean\" in the site file");
 }
 
+/// What no method of the run heeds must not look as if it had been used.
+void Simulation::refuse_unheeded(const std::vector<std::string>& compare, bool engine) const {
+  std::vector<std::string> methods{method};
+  methods.insert(methods.end(), compare.begin(), compare.end());
+  const auto plant_kind = engine ? PlantKind::energyplus : PlantKind::rc;
+  const auto remembers = [&](const std::string& name) {
+    return name == "ours" ||
+           (!name.starts_with("floor-") && make_baseline(name, built_in_site().settings, plant_kind)->heeds_history());
+  };
+  const bool ours = std::find(methods.begin(), methods.end(), "ours") != methods.end();
+  const std::string run =
+      "--method " + method + (compare.empty() ? "" : fmt::format(" and --compare {}", fmt::join(compare, ",")));
+  const auto refuse = [&run](const std::string& option, const char* lack, const char* expected, const char* remedy) {
+    throw hal::InputError(option, run + lack, expected, remedy);
+  };
+  constexpr const char* for_ours = "--method ours, or ours among --compare";
+  constexpr const char* leave_out = "leave it out, or choose that method";
+  if (!ours && !weights.empty()) refuse("--weights " + weights, ", which have no weights", for_ours, leave_out);
+  if (!ours && transfer) refuse("--transfer", ", which have no weights", for_ours, leave_out);
+  if (!ours && !site.preset.empty())
+    refuse("--preset " + site.preset, ", which a preset does not change", for_ours, leave_out);
+  if (steps_given && !transfer)
+    refuse(fmt::format("--steps {}", steps), " without --transfer", "--transfer, whose optimiser steps they are",
+           ours ? "give --transfer, or leave --steps out" : "leave it out");
+  if (!history.empty() && std::none_of(methods.begin(), methods.end(), remembers))
+    refuse("--history " + history, ", which remember no earlier days",
+           "a method that does: ours, arx-2, arx-rls, mpc, integral-tuned, ...", leave_out);
+  if (!faults.empty() && method.starts_with("floor-"))
+    refuse("--faults " + faults, ", which sees the room itself and no sensor", "a method that sees sensors",
+           "leave it out, or choose another method; --compare shows a floor beside it");
+}
+
 Simulation::Ready Simulation::make_ready(const Site& chosen, const std::vector<std::string>& compare) const {
   Trial trial{chosen, plant, expert_days, days};
   trial.site.file.seed = plant.seed;
-  if (!faults.empty()) trial.faults = sim::read_fault_script(faults, trial.site.counts);
   if (site.path.empty()) trial.site.file.name = "Room " + plant.room;  // "built-in" says nothing in a report
   const bool engine = is_energyplus(plant, trial.site);
   bool ours = method == "ours";
@@ -72,6 +105,8 @@ Simulation::Ready Simulation::make_ready(const Site& chosen, const std::vector<s
     if (name != "ours") check_method("--compare", name, engine);
     ours = ours || name == "ours";
   }
+  refuse_unheeded(compare, engine);
+  if (!faults.empty()) trial.faults = sim::read_fault_script(faults, trial.site.counts);
   check_room(plant, trial.site);
   RunFacts facts = run_facts(plant, trial.site);
   BlobBytes blob;

@@ -26,6 +26,7 @@ struct Simulation {
   int expert_days = 5, days = 14, steps = 3000;
   std::string method = "ours", weights, history, log, history_log, faults;
   bool transfer = false;
+  bool steps_given = false;  ///< not the default
 
   /// All that is read and checked before anything is computed.
   struct Ready {
@@ -54,6 +55,7 @@ struct Simulation {
 
  private:
   void check_start(Objective objective, bool engine) const;
+  void refuse_unheeded(const std::vector<std::string>& compare, bool engine) const;
   std::string weather_to_write(const Site& s) const;
 };
 

@@ -7,10 +7,10 @@
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/run/options/option_checks.hpp"
 #include "tools/run/run_facts.hpp"
 #include "tools/run/training/blob_place.hpp"
 #include "tools/run/training/transfer.hpp"
-#include "tools/run/twin_options.hpp"
 
 namespace airside::tools {
 

@@ -26,6 +26,7 @@
 #include "sim/weather/epw.hpp"
 #include "sim/weather/synthetic_weather.hpp"
 #include "tools/baselines/baseline.hpp"
+#include "tools/run/options/option_checks.hpp"
 #include "tools/run/twin_options.hpp"
 
 namespace airside::tools {
@@ -262,20 +263,9 @@ void take_scenario_start(const CLI::App& command, PlantChoice& choice) {
   if (command.count("--start") == 0) choice.start = under.start;
 }
 
-namespace {
-
-/// What a model with controls of its own does not heed must not look as if it had been used.
-void refuse_unheeded(const CLI::App& command, const std::string& place) {
-  for (const char* option : {"--room", "--weekends"}) {
-    if (command.count(option) == 0) continue;
-    throw hal::InputError(option, "given beside " + place, "a model whose people and boxes it can change",
-                          "leave it out: with control = \"own\" the model's own schedules and thermostats run");
-  }
-}
-
-}  // namespace
-
 void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site, TwinUse use) {
+  if (!choice.environment.empty())
+    refuse_given(command, {"--room"}, "--environment", "a learned environment alone: its log is of one room");
   const bool asked = command.count("--twin") > 0 && choice.model.empty();
   if (asked && !site.file.twin) {
     throw hal::InputError("--twin", "no file, and no [twin] in " + site.file.path, "a model",
@@ -286,7 +276,11 @@ void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& si
   if (choice.weather.empty()) choice.weather = twin.weather;
   if (!choice.model.empty() || (!asked && command.count("--room") > 0)) return;
   const bool rc = twin.model == "rc";
-  if (rc && choice.kind == "energyplus") return;
+  if (rc && choice.kind == "energyplus") {
+    if (asked)
+      refuse_given(command, {"--twin"}, "--plant energyplus", "another model than the site's [twin], which is \"rc\"");
+    return;
+  }
   if (rc && !twin.patches.empty()) {
     throw hal::InputError(site.file.path + ": twin.patches", "patches on model = \"rc\"", "an epJSON model to patch",
                           "leave the patches out, or name the model");
@@ -295,7 +289,10 @@ void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& si
     choice.kind = "rc";
     return;
   }
-  if (twin.control == hal::TwinControl::own) refuse_unheeded(command, site.file.path + ": [twin]");
+  if (twin.control == hal::TwinControl::own)
+    refuse_given(command, {"--room", "--weekends"}, site.file.path + ": [twin]",
+                 "a model whose people and boxes it can change",
+                 "leave it out: with control = \"own\" the model's own schedules and thermostats run");
   choice.site_twin = site.file.path;
   choice.room = "twin";  // no patches of a built-in room on a model of the site's own
   choice.model = twin.model;
@@ -364,7 +361,8 @@ std::shared_ptr<const sim::Weather> made_up_weather(const PlantChoice& choice) {
   const std::string& of = choice.weather_of.empty() ? choice.room : choice.weather_of;
   const auto modulating = sim::modulating_name(of);
   const sim::Climate climate = modulating ? sim::modulating_room(modulating->scenario, 0).climate : sim::Climate{};
-  return sim::synthetic_weather(weather_seed(of, choice.seed), climate);
+  return sim::synthetic_weather(weather_seed(of, choice.seed), climate,
+                                fmt::format("of room {}, seed {}", of, choice.seed));
 }
 
 std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Site& site, int days) {

@@ -1,8 +1,5 @@
 #include "tools/run/twin_options.hpp"
 
-#include <charconv>
-#include <cstdint>
-
 #include "sim/json/json_file.hpp"
 
 namespace airside::tools {
@@ -73,16 +70,6 @@ sim::EnergyPlusOptions twin_options(const hal::TwinSection& twin) {
   dampers.resize(options.names.interior_zones.size());
   for (std::size_t i = 0; i < dampers.size(); ++i) dampers[i] = usual[i % usual.size()];
   return options;
-}
-
-CLI::Validator seed_check() {
-  return {[](const std::string& text) -> std::string {
-            std::int64_t seed = -1;
-            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
-            if (error == std::errc{} && end == text.data() + text.size() && seed >= 0) return "";
-            return "found " + text + "; expected a whole number from 0 to 9223372036854775807; give another seed";
-          },
-          ""};
 }
 
 }  // namespace airside::tools

@@ -1,17 +1,11 @@
 #pragma once
 // From [twin] of a site file to what an EnergyPlus run needs.
 
-#include <CLI/CLI.hpp>
-
 #include "hal/site/twin_section.hpp"
 #include "sim/energyplus/options.hpp"
 #include "tools/run/site.hpp"
 
 namespace airside::tools {
-
-/// For options that take a seed: a whole number from 0 to 2^63 - 1, as site files have it. Without it CLI11 takes a
-/// minus sign as a wrap and cuts what is too long.
-CLI::Validator seed_check();
 
 /// The names by which the project's own twin is driven, with those that [twin.names] gives instead.
 sim::ModelNames external_names(const hal::TwinSection& twin);

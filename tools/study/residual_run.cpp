@@ -31,7 +31,7 @@ std::shared_ptr<const sim::Weather> weather_of(const Trial& trial) {
 double people_w(const sim::RcPlant* plant, std::uint64_t seed, CivilTime t) {
   if (plant == nullptr) return std::numeric_limits<double>::quiet_NaN();
   sim::Disturbance at;
-  sim::disturb(plant->room(), plant->weather(), seed ^ (plant->room().seed * 0x9E3779B97F4A7C15u), t, at);
+  sim::disturb(plant->room(), plant->weather(), sim::seed_in_room(plant->room(), seed), t, at);
   return std::accumulate(at.gain_w.begin(), at.gain_w.end(), 0.0);
 }
 

@@ -244,40 +244,44 @@ std::string Checkout::csv() const {
   return out;
 }
 
-Checkout::Outcome Checkout::sign(std::string_view body, const std::string& role) {
+Said Checkout::sign(std::string_view body, const std::string& role) {
   const std::vector<std::string> lines = lines_of(body);
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
-  if (lines.size() != 3) return {400, "expected three lines: point, name of the person, time of the reading"};
+  if (lines.size() != 3) return refusal(400, refusals::sign_off_form);
   const std::string& person = lines[1];
   if (person.empty() || person.find_first_not_of(' ') == std::string::npos || person.size() > max_name_bytes ||
       std::ranges::any_of(person, is_control)) {
-    return {400, fmt::format("expected a name of 1 to {} bytes", max_name_bytes)};
+    static_assert(max_name_bytes == 80, "name_form says so");
+    return refusal(400, refusals::name_form);
   }
   const hal::Point* point = map_ ? map_->find(lines[0]) : nullptr;
-  if (point == nullptr) return {404, "the point map has no such point"};
+  if (point == nullptr) return refusal(404, refusals::point_unknown);
   const json all = points();
   const json& list = all["points"];
   const auto at = std::ranges::find_if(list, [&](const json& p) { return p["name"] == lines[0]; });
   const std::string verdict = text_in(*at, "verdict");
-  if (text_in(all, "time") != lines[2]) return {409, "the points were read again since; look at the new reading"};
+  if (text_in(all, "time") != lines[2]) return refusal(409, refusals::reading_old);
   if (verdict != "plausible" && verdict != "not readable") {
-    return {409, fmt::format("what was read is not to be signed: {}; correct map or device, and read again", verdict)};
+    Said said = refusal(409, refusals::reading_poor);
+    said.text += ": " + verdict + "; correct map or device, and read again";
+    said.found = verdict;
+    return said;
   }
   std::string raw;
   for (const json& word : (*at)["raw"]) raw += (raw.empty() ? "" : " ") + std::to_string(word.get<unsigned>());
   SignOffs next = signed_;
   next[point->name] = {person, role, now_text(), lines[2], raw, number_text((*at)["value"]), row_text(*point)};
-  if (!save(next)) return {503, "the sign-off cannot be kept: the page's folder cannot be written"};
+  if (!save(next)) return refusal(503, refusals::sign_off_not_kept);
   signed_ = std::move(next);
   return {200, "signed off"};
 }
 
-Checkout::Outcome Checkout::withdraw(std::string_view body) {
+Said Checkout::withdraw(std::string_view body) {
   SignOffs next = signed_;
   const auto at = next.find(body);
-  if (at == next.end()) return {404, "no point of that name is signed off"};
+  if (at == next.end()) return refusal(404, refusals::not_signed);
   next.erase(at);
-  if (!save(next)) return {503, "the page's folder cannot be written; the sign-off stays"};
+  if (!save(next)) return refusal(503, refusals::sign_off_stays);
   signed_ = std::move(next);
   return {200, "withdrawn"};
 }

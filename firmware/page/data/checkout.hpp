@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "firmware/page/http/refusals.hpp"
 #include "hal/points/point_map.hpp"
 #include "hal/site/site_file.hpp"
 
@@ -30,16 +31,12 @@ class Checkout {
   /// The same as CSV, a line a point. Texts that a spreadsheet would take for a formula begin with an apostrophe.
   std::string csv() const;
 
-  struct Outcome {
-    int status = 500;  ///< HTTP
-    std::string text;
-  };
   /// `body`: point, person, time of the reading, a line each. What is signed is the reading that the person saw.
   /// Errors: 400 for another body, 404 for a point that the map lacks, 409 where the reading is another one by now or
   /// not plausible, 503 where the sign-off cannot be kept; then nothing is signed.
-  Outcome sign(std::string_view body, const std::string& role);
+  Said sign(std::string_view body, const std::string& role);
   /// `body`: point. Errors: 404 where nothing was signed, 503.
-  Outcome withdraw(std::string_view body);
+  Said withdraw(std::string_view body);
 
  private:
   struct SignOff {

@@ -136,33 +136,37 @@ bool is_token(std::string_view given, std::string_view token) {
   return difference == 0;
 }
 
-Verdict refuse(int status, const char* reason, const char* allow = "") {
-  return {.status = status, .route = Route::none, .file = nullptr, .reason = reason, .allow = allow, .upload_bytes = 0};
+Verdict refuse(int status, const Refused& why, const char* allow = "") {
+  return {.status = status, .why = why, .allow = allow};
+}
+
+Verdict refuse_length(const Refused& why, std::uint64_t found_bytes, std::uint64_t expected_bytes) {
+  return {.status = 413, .why = why, .found_bytes = found_bytes, .expected_bytes = expected_bytes};
 }
 
 /// Null: the caller may.
-const char* missing_right(Right right, const Rights& rights) {
+const Refused* missing_right(Right right, const Rights& rights) {
   switch (right) {
     case Right::anybody: return nullptr;
-    case Right::see: return rights.see ? nullptr : "sign in as viewer first";
-    case Right::operate: return rights.operate ? nullptr : "sign in as operator first";
+    case Right::see: return rights.see ? nullptr : &refusals::sign_in_viewer;
+    case Right::operate: return rights.operate ? nullptr : &refusals::sign_in_operator;
     case Right::sign_off:  // without a password everybody may send what is signed, and do nothing else
-      return rights.operate && rights.install ? nullptr : "sign in as installer first";
-    case Right::install: return rights.install ? nullptr : "sign in as installer first";
+      return rights.operate && rights.install ? nullptr : &refusals::sign_in_installer;
+    case Right::install: return rights.install ? nullptr : &refusals::sign_in_installer;
   }
-  return "nobody may";  // uncovered: the switch is complete
+  return &refusals::nobody_may;  // uncovered: the switch is complete
 }
 
 /// That the request was made on purpose, by the page that we gave out or by a program.
 Verdict check_origin(const RequestHead& head, const RequestRules& rules, const Caller& caller, std::string_view host) {
   const Found origin = find(head.headers, "Origin"), token = find(head.headers, token_header);
-  if (origin.times > 1) return refuse(400, "Origin stands there twice");
+  if (origin.times > 1) return refuse(400, refusals::origin_twice);
   if (origin.times == 1 && !is_own_origin(origin.value, host, rules.tls)) {
-    return refuse(403, "Origin is another page; nothing is taken from there");
+    return refuse(403, refusals::origin_other);
   }
   const std::string_view expected = caller.token.empty() ? std::string_view(rules.token) : caller.token;
   if (!caller.has_key && (token.times != 1 || !is_token(token.value, expected))) {
-    return refuse(403, "no X-Airside-Token of this run or session; GET /token tells it");
+    return refuse(403, refusals::token_missing);
   }
   return {};
 }
@@ -170,12 +174,14 @@ Verdict check_origin(const RequestHead& head, const RequestRules& rules, const C
 Verdict check_upload(const RequestHead& head, const RequestRules& rules) {
   const Found length = find(head.headers, "Content-Length");
   if (find(head.headers, "Transfer-Encoding").times > 0 || length.times == 0) {
-    return refuse(411, "no Content-Length; a body of unknown length is not read");
+    return refuse(411, refusals::length_missing);
   }
   const auto bytes = number_of(length.value);
-  if (length.times > 1 || !bytes) return refuse(400, "Content-Length is not one number");
-  if (*bytes > rules.max_upload_bytes) return refuse(413, "longer than any weight blob of this room");
-  if (*bytes == 0) return refuse(400, "an empty body; expected a signed weight blob");
+  if (length.times > 1 || !bytes) return refuse(400, refusals::length_wrong);
+  if (*bytes > rules.max_upload_bytes) {
+    return refuse_length(refusals::weights_too_large, *bytes, rules.max_upload_bytes);
+  }
+  if (*bytes == 0) return refuse(400, refusals::weights_empty);
   return {.route = Route::upload, .upload_bytes = static_cast<std::size_t>(*bytes)};
 }
 
@@ -183,18 +189,18 @@ Verdict check_upload(const RequestHead& head, const RequestRules& rules) {
 Verdict check_order(const RequestHead& head, Route route) {
   const Found length = find(head.headers, "Content-Length");
   if (find(head.headers, "Transfer-Encoding").times > 0) {
-    return refuse(411, "no Content-Length; a body of unknown length is not read");
+    return refuse(411, refusals::length_missing);
   }
   const auto bytes = length.times == 0 ? std::optional<std::uint64_t>(0) : number_of(length.value);
-  if (length.times > 1 || !bytes) return refuse(400, "Content-Length is not one number");
-  if (*bytes > max_order_bytes) return refuse(413, "longer than anything that is asked for here");
+  if (length.times > 1 || !bytes) return refuse(400, refusals::length_wrong);
+  if (*bytes > max_order_bytes) return refuse_length(refusals::body_too_large, *bytes, max_order_bytes);
   return {.route = route, .upload_bytes = static_cast<std::size_t>(*bytes)};
 }
 
 Verdict check_read(const RequestHead& head, Route route, const StaticFile* file) {
   const Found length = find(head.headers, "Content-Length");
   const bool empty = length.times == 0 || (length.times == 1 && number_of(length.value) == std::uint64_t{0});
-  if (find(head.headers, "Transfer-Encoding").times > 0 || !empty) return refuse(400, "a body where none belongs");
+  if (find(head.headers, "Transfer-Encoding").times > 0 || !empty) return refuse(400, refusals::body_unexpected);
   return {.route = route, .file = file};
 }
 
@@ -223,23 +229,23 @@ std::string_view bearer_of(const RequestHead& head) {
 }
 
 Verdict check_request(const RequestHead& head, const RequestRules& rules, const Caller& caller) {
-  if (head.headers.size() > max_header_lines) return refuse(431, "too many header lines");
+  if (head.headers.size() > max_header_lines) return refuse(431, refusals::too_many_headers);
   const Found host = find(head.headers, "Host");
-  if (host.times != 1) return refuse(400, "Host does not stand there once");
+  if (host.times != 1) return refuse(400, refusals::host_missing);
   if (!is_our_host(host_of(host.value), head.local_address, rules)) {
-    return refuse(421, "Host is no name of this box; [page] names in the site file lists them");
+    return refuse(421, refusals::host_unknown);
   }
   const StaticFile* file = find_static_file(head.path);
   const auto* entry = std::ranges::find(routes, head.path, &Entry::path);
-  if (file == nullptr && entry == routes.end()) return refuse(404, "there is no such page");
+  if (file == nullptr && entry == routes.end()) return refuse(404, refusals::no_page);
   const Route route = file != nullptr ? Route::asset : entry->route;
   const bool changes = changes_something(route);
   const bool reads = head.method == "GET" || head.method == "HEAD";
   if (changes ? head.method != "POST" : !reads) {
-    return refuse(405, "not by this method", changes ? "POST" : "GET, HEAD");
+    return refuse(405, refusals::wrong_method, changes ? "POST" : "GET, HEAD");
   }
-  const char* missing = missing_right(file != nullptr ? Right::anybody : entry->right, caller.rights);
-  if (missing != nullptr) return refuse(401, missing);
+  const Refused* missing = missing_right(file != nullptr ? Right::anybody : entry->right, caller.rights);
+  if (missing != nullptr) return refuse(401, *missing);
   if (!changes) return check_read(head, route, file);
   const Verdict origin = check_origin(head, rules, caller, host.value);
   if (origin.status != 200) return origin;

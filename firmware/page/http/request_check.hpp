@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware/page/auth/rights.hpp"
+#include "firmware/page/http/refusals.hpp"
 #include "firmware/page/http/static_files.hpp"
 
 namespace airside::page {
@@ -74,9 +75,10 @@ struct Verdict {
   int status = 200;  ///< HTTP; anything else is a refusal
   Route route = Route::none;
   const StaticFile* file = nullptr;  ///< of Route::asset
-  const char* reason = "";           ///< of a refusal, a fixed text that repeats nothing of the request
+  Refused why{"", ""};               ///< of a refusal; a fixed text that repeats nothing of the request
   const char* allow = "";            ///< methods of the path, for 405
   std::size_t upload_bytes = 0;      ///< length of the body that may follow; 0: none
+  std::uint64_t found_bytes = 0, expected_bytes = 0;  ///< of a body that is too long, and the longest; else 0
 };
 
 constexpr std::size_t max_header_lines = 64;

@@ -1,8 +1,7 @@
 #include "firmware/page/http/response.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace airside::page {
 
@@ -24,8 +23,18 @@ MHD_Response* response_of(const std::string& text) {
   return MHD_create_response_from_buffer(text.size(), const_cast<char*>(text.data()), MHD_RESPMEM_MUST_COPY);
 }
 
-MHD_Response* json_of(int status, std::string_view reason) {
-  return response_of(without_markup(fmt::format("{{\"status\":{},\"reason\":\"{}\"}}\n", status, reason)));
+MHD_Response* json_of(const Said& said) {
+  nlohmann::ordered_json out{{"status", said.status}};
+  const auto add = [&out](const char* key, std::string_view text) {
+    if (!text.empty()) out[key] = text;
+  };
+  add("code", said.code);
+  add("reason", said.text);
+  add("field", said.field);
+  add("found", said.found);
+  add("expected", said.expected);
+  // A site file's words may be in any encoding.
+  return response_of(without_markup(out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) + "\n");
 }
 
 void add_common_lines(MHD_Response* response) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "firmware/page/http/refusals.hpp"
 #include "firmware/page/http/static_files.hpp"
 
 namespace airside::page {
@@ -16,8 +17,9 @@ std::string without_markup(std::string_view json);
 /// A body of this text.
 MHD_Response* response_of(const std::string& text);
 
-/// `{"status":404,"reason":"..."}`.
-MHD_Response* json_of(int status, std::string_view reason);
+/// `{"status":422,"code":"weights_cycle","reason":"...","field":"cycle_min","found":"18","expected":"30"}`, without
+/// what is empty.
+MHD_Response* json_of(const Said& said);
 
 /// Adds the header lines that every answer has: JSON unless said otherwise, the connection's end, and what keeps
 /// browsers from running, framing or keeping it. What already has a Content-Security-Policy or Cache-Control keeps it.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "airside/controller/blob.hpp"
+#include "firmware/page/http/refusals.hpp"
 #include "hal/site/site_file.hpp"
 
 namespace airside::page {
@@ -17,9 +18,8 @@ class UploadDoor {
   static constexpr const char* blob_name = "page.blob";
 
   struct Answer {
-    int status = 500;  ///< HTTP
-    std::string text;  ///< for the sender; repeats no text of the blob
-    std::string log;   ///< who signed it, for the audit line; empty if nobody
+    Said said;        ///< for the sender
+    std::string log;  ///< who signed it, for the audit line; empty if nobody
   };
 
   /// Errors: InputError for a topology that this build does not have.
@@ -34,9 +34,11 @@ class UploadDoor {
   Answer take(std::span<const std::byte> blob) const;
 
  private:
-  Answer deliver(std::span<const std::byte> blob, const BlobHeader& header) const;
+  Said deliver(std::span<const std::byte> blob, const BlobHeader& header) const;
+  Said refuse(int status, const BlobError& why, std::span<const std::byte> blob) const;
 
-  std::string keys_dir_, inbox_dir_, scope_;
+  std::string keys_dir_, inbox_dir_, scope_, topology_;
+  int cycle_min_ = 0;
   std::size_t max_bytes_ = 0;
   std::function<tl::expected<BlobHeader, BlobError>(std::span<const std::byte>)> decode_;
 };

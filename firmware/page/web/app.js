@@ -57,7 +57,14 @@ async function post(path, body = '') {
   const answer = await ask(path, { method: 'POST', body, headers: { 'X-Airside-Token': page.session.token ?? '' } }, path === '/weights' ? 120 : 20);
   let said = {};
   try { said = await answer.json(); } catch { /* an answer without a text */ }
-  return { status: answer.status, reason: said.reason ?? '', wait: Number(answer.headers.get('Retry-After') ?? 0) };
+  return { ...said, status: answer.status, reason: said.reason ?? '', wait: Number(answer.headers.get('Retry-After') ?? 0) };
+}
+/** What stands in the way, in the reader's language; in the box's English where the page has no text for it. */
+function why_refused(said) {
+  const key = `refused.${said.code}`;
+  if (!has(key)) return said.reason;
+  const found = ['found', 'point', 'fault'].map((kind) => `${kind}.${said.found}`).find(has);
+  return t(key, { ...said, found: found ? t(found) : said.found });
 }
 /** Whether the box took it. Without an answer nobody knows: `unsure` is what is said then. */
 export async function post_and_tell(place, path, body, ok, unsure = t('unsure')) {
@@ -65,7 +72,7 @@ export async function post_and_tell(place, path, body, ok, unsure = t('unsure'))
   try { said = await post(path, body); } catch { said = { status: 0 }; page.lost = true; }
   const good = said.status >= 200 && said.status < 300;
   $(place).classList.toggle('bad', !good);
-  say(place, good ? ok : said.status === 0 ? unsure : t('refused', { status: said.status, reason: has(`said.${said.status}`) ? t(`said.${said.status}`) : said.reason }));
+  say(place, good ? ok : said.status === 0 ? unsure : t('refused', { status: said.status, reason: why_refused(said) }));
   show_trouble();
   if (said.status === 401) {
     await quietly(load_session());
@@ -292,7 +299,7 @@ function listen() {
     try { said = await post('/login', `${$('role').value}\n${$('password').value}`); } catch { said = { status: 0 }; }
     $('password').value = '';
     if (said.status !== 200) {
-      say('sign-in-said', t({ 0: 'unsure', 403: 'wrong-password', 429: 'locked' }[said.status] ?? 'try-again'));
+      say('sign-in-said', said.status === 0 ? t('unsure') : why_refused(said));
       if (said.status === 429) lock_out(said.wait);
       return $('password').focus();
     }

@@ -1,6 +1,7 @@
 """campaign.toml: what is to be run, with every value that its jobs go over. Format: docs/campaigns.md."""
 
 import difflib
+import fnmatch
 import itertools
 import re
 import tomllib
@@ -25,7 +26,7 @@ class Job:
     name: str
     run: list
     values: dict
-    after: dict = field(default_factory=dict)  # place -> name of the job whose folder it is
+    after: dict = field(default_factory=dict)  # place -> names of the jobs whose folders it is; several by a pattern
     inputs: list = field(default_factory=list)  # files that no argument names
     cpus: float = 1
     timeout_min: float = 60
@@ -171,7 +172,7 @@ class _Reader:
                 job_name,
                 [fill(word, "run", kept) for word in run],
                 dict(zip(over, values)),
-                {place: fill(other, f"after.{place}") for place, other in after.items()},
+                {place: [fill(other, f"after.{place}")] for place, other in after.items()},
                 [fill(word, "inputs") for word in self.texts(entry, "inputs", where)],
                 cpus,
                 timeout,
@@ -198,6 +199,22 @@ class _Reader:
 
         return PLACE.sub(one, text)
 
+    def matching(self, job, place, wanted, by_name):
+        """Names of the jobs that `wanted` is: one, or all that a pattern with * fits, in the order of the file."""
+        if "*" in wanted:
+            names = [name for name in by_name if name != job.name and fnmatch.fnmatchcase(name, wanted)]
+        else:
+            names = [wanted] if wanted in by_name else []
+        if not names:
+            near = difflib.get_close_matches(wanted, by_name, 1)
+            self.refuse(
+                f"job {job.entry + 1}: after.{place}",
+                f"{wanted}, which no job is",
+                "a job's name, or a pattern with *",
+                f"perhaps {near[0]}" if near else "correct it",
+            )
+        return names
+
     def ordered(self, jobs):
         """Each after those that it needs."""
         by_name = {}
@@ -211,19 +228,23 @@ class _Reader:
                 )
             by_name[job.name] = job
         for job in jobs:
-            for place, other in job.after.items():
-                if other not in by_name:
-                    near = difflib.get_close_matches(other, by_name, 1)
+            job.after = {place: self.matching(job, place, names[0], by_name) for place, names in job.after.items()}
+            for word in job.run:
+                many = [p for p in PLACE.findall(word) if len(job.after.get(p, ())) > 1]
+                if len(many) > 1:
                     self.refuse(
-                        f"job {job.entry + 1}: after.{place}",
-                        f"{other}, which no job is",
-                        "a job's name",
-                        f"perhaps {near[0]}" if near else "correct it",
+                        f"job {job.entry + 1}: run",
+                        f"{word}, with two places of several jobs",
+                        "one such place in a word",
+                        "write two words",
                     )
         order, state = [], {}
 
+        def needs_of(job):
+            return itertools.chain.from_iterable(job.after.values())
+
         def visit(first):
-            stack = [(first, iter(first.after.values()))]
+            stack = [(first, needs_of(first))]
             state[first.name] = 1
             while stack:
                 job, needs = stack[-1]
@@ -237,7 +258,7 @@ class _Reader:
                         )
                     if other not in state:
                         state[other] = 1
-                        stack.append((by_name[other], iter(by_name[other].after.values())))
+                        stack.append((by_name[other], needs_of(by_name[other])))
                         break
                 else:
                     stack.pop()

@@ -9,8 +9,9 @@ import sys
 from airside_campaign.campaign_file import read_campaign
 from airside_campaign.complaint import BadInput
 from airside_campaign.keys import add_keys
+from airside_campaign.page import write_page
 from airside_campaign.program import check_commands, find_program
-from airside_campaign.results import missing_figures, rows_of, write_page, write_parquet
+from airside_campaign.results import missing_figures, rows_of, write_parquet
 from airside_campaign.run import Folder, OnRay, Serial, run_jobs
 
 EXAMPLE = """\
@@ -106,7 +107,7 @@ def run(arguments):
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=False).stdout.strip()
     try:
         write_parquet(rows, folder.path / "results.parquet")
-        write_page(campaign, rows, f"{campaign.path.name}, {version}", folder.path / "index.html")
+        write_page(campaign, rows, version, folder.path / "index.html")
     except OSError as error:
         raise BadInput(
             error.filename or folder.path,

@@ -59,18 +59,32 @@ def add_keys(campaign, program, digests=None):
                 words.append("file:" + digests.of(path))
                 run.append(str(path))
                 continue
-            words.append(_with(word, {place: keys[other] for place, other in job.after.items()}))
-            run.append(_with(word, {place: "../" + keys[other] for place, other in job.after.items()} | {"out": "."}))
+            for places in _places_of(word, job, keys):
+                words.append(_with(word, places))
+                run.append(_with(word, {place: "../" + key for place, key in places.items()} | {"out": "."}))
         whole = {
             "program": of_program,
             "run": words,
             "inputs": files,
-            "after": {place: keys[other] for place, other in sorted(job.after.items())},
+            "after": {place: _one_or_all(keys, names) for place, names in sorted(job.after.items())},
         }
         job.key = hashlib.sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()[:24]
         job.command = run
         keys[job.name] = job.key
     return of_program
+
+
+def _one_or_all(keys, names):
+    return keys[names[0]] if len(names) == 1 else [keys[name] for name in names]
+
+
+def _places_of(word, job, keys):
+    """{place: key} for each word that this one becomes: one, or one for each job of its place that has several."""
+    several = [place for place in re.findall(r"\{(\w+)\}", word) if len(job.after.get(place, ())) > 1]
+    one = {place: keys[names[0]] for place, names in job.after.items()}
+    if not several:
+        return [one]
+    return [one | {several[0]: keys[name]} for name in job.after[several[0]]]
 
 
 def _with(word, places):

@@ -1,6 +1,7 @@
 """Runs the jobs of a campaign: those that are there are left out, those that need others wait for them."""
 
 import fcntl
+import itertools
 import os
 import shutil
 import socket
@@ -191,7 +192,7 @@ def run_jobs(campaign, folder, program, digest, executor, stream):
     ready = deque()
     for job in campaign.jobs:
         by_key.setdefault(job.key, []).append(job)
-        needs = set(job.after.values())
+        needs = set(itertools.chain.from_iterable(job.after.values()))
         for other in needs:
             needed_by.setdefault(other, []).append(job)
         blocked_by[job.name] = len(needs)

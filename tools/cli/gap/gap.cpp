@@ -15,7 +15,7 @@
 #include "tools/gap/report/confusion_svg.hpp"
 #include "tools/gap/report/reliability_svg.hpp"
 #include "tools/gap/score/score.hpp"
-#include "tools/run/twin_options.hpp"
+#include "tools/run/options/option_checks.hpp"
 
 namespace airside::tools {
 
@@ -107,12 +107,22 @@ struct BlindCommand : GapOptions {
 };
 
 struct ScoreCommand : GapOptions {
-  std::string verdicts, key, picture, reliability;
+  std::vector<std::string> files;
+  std::string picture, reliability;
 
   void run() const {
     std::map<std::string, double> null_of;
     for (const sim::Effect& e : effects()) null_of[e.name] = e.null_value;
-    const gap::ScoreTable table = gap::score(sim::read_json(verdicts), sim::read_json(key), null_of);
+    if (files.size() % 2 != 0) {
+      throw hal::InputError("airside gap score", std::to_string(files.size()) + " files",
+                            "as many keys as verdicts: verdicts.json key.json, or all verdicts and then all keys",
+                            "give the missing one");
+    }
+    const std::size_t drawings = files.size() / 2;
+    std::vector<gap::JudgedCases> judged;
+    for (std::size_t i = 0; i < drawings; ++i)
+      judged.push_back({sim::read_json(files[i]), sim::read_json(files[drawings + i])});
+    const gap::ScoreTable table = gap::score(judged, null_of);
     if (!picture.empty()) gap::write_whole_file(picture, gap::confusion_svg(table.confusion, "hidden and said"));
     if (!reliability.empty()) {
       gap::write_whole_file(reliability,
@@ -186,8 +196,11 @@ void add_gap(CLI::App& app) {
 
   auto score = std::make_shared<ScoreCommand>();
   c = gap->add_subcommand("score", "compare verdicts with the key");
-  c->add_option("verdicts", score->verdicts, "from run-cases")->required();
-  c->add_option("key", score->key, "from blind")->required();
+  c->add_option("files", score->files,
+                "verdicts from run-cases and their key from blind; of several drawings all verdicts, then all keys in "
+                "the same order")
+      ->required()
+      ->expected(2, -1);
   c->add_option("--picture", score->picture, "SVG file with the confusion matrix");
   c->add_option("--reliability", score->reliability,
                 "SVG file: probabilities of explanations, and how often they came");

@@ -6,7 +6,7 @@
 #include "tools/cli/command.hpp"
 #include "tools/cli/gap/gap.hpp"
 #include "tools/gap/retrain/retrain.hpp"
-#include "tools/run/twin_options.hpp"
+#include "tools/run/options/option_checks.hpp"
 
 namespace airside::tools {
 

@@ -134,7 +134,7 @@ struct ProbeCommand {
     constexpr double no_wait_s = 0;  // each point is asked once, whatever became of the one before
     hal::ModbusLink link(hal::link_settings(*site.modbus, no_wait_s, no_wait_s));
     ProbedDevice device(link);
-    const std::vector<ProbedPoint> sheet = probe_all(map, device, link.description(), site_path);
+    const std::vector<ProbedPoint> sheet = probe_all(map, device, link.description(), site);
     const std::vector<Proposal> proposals = device.is_lost() ? std::vector<Proposal>{} : propose(sheet, map, device);
     const std::size_t changed = write_path.empty() ? 0 : write_corrected(map, proposals);
     if (as_json) {

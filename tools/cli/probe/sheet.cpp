@@ -6,6 +6,7 @@
 
 #include "hal/points/register_codec.hpp"
 #include "hal/text/input_error.hpp"
+#include "tools/cli/probe/connection.hpp"
 
 namespace airside::tools {
 
@@ -78,7 +79,7 @@ hal::LinkResult<std::vector<std::uint16_t>> ProbedDevice::read(const hal::Point&
 }
 
 std::vector<ProbedPoint> probe_all(const hal::PointMap& map, ProbedDevice& device, const std::string& address,
-                                   const std::string& site_path) {
+                                   const hal::SiteFile& site) {
   std::vector<ProbedPoint> sheet;
   for (const hal::Point& p : map.points()) {
     ProbedPoint& row = sheet.emplace_back();
@@ -102,8 +103,13 @@ std::vector<ProbedPoint> probe_all(const hal::PointMap& map, ProbedDevice& devic
     row.was_asked = got.error().error == hal::LinkError::exception_answer;
     row.verdict = complaint_of(got.error());
     if (got.error().error == hal::LinkError::connect_failed) {
-      throw hal::InputError(address, row.verdict, "a Modbus device that answers",
-                            fmt::format("look at host, port or device in {}, and at the cable", site_path));
+      const auto why = why_no_connection(site);
+      throw hal::InputError(address, why ? fmt::format("{} ({})", row.verdict, why->found) : row.verdict,
+                            "a Modbus device that answers",
+                            why ? fmt::format("{}; host, port and device are in {}", why->remedy, site.path)
+                                : fmt::format("try again: a connection is taken now; see who else is connected, since "
+                                              "some devices take one or two, and host, port and device in {}",
+                                              site.path));
     }
   }
   return sheet;

@@ -12,6 +12,7 @@
 #include "hal/modbus/link.hpp"
 #include "hal/points/point_map.hpp"
 #include "hal/points/word_order.hpp"
+#include "hal/site/site_file.hpp"
 
 namespace airside::tools {
 
@@ -48,9 +49,9 @@ class ProbedDevice {
 /// What the device of this map shows in the point map_fingerprint.
 double expected_fingerprint(const hal::PointMap& map);
 
-/// Reads and judges every point of the map. `site_path` stands in the complaint.
-/// Errors: std::runtime_error where no connection can be made.
+/// Reads and judges every point of the map. Where no connection comes about, `site` says why.
+/// Errors: InputError where no connection can be made.
 std::vector<ProbedPoint> probe_all(const hal::PointMap& map, ProbedDevice& device, const std::string& address,
-                                   const std::string& site_path);
+                                   const hal::SiteFile& site);
 
 }  // namespace airside::tools

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -56,13 +57,17 @@ std::string site_facts(const hal::SiteFile& f) {
                : "simulated only (no [modbus])");
 }
 
+/// Facts of a map that is in order; else all that is wrong with it in `complaints`.
 std::string points_facts(Findings& out, const std::string& path, const hal::TopologyCounts& counts,
-                         const hal::SiteFile* site) {
-  const hal::PointMap map = hal::PointMap::load(path);
+                         const hal::SiteFile* site, std::vector<hal::InputError>& complaints) {
+  const hal::PointMap map = hal::PointMap::load(path, complaints);
   const hal::StandIns stand_ins = site != nullptr ? site->stand_ins : hal::StandIns{};
-  // First: a stand-in, which check_topology advises, is no remedy for what the objective needs.
-  if (site != nullptr) hal::refuse_contradiction(*site, map);
-  map.check_topology(counts.vavs, counts.fcus, counts.powers, stand_ins);
+  // First: a stand-in, which the topology's complaint advises, is no remedy for what the objective needs.
+  if (site != nullptr && complaints.empty()) hal::refuse_contradiction(*site, map);
+  for (const hal::InputError& e : map.topology_complaints(counts.vavs, counts.fcus, counts.powers, stand_ins)) {
+    complaints.push_back(e);
+  }
+  if (!complaints.empty()) return {};
   const auto writable =
       std::count_if(map.points().begin(), map.points().end(), [](const auto& p) { return p.writable(); });
   for (std::string& text : warnings_of(map)) out.warn("points", path, std::move(text));
@@ -116,6 +121,19 @@ json json_of(const std::vector<LackingSignals>& missing) {
     list.push_back(std::move(entry));
   }
   return list;
+}
+
+json json_of(const hal::InputError& e) {
+  return {{"place", e.place()}, {"found", e.found()}, {"expected", e.expected()}, {"remedy", e.remedy()}};
+}
+
+/// All of them, as far as a person reads.
+void print_complaints(const Finding& f) {
+  constexpr std::size_t most_shown = 50;
+  fmt::print("WRONG  {:<8} {}\n", f.what, f.complaint->what());
+  const std::size_t shown = std::min(f.more.size(), most_shown - 1);
+  for (std::size_t i = 0; i < shown; ++i) fmt::print("WRONG  {:<8} {}\n", f.what, f.more[i].what());
+  if (f.more.size() > shown) fmt::print("       {:<8} and {} more\n", "", f.more.size() - shown);
 }
 
 struct CheckCommand {
@@ -177,7 +195,9 @@ struct CheckCommand {
       });
     }
     const auto check_points = [&](const std::string& p) {
-      out.check("points", p, [&] { return points_facts(out, p, counts, file ? &*file : nullptr); });
+      out.check_all("points", p, [&](std::vector<hal::InputError>& complaints) {
+        return points_facts(out, p, counts, file ? &*file : nullptr, complaints);
+      });
     };
     const auto check_log = [&](const char* what, const std::string& p) {
       out.check(what, p, [&] { return log_facts(p, counts); });
@@ -188,8 +208,9 @@ struct CheckCommand {
     if (file) {
       hal::PointMap map;
       if (file->modbus) {
-        out.check("points", file->modbus->points, [&] {
-          std::string facts = points_facts(out, file->modbus->points, counts, &*file);
+        out.check_all("points", file->modbus->points, [&](std::vector<hal::InputError>& complaints) {
+          std::string facts = points_facts(out, file->modbus->points, counts, &*file, complaints);
+          if (!complaints.empty()) return facts;
           map = hal::PointMap::load(file->modbus->points);
           counts = hal::counts_of(counts, map, file->stand_ins);
           return facts;
@@ -238,10 +259,8 @@ struct CheckCommand {
       for (const Finding& f : found.all()) {
         json entry = {{"what", f.what}, {"file", f.file}, {"ok", !f.complaint}};
         if (f.complaint) {
-          entry["place"] = f.complaint->place();
-          entry["found"] = f.complaint->found();
-          entry["expected"] = f.complaint->expected();
-          entry["remedy"] = f.complaint->remedy();
+          entry.update(json_of(*f.complaint));
+          for (const hal::InputError& e : f.more) entry["more"].push_back(json_of(e));
         } else {
           entry["facts"] = f.facts;
         }
@@ -258,7 +277,7 @@ struct CheckCommand {
     } else {
       for (const Finding& f : found.all()) {
         if (f.complaint) {
-          fmt::print("WRONG  {:<8} {}\n", f.what, f.complaint->what());
+          print_complaints(f);
         } else {
           fmt::print("ok     {:<8} {}: {}\n", f.what, f.file, f.facts);
         }
@@ -268,7 +287,8 @@ struct CheckCommand {
     for (const Warning& w : found.warnings()) fmt::print(stderr, "airside: warning: {}: {}\n", w.file, w.text);
     if (found.failed() != 0) {
       throw std::runtime_error(
-          fmt::format("{} of {} checked things are not in order", found.failed(), found.all().size()));
+          fmt::format("{} of {} checked things are not in order{}", found.failed(), found.all().size(),
+                      found.complaints() == found.failed() ? "" : fmt::format(", {} complaints", found.complaints())));
     }
     if (strict && !found.warnings().empty()) {
       throw std::runtime_error(fmt::format("{} warnings, and --strict", found.warnings().size()));

@@ -2,20 +2,13 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <netdb.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <sys/timex.h>
 #include <sys/vfs.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <filesystem>
-#include <memory>
 
 #include "hal/points/point_map.hpp"
 #include "hal/site/site_file.hpp"
@@ -26,6 +19,7 @@
 #include "hal/weights/key_ring.hpp"
 #include "sim/json/json_file.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/cli/probe/connection.hpp"
 #include "tools/cli/site/doctor.hpp"
 
 namespace airside::tools {
@@ -35,7 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double old_status_s = 900;  ///< the box writes every 6 min
-constexpr int connect_ms = 3000;
 
 /// The daemon's own files beside the logs: state, its two copies, status, inbox.
 constexpr double state_mb = 32;
@@ -100,7 +93,7 @@ class Doctor {
       return;
     }
     points(*site);
-    bus(*site->modbus);
+    bus(*site);
     daemon(*site);
   }
 
@@ -194,57 +187,15 @@ class Doctor {
     });
   }
 
-  void bus(const hal::ModbusSection& modbus) {
-    if (modbus.transport == hal::ModbusTransport::rtu) {
-      serial(modbus.device);
-      return;
-    }
-    const std::string failure = connects(modbus.host, modbus.port);
-    const std::string address = fmt::format("{}:{}", modbus.host, modbus.port);
-    if (failure.empty()) {
-      ok("bus", address + " takes a connection");
+  void bus(const hal::SiteFile& site) {
+    const hal::ModbusSection& m = *site.modbus;
+    if (const auto failure = why_no_connection(site)) {
+      miss("bus", failure->found, fmt::format("{}; then airside probe {}", failure->remedy, site_));
+    } else if (m.transport == hal::ModbusTransport::rtu) {
+      ok("bus", m.device);
     } else {
-      miss("bus", address + ": " + failure,
-           fmt::format("ping {}; see cable, address and firewall, then airside probe {}", modbus.host, site_));
+      ok("bus", fmt::format("{}:{} takes a connection", m.host, m.port));
     }
-  }
-
-  void serial(const std::string& device) {
-    struct stat status {};
-    if (::stat(device.c_str(), &status) != 0) {
-      miss("bus", fmt::format("{}: {}", device, std::strerror(errno)),
-           "ls /dev/serial/by-id; name one in [modbus] device");
-    } else if (!S_ISCHR(status.st_mode)) {
-      miss("bus", device + " is no serial line", "ls /dev/serial/by-id; name one in [modbus] device");
-    } else if (::access(device.c_str(), R_OK | W_OK) != 0) {
-      miss("bus", device + " may not be used by this user", "sudo usermod -aG dialout $USER, then log in again");
-    } else {
-      ok("bus", device);
-    }
-  }
-
-  /// Why nothing answers there; "" where something takes a connection.
-  static std::string connects(const std::string& host, int port) {
-    addrinfo wanted{}, *found = nullptr;
-    wanted.ai_socktype = SOCK_STREAM;
-    if (const int error = ::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &wanted, &found); error != 0) {
-      return ::gai_strerror(error);
-    }
-    const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> addresses(found, &::freeaddrinfo);
-    const int socket = ::socket(found->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    if (socket < 0) return std::strerror(errno);
-    int failed = ::connect(socket, found->ai_addr, found->ai_addrlen) == 0 ? 0 : errno;
-    if (failed == EINPROGRESS) {
-      pollfd ready{socket, POLLOUT, 0};
-      socklen_t size = sizeof failed;
-      if (::poll(&ready, 1, connect_ms) != 1) {
-        failed = ETIMEDOUT;
-      } else if (::getsockopt(socket, SOL_SOCKET, SO_ERROR, &failed, &size) != 0) {
-        failed = errno;
-      }
-    }
-    ::close(socket);
-    return failed == 0 ? "" : std::strerror(failed);
   }
 
   void daemon(const hal::SiteFile& site) {

@@ -13,10 +13,11 @@
 
 namespace airside::tools {
 
-/// One thing that was looked at: in order with its key facts, or the complaint.
+/// One thing that was looked at: in order with its key facts, or the complaint, with those beside it.
 struct Finding {
   std::string what, file, facts;
   std::optional<hal::InputError> complaint;
+  std::vector<hal::InputError> more{};
 };
 
 struct Warning {
@@ -43,6 +44,24 @@ class Findings {
   }
   void refuse(const std::string& what, const std::string& file, const hal::InputError& e) { add({what, file, "", e}); }
 
+  /// Runs `look`, which returns the key facts, or adds to the complaints that it is given.
+  template <class Look>
+  void check_all(const std::string& what, const std::string& file, Look&& look) {
+    std::vector<hal::InputError> complaints;
+    check(what, file, [&] {
+      std::string facts = look(complaints);
+      if (!complaints.empty()) throw hal::InputError(complaints.front());
+      return facts;
+    });
+    if (complaints.size() > 1) all_.back().more.assign(complaints.begin() + 1, complaints.end());
+  }
+
+  /// Complaints, those beside a first one too.
+  std::size_t complaints() const {
+    std::size_t count = failed();
+    for (const Finding& f : all_) count += f.more.size();
+    return count;
+  }
   std::size_t failed() const {
     return static_cast<std::size_t>(
         std::count_if(all_.begin(), all_.end(), [](const Finding& f) { return f.complaint.has_value(); }));

@@ -45,33 +45,34 @@ struct InitCommand {
     return text;
   }
 
-  /// Signals of the point map whose place nobody has said.
-  static std::vector<std::string> made_up_signals(const InitAnswers& a, const std::string& points_text) {
-    std::vector<std::string> names;
-    for (const std::string& name : signal_names()) {
-      const auto said = a.signals.find(name);
-      if (said != a.signals.end() && (said->second.addr || said->second.is_absent)) continue;
-      const bool is_there = points_text.find("\n" + name + ",") != std::string::npos ||
-                            points_text.find("\n" + name + "_1,") != std::string::npos;
-      if (is_there) names.push_back(name);
+  /// What the site's readers say of answers from a file, at the place of the file.
+  template <class Make>
+  auto of_answers(Make&& make) const {
+    try {
+      return make();
+    } catch (const hal::InputError& e) {
+      if (ask || e.place().starts_with(answers)) throw;
+      throw hal::InputError(answers + ", which would give " + e.place(), e.found(), e.expected(), e.remedy());
     }
-    return names;
   }
 
   /// Site file and point map from a person's answers; checked whole before a byte is written.
   void write_answered() {
+    refuse_existing({fs::path(folder) / "site.toml", fs::path(folder) / "points.csv"});
     const InitAnswers a = ask ? ask_answers(std::cin, std::cerr) : read_answers(answers);
     const fs::path dir = folder, site = dir / "site.toml", points = dir / "points.csv", kept = dir / "answers.toml";
     const std::string site_text = site_text_of(a), points_text = points_text_of(a);
-    const hal::SiteFile parsed = hal::parse_site_text(site_text, site.string(), hal::site_rules());
-    const hal::PointMap map = hal::PointMap::parse(points_text, points.string());
-    hal::refuse_contradiction(parsed, map);
-    map.check_topology(a.vavs, a.fcus, a.powers, parsed.stand_ins);
+    of_answers([&] {
+      const hal::SiteFile parsed = hal::parse_site_text(site_text, site.string(), hal::site_rules());
+      const hal::PointMap map = hal::PointMap::parse(points_text, points.string());
+      hal::refuse_contradiction(parsed, map);
+      map.check_topology(a.vavs, a.fcus, a.powers, parsed.stand_ins);
+    });
     make_folder({site, points});
     write(site, site_text);
     write(points, points_text);
     write(kept, text_of(a));
-    const std::vector<std::string> made_up = made_up_signals(a, points_text);
+    const std::vector<std::string> made_up = unsaid_signals(a);
     if (json) {
       fmt::print(
           "{}\n",
@@ -82,17 +83,16 @@ struct InitCommand {
     }
     fmt::print("wrote {}, {} and {}\n", site.string(), points.string(), kept.string());
     if (!made_up.empty()) {
-      fmt::print(
-          "Not in the answers, so at registers of the simulated AHU: {}.\n  Say where each is, or absent = true.\n",
-          fmt::join(made_up, ", "));
+      fmt::print("Not in the answers, so {}: {}.\n  Say where each is, or absent = true.\n",
+                 a.bacnet ? "taken for absent (heartbeat: the gateway's own)" : "at registers of the simulated AHU",
+                 fmt::join(made_up, ", "));
     }
     fmt::print("Next, none of them writes to the AHU:\n");
     for (const char* command : {"check", "doctor", "probe"})
       fmt::print("  airside {} {}\n", command, hal::shell_word(site.string()));
   }
 
-  /// Refuses to overwrite, and makes the folder.
-  void make_folder(const std::vector<fs::path>& files) const {
+  void refuse_existing(const std::vector<fs::path>& files) const {
     for (const fs::path& path : files) {
       if (fs::exists(path) && !force) {
         throw hal::InputError(path.string(), "a file that is already there",
@@ -100,6 +100,11 @@ struct InitCommand {
                               "choose another folder, or give --force to overwrite both");
       }
     }
+  }
+
+  /// Refuses to overwrite, and makes the folder.
+  void make_folder(const std::vector<fs::path>& files) const {
+    refuse_existing(files);
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) {

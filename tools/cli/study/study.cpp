@@ -11,11 +11,11 @@
 #include "tools/cli/command.hpp"
 #include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
+#include "tools/run/options/option_checks.hpp"
 #include "tools/run/run_facts.hpp"
 #include "tools/run/training/built_in_residual.hpp"
 #include "tools/run/training/pretraining.hpp"
 #include "tools/run/training/residual_training.hpp"
-#include "tools/run/twin_options.hpp"
 #include "tools/study/control_methods.hpp"
 #include "tools/study/table.hpp"
 

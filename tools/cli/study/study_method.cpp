@@ -15,8 +15,8 @@
 #include "tools/cli/study/study.hpp"
 #include "tools/report/report.hpp"
 #include "tools/run/child_jobs.hpp"
+#include "tools/run/options/option_checks.hpp"
 #include "tools/run/run_facts.hpp"
-#include "tools/run/twin_options.hpp"
 #include "tools/study/method/claims.hpp"
 #include "tools/study/method/peer_rows.hpp"
 #include "tools/study/method/report.hpp"
@@ -40,7 +40,8 @@ struct MethodCommand {
   int first_seed = 1, seeds = 5, jobs = 2;
   bool json = false, report_only = false, always_reports = false;
   std::vector<std::string> peer_files;
-  std::string report_folder, from_file, keep_file;
+  std::string report_folder, keep_file;
+  std::vector<std::string> from_files;
 
   fs::path file_of(const MethodJob& job) const { return fs::path(study.folder) / (job.name() + ".json"); }
 
@@ -143,13 +144,13 @@ struct MethodCommand {
       (void)sim::read_environment(study.environment, built_in_site().counts);
     }
     const bool is_new = !fs::exists(study.folder);
-    if (report_only && from_file.empty() && is_new) {
+    if (report_only && from_files.empty() && is_new) {
       throw hal::InputError("-o " + study.folder, "no such folder", "one with runs to report on",
                             "correct the name, or leave --report-only out");
     }
     fs::create_directories(study.folder);
     try {
-      if (!from_file.empty()) (void)take_runs(study, from_file);
+      for (const std::string& file : from_files) (void)take_runs(study, file);
       if (!report_only) run_missing(missing_jobs());
     } catch (...) {
       std::error_code kept;
@@ -184,7 +185,8 @@ void add_options(CLI::App* c, const std::shared_ptr<MethodCommand>& self) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   c->add_option("--jobs", self->jobs, "child processes at a time")->check(CLI::Range(1, 256))->capture_default_str();
-  c->add_option("--from", self->from_file, "file of runs that --keep wrote: those that the folder lacks are put there")
+  c->add_option("--from", self->from_files,
+                "files of runs that --keep wrote: those that the folder lacks are put there")
       ->check(CLI::ExistingFile);
   c->add_option("--keep", self->keep_file, "write all runs of the folder into this one file, without weights");
   c->add_option("--peers", self->peer_files,

@@ -11,9 +11,9 @@
 #include "tools/cli/command.hpp"
 #include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
+#include "tools/run/options/option_checks.hpp"
 #include "tools/run/plant_choice.hpp"
 #include "tools/run/run_facts.hpp"
-#include "tools/run/twin_options.hpp"
 #include "tools/study/residual_run.hpp"
 
 namespace airside::tools {

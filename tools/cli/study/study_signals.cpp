@@ -6,10 +6,10 @@
 #include "tools/cli/command.hpp"
 #include "tools/cli/study/study.hpp"
 #include "tools/run/child_jobs.hpp"
+#include "tools/run/options/option_checks.hpp"
 #include "tools/run/plant_choice.hpp"
 #include "tools/run/run_facts.hpp"
 #include "tools/run/training/pretraining.hpp"
-#include "tools/run/twin_options.hpp"
 #include "tools/study/control_methods.hpp"
 #include "tools/study/missing_signals.hpp"
 

@@ -1,5 +1,7 @@
 #include "tools/gap/blind/blind_draw.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -165,7 +167,8 @@ DrawnCase drawn_case(const BlindPlan& plan, const BlindSite& site, int i, const 
 void write_window_weather(const std::filesystem::path& folder, std::uint64_t seed) {
   std::filesystem::create_directories(folder / "weather");
   for (int w = 0; w < blind_windows; ++w) {
-    const auto weather = sim::synthetic_weather(seed * 1000 + static_cast<std::uint64_t>(w));
+    const auto weather = sim::synthetic_weather(seed * 1000 + static_cast<std::uint64_t>(w), {},
+                                                fmt::format("of window {}, seed {}", w, seed));
     sim::write_epw(weather_of_window(folder, w).string(), *weather, 2021);
   }
 }

@@ -18,9 +18,9 @@ constexpr std::array<RowCheck, 7> row_checks{check_shape,           check_order,
                                              check_daylight_saving, check_conflicts, check_gaps};
 
 // Units first: limits and comparisons are in the log's units. Types before limits, which would empty a swapped column.
-constexpr std::array<TableCheck, 9> table_checks{check_missing, check_sentinels, check_units,
-                                                 check_swapped, check_range,     check_spikes,
-                                                 check_stuck,   check_clock,     check_enough_left};
+constexpr std::array<TableCheck, 10> table_checks{check_missing, check_sentinels,  check_units, check_swapped,
+                                                  check_range,   check_spikes,     check_stuck, check_clock,
+                                                  check_weather, check_enough_left};
 
 }  // namespace
 
@@ -43,6 +43,7 @@ const char* text_of(Defect defect) {
     case Defect::constant: return "constant";
     case Defect::stuck: return "stuck";
     case Defect::clock_shift: return "clock shift";
+    case Defect::other_weather: return "other weather";
     case Defect::other_room: return "other room";
     case Defect::too_little: return "too little";
   }
@@ -52,6 +53,7 @@ const char* text_of(Defect defect) {
 const char* text_of(Action action) {
   switch (action) {
     case Action::noted: return "noted";
+    case Action::warned: return "warning";
     case Action::fixed: return "fixed";
     case Action::left_out: return "left out";
     case Action::refused: return "refused";
@@ -81,7 +83,7 @@ void CleanLog::require_usable() const {
 }
 
 CleanLog clean_up(std::vector<hal::LogRow> rows, const CleanUpContext& context) {
-  CleanLog log{context.place, std::move(rows), {}};
+  CleanLog log{context.place, std::move(rows), {}, {}};
   for (const RowCheck check : row_checks) {
     check(log.rows, context, log.remarks);
     if (log.rows.empty()) return log;
@@ -89,7 +91,15 @@ CleanLog clean_up(std::vector<hal::LogRow> rows, const CleanUpContext& context) 
   LogTable table = table_of(log.rows, context);
   for (const TableCheck check : table_checks) check(table, context, log.remarks);
   write_back(table, log.rows);
+  log.outdoor_difference = table.outdoor_difference;
   return log;
+}
+
+std::string warnings_text(const CleanLog& log) {
+  std::string text;
+  for (const Remark& r : log.remarks)
+    if (r.action == Action::warned) text += fmt::format("{}: {}\n", log.place, r.text);
+  return text;
 }
 
 bool same_room(const CleanLog& reference, CleanLog& measured, const CleanUpContext& context) {

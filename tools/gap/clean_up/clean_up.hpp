@@ -33,6 +33,7 @@ enum class Defect {
   constant,  ///< one value throughout
   stuck,     ///< one value for hours while others move
   clock_shift,
+  other_weather,  ///< the station's days are not those of the log
   other_room,
   too_little,  ///< not enough left to work with
 };
@@ -40,6 +41,7 @@ enum class Defect {
 /// What was done about it.
 enum class Action {
   noted,     ///< nothing
+  warned,    ///< nothing, and conclusions are in doubt
   fixed,     ///< values or times were put right
   left_out,  ///< values became NaN, rows were dropped
   refused,   ///< the log cannot be used
@@ -75,11 +77,31 @@ struct CleanUpContext {
   std::optional<CivilTime> from, to;  ///< period that was asked for
 };
 
+/// How a log's outdoor temperature differs from the station's, in hourly means. The first three are of the log as it
+/// is, the others of the log put back by `lag_min`.
+struct OutdoorDifference {
+  double mean_k = 0;             ///< log less station
+  double rms_k = 0;              ///< about that mean
+  int lag_min = 0;               ///< by which the log comes late; 0 unless a shift takes a tenth off
+  double shifted_rms_k = 0;      ///< about the mean
+  double irregular_k = 0;        ///< about the mean course of the day: a sensor in the sun has one, other weather none
+  int days = 0;                  ///< with 20 hours or more
+  double daily_k = 0;            ///< standard deviation of the differences of daily means
+  double daily_correlation = 1;  ///< of the daily means themselves
+
+  /// More than sensor and distance make: irregular_k > 1.1, or daily means of 4 days or more that differ by > 0.3 K and
+  /// correlate by < 0.9.  Source: docs/gap-workflow.md, "The weather beside the log".
+  bool other_weather() const;
+  /// Days that have nothing in common: daily means of 6 days or more that differ by > 1 K and correlate by < 0.3.
+  bool no_relation() const;
+};
+
 /// The rows that may be used, and what was said about the others.
 struct CleanLog {
   std::string place;
   std::vector<hal::LogRow> rows;  ///< in order of time, each once, on the 6-min grid; NaN: not to be used
   std::vector<Remark> remarks;    ///< in the order of the checks; rows and values are counted once a defect
+  std::optional<OutdoorDifference> outdoor_difference;  ///< none without a station or a sensor
 
   bool usable() const;
   /// Throws hal::InputError of the first refused remark and the number of the others, if there are any.
@@ -98,6 +120,9 @@ CleanLog read_dirty_log(const std::string& path, const CleanUpContext& context);
 
 /// The same of text; context.place stands in messages.
 CleanLog read_dirty_log_text(std::string_view text, const CleanUpContext& context);
+
+/// "log.csv: outdoor temperatures of the log and of ..", a line a warning; "" without one.
+std::string warnings_text(const CleanLog& log);
 
 /// Whether two logs can be of one room: outdoor temperatures of the same hours agree (else refused), medians of rooms
 /// differ by less than 5 K (else noted). Remarks go to `measured`.

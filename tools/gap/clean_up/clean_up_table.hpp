@@ -66,6 +66,7 @@ struct LogTable {
   std::vector<CivilTime> time;
   std::vector<LogColumn> columns;
   StationCourse station;
+  std::optional<OutdoorDifference> outdoor_difference;  ///< by check_weather()
 
   LogColumn& only(Role role);  ///< of a role that occurs once
 };
@@ -116,6 +117,8 @@ void check_gaps(std::vector<hal::LogRow>& rows, const CleanUpContext& context, s
 // clean_up_clock.cpp
 void check_daylight_saving(std::vector<hal::LogRow>& rows, const CleanUpContext& context, std::vector<Remark>& remarks);
 void check_clock(LogTable& table, const CleanUpContext& context, std::vector<Remark>& remarks);
+// clean_up_weather.cpp
+void check_weather(LogTable& table, const CleanUpContext& context, std::vector<Remark>& remarks);
 // clean_up_columns.cpp
 void check_units(LogTable& table, const CleanUpContext& context, std::vector<Remark>& remarks);
 void check_swapped(LogTable& table, const CleanUpContext& context, std::vector<Remark>& remarks);

@@ -210,16 +210,14 @@ void add_clean_up(const GapPage& page, ReportInput& input) {
   for (const char* name : {"done", "log", "column", "from", "to", "count", "what was found"}) {
     table.columns.push_back({name, "", 0, false});
   }
-  std::vector<const gap::CleanLog*> logs{&page.run.loaded.logs.reference, &page.run.loaded.logs.measured};
-  for (const gap::AddedDays& added : page.run.added) logs.push_back(&added.log);
-  for (const gap::CleanLog* log : logs) {
+  for (const gap::CleanLog* log : gap::logs_of(page.run)) {
     for (const gap::Remark& r : gap::shown_remarks(*log)) {
       table.rows.push_back(
           {gap::text_of(r.defect),
            {text_cell(gap::text_of(r.action)), text_cell(log->place), text_cell(r.column.empty() ? "all" : r.column),
             text_cell(hal::civil_text(r.from).substr(0, 16)), text_cell(hal::civil_text(r.to).substr(0, 16)),
             text_cell(std::to_string(r.count)), text_cell(r.text)},
-           SeriesRole::plain,
+           r.action == gap::Action::warned ? SeriesRole::main : SeriesRole::plain,
            false});
     }
   }

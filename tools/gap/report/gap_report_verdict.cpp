@@ -125,6 +125,7 @@ std::string verdict_text(const GapPage& page) {
     case gap::VerdictKind::unknown: text += as_sentence(capitalised(run.verdict.reason)); break;
     case gap::VerdictKind::none: add_none(page, text); break;
   }
+  add(gap::other_weather_text(run));
   add(gap::no_reference_text(run));
   if (!run.experiments.empty()) add(gap::sentence_of(run.experiments));
   if (run.heat) add(run.heat->text);

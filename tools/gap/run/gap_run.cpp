@@ -128,6 +128,7 @@ GapRun run_gap(const GapRequest& request, const std::vector<sim::Effect>& effect
   run.request.buildings = run.rules.buildings;
   require_apart(run.loaded.logs);
   add_more_days(run, effects);
+  fmt::print(stderr, "{}", warnings_text(run));  // before minutes of simulations, not only in their report
   Changes tries;
   for (const std::string& text : request.tries) tries.push_back(parse_tried(text, effects, *run.loaded.engine));
   const CaseData& data = run.loaded.data;
@@ -188,6 +189,32 @@ std::string no_reference_text(const GapRun& run) {
          (far.empty() ? "" : "; these days want parameters far from there: " + far);
 }
 
+std::vector<const CleanLog*> logs_of(const GapRun& run) {
+  std::vector<const CleanLog*> logs{&run.loaded.logs.reference, &run.loaded.logs.measured};
+  for (const AddedDays& added : run.added) logs.push_back(&added.log);
+  return logs;
+}
+
+std::string warnings_text(const GapRun& run) {
+  std::string text;
+  for (const CleanLog* log : logs_of(run)) text += warnings_text(*log);
+  return text;
+}
+
+std::string other_weather_text(const GapRun& run) {
+  std::string text;
+  for (const CleanLog* log : logs_of(run)) {
+    if (!log->outdoor_difference || !log->outdoor_difference->other_weather()) continue;
+    text += fmt::format("{}{} ({:.1f} K rms)", text.empty() ? "" : " and ", log->place, log->outdoor_difference->rms_k);
+  }
+  if (text.empty()) return "";
+  return fmt::format(
+      "all this is in doubt, since {} is hardly the weather of the days of the log: its outdoor "
+      "temperature differs from that of {}, so its sun, humidity and wind may be those of other days; "
+      "give the weather of these days (--weather)",
+      run.request.source.weather, text);
+}
+
 std::string sentence_of(const GapRun& run) {
   const std::string continued = continued_text(run);
   std::string text = continued.empty() ? sentence_of(run.verdict) : continued + ". " + sentence_of(run.verdict);
@@ -201,6 +228,8 @@ std::string sentence_of(const GapRun& run) {
   }
   const std::string no_reference = no_reference_text(run);
   if (!no_reference.empty()) text += "; " + no_reference;
+  const std::string other_weather = other_weather_text(run);
+  if (!other_weather.empty()) text += "; " + other_weather;
   if (!run.experiments.empty()) text += "; " + sentence_of(run.experiments);
   if (run.heat) text += ". " + run.heat->text;
   const std::string meters = text_of(run.meter_offsets);

@@ -102,6 +102,13 @@ std::vector<FarParameter> far_parameters(const GapRun& run);
 /// What a missing reference period costs, and parameters that these days want far away; "" where there was one.
 std::string no_reference_text(const GapRun& run);
 
+/// Reference, measured and added days.
+std::vector<const CleanLog*> logs_of(const GapRun& run);
+/// warnings_text() of all of them.
+std::string warnings_text(const GapRun& run);
+/// That the weather file is hardly that of the logs' days, and what hangs on it; "" where it is.
+std::string other_weather_text(const GapRun& run);
+
 /// The verdict in one sentence, with what it costs and how to confirm it, the test to do or the heat that is missing.
 std::string sentence_of(const GapRun& run);
 

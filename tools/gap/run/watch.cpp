@@ -91,6 +91,7 @@ std::vector<Night> judge_nights(const GapRequest& request, const std::string& lo
   const CaseLogs& known = judge.loaded().logs;
   same_room(known.reference.rows.empty() ? known.measured : known.reference, log, context);
   log.require_usable();
+  fmt::print(stderr, "{}", warnings_text(log));
   const std::int64_t last = midnight_s(log.rows.back().time.seconds + row_s), length = rules.days * seconds_per_day;
   if (log.rows.front().time.seconds > last - length) {
     throw hal::InputError(logs,

@@ -1,5 +1,6 @@
 #include "tools/gap/score/score.hpp"
 
+#include "hal/text/input_error.hpp"
 #include "tools/gap/score/score_measures.hpp"
 #include "tools/gap/score/score_tests.hpp"
 
@@ -35,11 +36,34 @@ void describe_sets(ScoreTable& table, const std::vector<ScoredCase>& cases) {
   warn(table, refused, "refused for what is wrong with the logs, counted as abstained");
 }
 
+std::vector<ScoredCase> all_cases(const std::vector<JudgedCases>& drawings,
+                                  const std::map<std::string, double>& null_of) {
+  if (drawings.size() == 1) return read_cases(drawings.front().verdicts, drawings.front().key, null_of);
+  std::vector<ScoredCase> all;
+  for (std::size_t i = 0; i < drawings.size(); ++i) {
+    const std::string number = std::to_string(i + 1);
+    try {
+      for (ScoredCase& one : read_cases(drawings[i].verdicts, drawings[i].key, null_of)) {
+        one.id = number + "/" + one.id;
+        all.push_back(std::move(one));
+      }
+    } catch (const hal::InputError& error) {
+      throw hal::InputError("drawing " + number + ": " + error.place(), error.found(), error.expected(),
+                            error.remedy());
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 ScoreTable score(const nlohmann::json& verdicts, const nlohmann::json& key,
                  const std::map<std::string, double>& null_of) {
-  const std::vector<ScoredCase> cases = read_cases(verdicts, key, null_of);
+  return score({{verdicts, key}}, null_of);
+}
+
+ScoreTable score(const std::vector<JudgedCases>& drawings, const std::map<std::string, double>& null_of) {
+  const std::vector<ScoredCase> cases = all_cases(drawings, null_of);
   ScoreTable table;
   describe_sets(table, cases);
   count_sets(table, cases);

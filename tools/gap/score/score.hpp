@@ -116,6 +116,15 @@ struct ScoreTable {
 ScoreTable score(const nlohmann::json& verdicts, const nlohmann::json& key,
                  const std::map<std::string, double>& null_of);
 
+/// What was said of one drawing, and its answers.
+struct JudgedCases {
+  nlohmann::json verdicts, key;
+};
+
+/// The same of several drawings together; cases of the second drawing are named "2/case-0001". Errors: as above, with
+/// the drawing's number before the field where there are several; none at all.
+ScoreTable score(const std::vector<JudgedCases>& drawings, const std::map<std::string, double>& null_of);
+
 /// Everything, as docs/formats.md says.
 nlohmann::json json_of(const ScoreTable& table);
 

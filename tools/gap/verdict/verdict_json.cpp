@@ -176,7 +176,19 @@ json json_of(const CleanLog& log) {
                     {"count", r.count},
                     {"text", r.text}});
   }
-  json j = {{"log", log.place}, {"rows", log.rows.size()}, {"remarks", rows}};
+  json j = {{"log", log.place}, {"rows", log.rows.size()}, {"remarks", rows}, {"outdoor_difference", nullptr}};
+  if (log.outdoor_difference) {
+    const OutdoorDifference& d = *log.outdoor_difference;
+    j["outdoor_difference"] = {{"mean_k", d.mean_k},
+                               {"rms_k", d.rms_k},
+                               {"lag_min", d.lag_min},
+                               {"shifted_rms_k", d.shifted_rms_k},
+                               {"irregular_k", d.irregular_k},
+                               {"days", d.days},
+                               {"daily_k", d.daily_k},
+                               {"daily_correlation", d.daily_correlation},
+                               {"other_weather", d.other_weather()}};
+  }
   if (!log.rows.empty()) {
     j["from"] = hal::civil_text(log.rows.front().time);
     j["to"] = hal::civil_text(log.rows.back().time);

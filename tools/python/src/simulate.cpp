@@ -28,6 +28,7 @@ tools::Simulation simulation_of(const Options& o) {
   s.days = o.days;
   s.expert_days = o.expert_days;
   s.steps = o.steps;
+  s.steps_given = o.steps != tools::Simulation{}.steps;
   s.transfer = o.transfer;
   s.weights = o.weights.value_or("");
   s.history = o.history.value_or("");

@@ -96,6 +96,22 @@ inline void product_panel(const ProductArgs<float>& p, int c) {
   product_rest<V, R - 1, C>(p, r, c, p.rows - r);
 }
 
+/// Columns from c on of a single row, C vectors at a time; returns the first column that is left.
+template <class V, int C>
+inline int row_blocks(const ProductArgs<float>& p, int c) {
+  for (; c + C * V::lanes <= p.cols; c += C * V::lanes) product_block<V, 1, C, any_stride>(p, 0, c);
+  return c;
+}
+
+/// A product of one row. Each sum waits for its own last step, so as many as registers hold run side by side.
+template <class V>
+inline void product_row(const ProductArgs<float>& p) {
+  int c = row_blocks<V, 8>(p, 0);
+  c = row_blocks<V, 4>(p, c);
+  c = row_blocks<V, 2>(p, c);
+  if constexpr (V::lanes == kernel_columns) row_blocks<V, 1>(p, c);
+}
+
 /// Rows r .. r+R-1 of a weight gradient.
 template <class V, int R, int C>
 inline void outer_block(const OuterArgs<float>& p, int r, int c) {

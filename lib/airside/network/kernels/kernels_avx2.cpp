@@ -38,6 +38,7 @@ struct StrictAvx2 : Avx2 {
 };
 
 void product(const ProductArgs<float>& p) {
+  if (p.rows == 1) return product_row<Avx2>(p);
   for (int c = 0; c < p.cols; c += 16) product_panel<Avx2, 6, 2>(p, c);
 }
 
@@ -46,6 +47,7 @@ void outer(const OuterArgs<float>& p) {
 }
 
 void strict_product(const ProductArgs<float>& p) {
+  if (p.rows == 1) return product_row<StrictAvx2>(p);
   for (int c = 0; c < p.cols; c += 16) product_panel<StrictAvx2, 4, 2>(p, c);
 }
 

@@ -52,6 +52,7 @@ struct StrictAvx512 : Avx512 {
 };
 
 void product(const ProductArgs<float>& p) {
+  if (p.rows == 1) return product_row<Avx512>(p);
   int c = 0;
   for (; c + 64 <= p.cols; c += 64) product_panel<Avx512, 6, 4>(p, c);
   for (; c + 32 <= p.cols; c += 32) product_panel<Avx512, 12, 2>(p, c);
@@ -66,6 +67,7 @@ void outer(const OuterArgs<float>& p) {
 }
 
 void strict_product(const ProductArgs<float>& p) {
+  if (p.rows == 1) return product_row<StrictAvx512>(p);
   for (int c = 0; c < p.cols; c += 16) product_panel<StrictAvx512, 12, 1>(p, c);
 }
 

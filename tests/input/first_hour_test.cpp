@@ -1,0 +1,63 @@
+// What a controls engineer meets in the first hour: a map with several mistakes, and an AHU that does not answer.
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "input/program_desk.hpp"
+
+namespace airside {
+namespace {
+
+/// How often a part stands in a text.
+int times(const std::string& text, const std::string& part) {
+  int count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(Check, NamesEveryMistakeOfAPointMapInOneGo) {
+  const Desk desk;
+  desk.site();
+  desk.edit("points.csv", "room_temp_1,degc,4", "room_temp_1,degc,5");
+  desk.edit("points.csv", "room_temp_2,degc", "room_temp_2,degf");
+  desk.edit("points.csv", "\nfcu_temp_1,", "\nfcu_temp_9,");
+  const Outcome text = desk.run("airside", {"check", "site.toml"});
+  EXPECT_EQ(text.code, 1);
+  for (const char* part : {"points.csv:6, column fc: found \"5\"", "points.csv:7, column unit: found \"degf\"",
+                           "points.csv:11, column name: found \"fcu_temp_9\"", "no point \"fcu_temp_1\""})
+    EXPECT_EQ(times(text.out, part), 1) << part << "\n" << text.out;
+  EXPECT_NE(text.err.find("not in order, 4 complaints"), std::string::npos) << text.err;
+  const nlohmann::json said = nlohmann::json::parse(desk.run("airside", {"check", "--json", "site.toml"}).out);
+  EXPECT_EQ(said["checked"][1]["more"].size(), 3U) << said.dump(1);
+  EXPECT_EQ(times(desk.run("airsided", {"--check", "--site", "site.toml"}).err, "points.csv:"), 1) << "the first alone";
+
+  std::string many =
+      "name,unit,fc,addr,type,byte_order,word_order,scale,offset,min,max,max_rate,stale_s,sentinel,"
+      "write_policy,fc_write,default,readback\n";
+  for (int i = 0; i < 70; ++i) many += fmt::format("p{},,9,{},int16,,,1,0,0,1,,,,,,,\n", i, i);
+  desk.write("many.csv", many);
+  const Outcome listed = desk.run("airside", {"check", "--points", "many.csv", "--topology", "1vav-0fcu-0power"});
+  EXPECT_EQ(times(listed.out, "many.csv:"), 50) << listed.out;
+  EXPECT_EQ(times(listed.out, "WRONG"), 50);
+  EXPECT_EQ(times(listed.out, " more\n"), 1) << listed.out;
+}
+
+TEST(Probe, SaysWhereTheHostIsNamedAndWhatRefuses) {
+  const Desk desk;
+  desk.site();
+  desk.edit("site.toml", "port = 502", "port = 9");
+  for (const char* command : {"probe", "doctor"}) {
+    const Outcome refused = desk.run("airside", {command, "site.toml"});
+    EXPECT_EQ(refused.code, 1);
+    for (const char* part : {"connection refused by 127.0.0.1:9: nothing listens", "whether port 9 is the device's",
+                             "firewall", "nc -vz 127.0.0.1 9"})
+      EXPECT_EQ(times(refused.out + refused.err, part), 1) << command << part << "\n" << refused.out << refused.err;
+  }
+  desk.edit("site.toml", "host = \"127.0.0.1\"", "host = \"no-such-host.invalid\"");
+  EXPECT_EQ(times(desk.run("airside", {"probe", "site.toml"}).err, "site.toml:39:1: modbus.host: found"), 1);
+  EXPECT_EQ(times(desk.run("airside", {"doctor", "site.toml"}).out, "site.toml:39:1: modbus.host: \"no-such"), 1);
+}
+
+}  // namespace
+}  // namespace airside

@@ -1,0 +1,1 @@
+"""airside fleet: weights for many boxes, in waves."""
