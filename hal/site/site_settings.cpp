@@ -115,14 +115,44 @@ void refuse_coarse(const SiteFile& site, const PointMap& points, const Point& se
       "correct scale and offset; where the AHU is really that coarse, widen [setpoint]");
 }
 
+/// A setpoint that the controller or the schedule may ask for and that its own row calls impossible: it would be
+/// written, and read back as no reading.
+void refuse_outside_row(const SiteFile& site, const Point& setpoint, const std::string& file) {
+  const auto refuse = [&](const char* keys, double value) {
+    if (value >= setpoint.min && value <= setpoint.max) return;
+    throw InputError(fmt::format("{}: {}", site.path, keys), fmt::format("{} degC", value),
+                     fmt::format("{} to {} degC, the limits of setpoint on line {} of {}", setpoint.min, setpoint.max,
+                                 setpoint.line, file),
+                     "correct it; or min and max of that row, where the AHU takes such a setpoint");
+  };
+  refuse("[setpoint] min_degc", site.setpoint_min_degc);
+  refuse("[setpoint] max_degc", site.setpoint_max_degc);
+  refuse("[expert] work_degc", site.expert_work_degc);
+  refuse("[expert] off_degc", site.expert_off_degc);
+}
+
+/// A simulated AHU's clock that the map does not have.
+void refuse_missing_clock(const SiteFile& site, const PointMap& points) {
+  if (site.clock != ClockSource::plant) return;
+  for (const char* name : {"clock_s", "clock_advance_s"}) {
+    if (points.find(name) != nullptr) continue;
+    throw InputError(site.path + ": [clock] source",
+                     fmt::format("\"plant\", and no point {} in {}", name, points.file()),
+                     "the points clock_s and clock_advance_s of airside serve, or source = \"system\"",
+                     "beside a real AHU write source = \"system\"");
+  }
+}
+
 }  // namespace
 
 void refuse_contradiction(const SiteFile& site, const PointMap& points) {
   refuse_objective(site.objective, points, parse_shape(site.topology.c_str()).vavs,
                    site.path + ": [controller] objective");
   if (site.modbus) refuse_bacnet_contradiction(site, points);
+  refuse_missing_clock(site, points);
   const Point* setpoint = points.find("setpoint");
   if (setpoint == nullptr) return;
+  refuse_outside_row(site, *setpoint, points.file());
   refuse_coarse(site, points, *setpoint);
   if (setpoint->write_policy != WritePolicy::refresh) return;
   const auto budget = site.overrides.find("writes_per_day");

@@ -58,7 +58,7 @@ T whole_number(const Json& json, const char* key, T otherwise, const std::string
   if (found == json.end()) return otherwise;
   if (!found->is_number_unsigned() || found->template get<std::uint64_t>() > 1000000000) {
     throw hal::InputError(place + ": " + key, found->dump(), "a whole number from 0 to 1000000000",
-                          "correct the value");
+                          "write such a number, without quotes");
   }
   return found->template get<T>();
 }
@@ -87,7 +87,8 @@ RcRoom load(const std::string& name, const std::string& asked_by, int depth) {
   for (const EmbeddedRoom& room : embedded_rooms()) {
     if (room.name == name) return parse(std::string(room.json), "room " + name, name, depth);
   }
-  const char* generated = depth == 0 ? ", study-0 .. study-199, tuning-0 .. tuning-199" : "";
+  const char* generated =
+      depth == 0 ? ", study-0 .. study-199, tuning-0 .. tuning-199, modulating-humid, -mild, -reheat or -duct" : "";
   throw hal::InputError(asked_by, "room \"" + name + "\"", "one of " + joined(room_names()) + generated,
                         "choose one of these or give the path of a .json file");
 }

@@ -81,6 +81,19 @@ TEST_P(EndedBySignal, AStudyTakesItsChildrenWithIt) {
 INSTANTIATE_TEST_SUITE_P(Signals, EndedBySignal, testing::Values(SIGINT, SIGTERM, SIGKILL),
                          [](const auto& test) { return std::string(sigabbrev_np(test.param)); });
 
+TEST(EndedQuestions, SayThatNothingWasWritten) {
+  const TemporaryFolder folder, said;
+  Child asked({"/bin/sh", "-c",
+               "cd " + folder.path().string() +
+                   " && mkfifo typed && exec " AIRSIDE_BIN_DIR "/airside init site --ask <> typed"},
+              said.path() / "said");
+  ASSERT_TRUE(becomes_true([&] { return asked.said().find("Name of the room") != std::string::npos; }));
+  asked.signal(SIGINT);
+  EXPECT_EQ(asked.wait(patience_s), 130) << asked.said();
+  EXPECT_NE(asked.said().find("\nstopped; nothing was written\n"), std::string::npos) << asked.said();
+  EXPECT_FALSE(fs::exists(folder.path() / "site"));
+}
+
 using EndedOnEnergyPlus = EndedBySignal;
 
 TEST_P(EndedOnEnergyPlus, AStudyLeavesNeitherEnginesNorTheirFolders) {

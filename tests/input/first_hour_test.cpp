@@ -43,6 +43,32 @@ TEST(Check, NamesEveryMistakeOfAPointMapInOneGo) {
   EXPECT_EQ(times(listed.out, " more\n"), 1) << listed.out;
 }
 
+TEST(Check, RefusesASetpointThatItsOwnRowCallsImpossibleAndSoDoesTheDaemon) {
+  const Desk desk;
+  desk.site();
+  desk.edit("site.toml", "off_degc = 25.0", "off_degc = 36.0");
+  for (const Outcome& one :
+       {desk.run("airside", {"check", "site.toml"}), desk.run("airsided", {"--check", "--site", "site.toml"})}) {
+    EXPECT_EQ(one.code, 1);
+    EXPECT_EQ(
+        times(one.out + one.err, "[expert] off_degc: found 36 degC; expected 8 to 32 degC, the limits of setpoint"), 1)
+        << one.out << one.err;
+  }
+}
+
+TEST(Check, HintsAtAPointThatASiteMayDoWithoutAndThatWasMisspelt) {
+  const Desk desk;
+  desk.site();
+  desk.edit("points.csv", "\nheartbeat,", "\nheart_beat,");
+  const Outcome text = desk.run("airside", {"check", "site.toml"});
+  EXPECT_EQ(times(text.out + text.err, "\"heart_beat\" means nothing to airside; if it is heartbeat, correct its name"),
+            1)
+      << text.out << text.err;
+  desk.edit("points.csv", "\nheart_beat,", "\nheat_meter,");
+  const Outcome other = desk.run("airside", {"check", "site.toml"});
+  EXPECT_EQ(times(other.out + other.err, "means nothing to airside"), 0) << other.out << other.err;
+}
+
 TEST(Probe, SaysWhereTheHostIsNamedAndWhatRefuses) {
   const Desk desk;
   desk.site();

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 #include "input/program_desk.hpp"
 
 namespace airside {
@@ -106,10 +108,12 @@ TEST(InitAnswers, OfATerminalAreCheckedWhenTheyAreGivenForModbusTcp) {
   for (const char* again :
        {"found the text \"AHU <6>\"; expected a name without control characters", "found 'maen'; expected mean or band",
         "found '24,5'; expected a number from 10 to 35; write the decimal mark as a point",
-        "found the text \"06:00\"; expected work_start before work_end", "found 25.9; expected min_degc below max_degc",
-        "leave scheme, path and port out", "found '0'; expected a number other than 0",
-        "found 'lttle'; expected big or little; did you mean little?",
-        "column addr: found fc 3 addr 101..101, which overlaps room_temp_1 at 100..101"})
+        "found the text \"06:00\"; expected work_start before work_end",
+        "found 25.9; warmest must be above coldest (26)", "leave scheme, path and port out",
+        "found '0'; expected a number other than 0",
+        "found word order 'lttle'; expected big (abcd, high word first) or little (cdab, swapped); did you mean "
+        "little?",
+        "setpoint, column addr: found fc 3 addr 101..101, which overlaps room_temp_1 at 100..101"})
     EXPECT_TRUE(says(asked.err, again)) << again << "\n" << asked.err;
   for (const char* shown : {"Name of the room or AHU [AHU 1]: ", "Port [502]: ", "Working hours begin [07:00]: "})
     EXPECT_TRUE(says(asked.err, shown)) << shown;
@@ -248,6 +252,107 @@ TEST(InitAnswers, ThatAreWrongAreNamedAndNothingIsWritten) {
   desk.write("a.toml", good_answers);
   EXPECT_EQ(desk.run("airside", {"init", "site", "--answers", "a.toml", "--name", "AHU 4"}).code, 2)
       << "two names contradict one another";
+}
+
+/// What is said where `lines` are typed, one after the other, into `airside init asked --ask`.
+Outcome typed(const Desk& desk, const std::string& lines) {
+  return desk.shell("printf '%s\\n' " + lines + " | $airside init asked --ask");
+}
+
+/// Up to the first signal: two boxes, a meter, Modbus TCP.
+constexpr const char* small_site = "'AHU 5' 2 0 1 '' '' '' '' '' '' '' '' '' 10.1.1.1 '' '' ";
+
+TEST(InitAnswers, ThatWereGivenAreInBracketsAfterBack) {
+  const Desk desk;
+  const Outcome asked = typed(
+      desk, std::string(small_site) + "3:10:float32:0.5:-1:cdab:4 3:40 back back '' '' 41 '' '' '' 1:7 - - - - -");
+  ASSERT_EQ(asked.code, 0) << asked.err;
+  for (const char* there :
+       {"room temperature 1 [3:10:float32:0.5:-1:little:4]: ", "setpoint [3:40:int16:0.01]: ",
+        "taken: holding register 10, float32, scale 0.5, offset -1, word order little (cdab, the low word first); 2 of",
+        "taken: holding register 40, int16, scale 0.01, offset 0\n", "taken: coil 7; 2 of them", "taken: none\n"})
+    EXPECT_TRUE(says(asked.err, there)) << there << "\n" << asked.err;
+  const std::string points = text_of_file(desk.path("asked/points.csv"));
+  for (const char* there : {"\nroom_temp_2,degc,3,14,float32,big,little,0.5,-1,", "\nsetpoint,degc,3,40,int16,",
+                            "\nheartbeat,,3,41,uint16,", "\nvav_on_2,,1,8,coil,"})
+    EXPECT_TRUE(says(points, there)) << there << "\n" << points;
+}
+
+TEST(InitAnswers, OfBacnetAreInBracketsAfterBack) {
+  const Desk desk;
+  const Outcome asked =
+      typed(desk,
+            "'AHU 9' 1 0 0 '' '' '' '' '' '' '' '' bacnet 192.168.1.30/24 '' '' '' '' 1201:analog-input:3 0.5 -1 back "
+            "'' '' '' 1201:analog-input:3 1201:analog-output:1 '' '' '' '' '' '' '' '' ''");
+  ASSERT_EQ(asked.code, 0) << asked.err;
+  for (const char* there : {"room temperature 1 [1201:analog-input:3]: ", "value = number * scale + offset [0.5]: ",
+                            "offset [-1]: ", "taken: 1201:analog-input:3, scale 0.5, offset -1\n", " [gateway]: "})
+    EXPECT_TRUE(says(asked.err, there)) << there << "\n" << asked.err;
+  EXPECT_TRUE(says(text_of_file(desk.path("asked/points.csv")), "bacnet,1201:analog-input:3,5,45,0.5,-1,"));
+}
+
+TEST(InitAnswers, OfWhatIsWrittenAreNotMadeUp) {
+  const Desk desk;
+  const Outcome asked = typed(
+      desk, "'AHU 5' 2 0 1 '' '' '' '' 26 40 back 40 '' 42 back '' '' '' 10.1.1.1 '' '' '' '' 3:50 '' - - - - - -");
+  ASSERT_EQ(asked.code, 0) << asked.err;
+  for (const char* there :
+       {"setpoint:   found nothing; expected an answer", "gone [-]:   taken: none",
+        "And outside of them, degC [26]: ", "found '42'; expected a number from 5 to 40", "Warmest, degC [40]: "})
+    EXPECT_TRUE(says(asked.err, there)) << there << "\n" << asked.err;
+  const std::string points = text_of_file(desk.path("asked/points.csv"));
+  EXPECT_TRUE(says(points, "\nsetpoint,degc,3,50,int16,big,big,0.01,0,8,40,")) << points;
+  EXPECT_FALSE(says(points, "heartbeat,")) << points;
+  const std::string base = good_answers;
+  for (const auto& [room, limits] :
+       std::map<std::string, std::string>{{"setpoint_min_degc = 7\nsetpoint_max_degc = 20", "7,32"},
+                                          {"schedule_off_degc = 34.5", "8,34.5"},
+                                          {"schedule_work_degc = 6.5", "6.5,32"},
+                                          {"setpoint_min_degc = 18", "8,32"}}) {
+    desk.write("a.toml", hal::replaced(base, "setpoint_min_degc = 18", room));
+    const Outcome made = desk.run("airside", {"init", "site", "--answers", "a.toml", "--force"});
+    ASSERT_EQ(made.code, 0) << room << made.err;
+    const std::string rows = text_of_file(desk.path("site/points.csv"));
+    EXPECT_TRUE(says(rows, "\nsetpoint,degc,3,200,float32,big,big,1,0," + limits + ",")) << room << "\n" << rows;
+  }
+}
+
+TEST(InitAnswers, InOtherWordsAreTakenAsMeantOrGetAHint) {
+  const Desk desk;
+  const Outcome asked = typed(
+      desk,
+      "back 'AHU 5' 2 0 1 MEAN '' '' '' '' '' '' '' RTU ttyUSB0 9601 57600 x e 1 40031 '' '' '' '' '' '' 3:60 "
+      "3:70:int16 "
+      "- 3:60 1:7 4:8:float 4:8:BOOL 4:8:float32:0,5556:1 4:8:float32:5/9 4:8:float32:1:0:dcba 4:8:FLOAT32:1:0:swapped "
+      "4:30021 40020 4:9 - - -");
+  ASSERT_EQ(asked.code, 0) << asked.err;
+  for (const char* there :
+       {"this is the first question", "taken: /dev/ttyUSB0", "found '9601'; expected one of 1200, 2400, 4800, 9600,",
+        "found 'x'; expected E or N or O\n", "in a vendor's table 40001 is usually register 0 of function 3; 40031 ",
+        "counted from 0 (40031 if it is really meant) [30]: ", "4 input registers) [3]: ", "use uint16\n",
+        "vav_on_1, column addr: found fc 3 addr 60..60, which overlaps setpoint at 60..60", "did you mean float32?",
+        "did you mean a coil (function 1)?", "found scale '0,5556'; expected a number other than 0; write the decimal",
+        "write the fraction as a decimal number: 0.5555555556", "whose bytes are swapped too", "word order little (cda",
+        "(30021 if it is really meant) [20]: ", "taken: input register 40020, int16"})
+    EXPECT_TRUE(says(asked.err, there)) << there << "\n" << asked.err;
+  const std::string points = text_of_file(desk.path("asked/points.csv")),
+                    site = text_of_file(desk.path("asked/site.toml"));
+  EXPECT_TRUE(says(points, "\nroom_temp_2,degc,3,31,int16,")) << points;
+  for (const char* there : {"device = \"/dev/ttyUSB0\"", "baud = 57600", "parity = \"E\"", "transport = \"rtu\""})
+    EXPECT_TRUE(says(site, there)) << there << "\n" << site;
+}
+
+TEST(InitAnswers, AreNotAskedForAFolderThatCannotBeMade) {
+  const Desk desk;
+  desk.write("file", "");
+  for (const char* folder : {"file", "file/site", "/proc/site"}) {
+    const Outcome refused = desk.shell(std::string("$airside init ") + folder + " --ask < /dev/null");
+    EXPECT_EQ(refused.code, 1) << folder;
+    EXPECT_TRUE(says(refused.err, "expected a folder that can be made and written")) << refused.err;
+    EXPECT_FALSE(says(refused.err, "Name of")) << refused.err;
+  }
+  EXPECT_EQ(desk.shell("$airside init new/site --ask < /dev/null").code, 1);
+  EXPECT_FALSE(fs::exists(desk.path("new"))) << "a trial leaves nothing behind";
 }
 
 TEST(InitAnswers, DoNotReplaceASiteUnasked) {

@@ -51,6 +51,35 @@ TEST(SiteSettings, ARegisterThatIsTooCoarseForTheLimitsIsRefused) {
   });
 }
 
+TEST(SiteSettings, SetpointsOutsideTheLimitsOfTheirRowAreRefused) {
+  for (const char* key : {"[setpoint] max_degc", "[expert] work_degc", "[expert] off_degc"}) {
+    const std::string words(key);
+    const std::string section = words.substr(0, words.find(' ')), name = words.substr(words.find(' ') + 1);
+    expect_complaint(
+        {words.c_str(), "36 degC", "8 to 32 degC, the limits of setpoint on line", "min and max of that row"},
+        [&] { refuse_contradiction(site_of(section + "\n" + name + " = 36\n"), map_of(usual)); });
+  }
+  expect_complaint({"[setpoint] min_degc", "20 degC", "21 to 32 degC", "correct it"}, [] {
+    refuse_contradiction(site_of(""), map_of("int16,big,big,0.01,0,21,32,,,0x8000,on-change,6,22,self"));
+  });
+  EXPECT_NO_THROW(refuse_contradiction(site_of("[setpoint]\nmax_degc = 32\n[expert]\noff_degc = 32\n"), map_of(usual)));
+}
+
+TEST(SiteSettings, AClockOfASimulatedAhuNeedsItsPoints) {
+  const std::string plant = "[clock]\nsource = \"plant\"\n";
+  EXPECT_NO_THROW(refuse_contradiction(site_of(plant), map_of(usual)));
+  for (const char* name : {"clock_s", "clock_advance_s"}) {
+    std::string rows = default_point_map(5, 5, 2);
+    const std::size_t at = rows.find(std::string("\n") + name + ",");
+    ASSERT_NE(at, std::string::npos) << name;
+    rows.erase(at, rows.find('\n', at + 1) - at);
+    const PointMap map = PointMap::parse(rows, "points.csv");
+    expect_complaint({"site.toml: [clock] source", name, "airside serve", "source = \"system\""},
+                     [&] { refuse_contradiction(site_of(plant), map); });
+    EXPECT_NO_THROW(refuse_contradiction(site_of(""), map));
+  }
+}
+
 TEST(SiteSettings, TheControlCycleIsSixToTwentyFourMinutesInRows) {
   EXPECT_EQ(controller_settings(site_of("")).cycle_min, 18);
   for (const int minutes : {6, 12, 18, 24}) {

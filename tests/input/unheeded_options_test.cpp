@@ -107,5 +107,92 @@ TEST(Seeds, InOutputsReportsAndWeatherAreThoseThatWereTyped) {
   EXPECT_EQ(seeds_in(trained.out), typed) << trained.out;
 }
 
+// ---- What is typed, before what is missing; each file and each method once
+
+struct Mistake {
+  const char *words, *place, *found, *expected, *remedy;
+};
+
+TEST(SimulateOptions, ThatAreWrongAreSaidBeforeMissingWeightsAndNothingIsWritten) {
+  const Desk desk;
+  desk.make("simulate --plant rc --method varied --expert-days 0 --days 1 --log h.csv");
+  fs::create_symlink("h.csv", desk.path("link.csv"));
+  const std::string past = text_of_file(desk.path("h.csv"));
+  const std::string run = "simulate --plant rc --room 301-real --days 1 ";
+  for (const Mistake& m : {
+           Mistake{"--start 2021-13-01", "--start", "2021-13-01", "a date", "correct"},
+           {"--weather nix.epw", "nix.epw", "no readable file", "EPW", "check the path"},
+           {"--history nix.csv", "nix.csv", "no file", "CSV log", "check the path"},
+           {"--method expert --compare expert", "--compare expert", "runs anyway", "each method once", "leave it out"},
+           {"--compare ours", "--compare ours", "runs anyway", "each method once", "leave it out"},
+           {"--compare expert,mpc,expert", "--compare expert", "twice", "each method once", "leave it out"},
+           {"--method expert --log y.csv --history-log y.csv", "--history-log y.csv", "--log (y.csv)", "its own",
+            "another name"},
+           {"--method expert --log y.csv --history-log ./no/../y.csv", "--history-log", "--log (y.csv)", "its own",
+            "another name"},
+           {"--method mpc --history h.csv --log link.csv", "--log link.csv", "--history (h.csv)", "its own",
+            "another name"},
+           {"--method expert --log y.csv --history-log y.epw", "made-up weather", "--history-log (y.epw)", "its own",
+            "another name"},
+           {"--method expert --expert-days 0 --history-log y.csv", "--history-log y.csv", "--expert-days 0", "1 to 60",
+            "leave"},
+       }) {
+    SCOPED_TRACE(m.words);
+    const Outcome o = desk.run("airside", Desk::split(run + m.words));
+    EXPECT_EQ(o.code, 1) << o.out;
+    const Said said = complaint_in(o.err);
+    EXPECT_TRUE(names(said.place, m.place) && names(said.found, m.found)) << o.err;
+    EXPECT_TRUE(names(said.expected, m.expected) && names(said.remedy, m.remedy)) << o.err;
+    EXPECT_FALSE(names(o.err, "started")) << "refused before anything runs";
+    EXPECT_FALSE(fs::exists(desk.path("y.csv")) || fs::exists(desk.path("y.epw")));
+  }
+  EXPECT_EQ(text_of_file(desk.path("h.csv")), past);
+}
+
+// ---- Which days ran
+
+TEST(Simulate, NamesScenarioAndControlledDaysAndAStartThatReplacesTheScenarios) {
+  const Desk desk;
+  const std::string run = "simulate --plant rc --method expert --expert-days 1 --days 2 ";
+  const Outcome plain = desk.run("airside", Desk::split(run));
+  ASSERT_EQ(plain.code, 0) << plain.err;
+  EXPECT_TRUE(names(plain.out, "from 2021-08-02 to 2021-08-03, after 1 day under the schedule, no scenario"))
+      << plain.out;
+  EXPECT_FALSE(names(plain.err, "replaces"));
+  const Outcome own = desk.run("airside", Desk::split(run + "--scenario january --json"));
+  ASSERT_EQ(own.code, 0) << own.err;
+  const auto j = nlohmann::json::parse(own.out);
+  EXPECT_EQ(j["scenario"], "january");
+  EXPECT_FALSE(names(own.err, "replaces")) << own.err;
+  const Outcome other = desk.run("airside", Desk::split(run + "--scenario january --start 2021-02-27"));
+  ASSERT_EQ(other.code, 0) << other.err;
+  EXPECT_TRUE(names(other.out, "from 2021-02-28 to 2021-03-01")) << other.out;
+  EXPECT_TRUE(names(other.out, "scenario january")) << other.out;
+  EXPECT_NE(j["from"], "2021-02-28");
+  EXPECT_TRUE(names(other.err, "note: --start 2021-02-27 replaces 2021-")) << other.err;
+}
+
+// ---- A site by a serial line, served
+
+TEST(Serve, SaysThatASiteIsRtuWhereItServesTcpUnasked) {
+  const Desk desk;
+  desk.site();
+  desk.edit("site.toml", "transport = \"tcp\"", "transport = \"rtu\"");
+  const auto served = [&desk](const std::string& words) {
+    const Outcome o =
+        desk.shell("timeout -s TERM 60 $airside serve --site site.toml --plant rc --ready ready " + words +
+                   " & p=$!; i=0; while [ ! -e ready ] && [ $i -lt 300 ]; do sleep 0.1; i=$((i+1)); "
+                   "done; kill $p; wait $p; exit 0");
+    EXPECT_TRUE(fs::exists(desk.path("ready"))) << o.err;
+    fs::remove(desk.path("ready"));
+    return o.err;
+  };
+  const std::string unasked = served("");
+  for (const char* word : {"note: the transport of", "site.toml is rtu", "Modbus TCP on 127.0.0.1:", "--pty"})
+    EXPECT_TRUE(names(unasked, word)) << unasked;
+  EXPECT_FALSE(names(served("--port 0"), "is rtu")) << "TCP was asked for";
+  EXPECT_FALSE(names(served("--pty line"), "is rtu"));
+}
+
 }  // namespace
 }  // namespace airside

@@ -220,6 +220,7 @@ std::string Cutter::judge_weights(const Loaded& loaded, const Names& wanted) {
 void Cutter::report(const std::string& finding) {
   const std::scoped_lock lock(shared_.mutex);
   ++shared_.counts.all_findings;
+  shared_.found = true;
   if (shared_.counts.findings.size() >= 20) return;
   shared_.counts.findings.push_back("operation " + std::to_string(crash_point_) + " of " +
                                     std::to_string(shared_.trace.ops.size()) + ": " + finding);

@@ -59,7 +59,7 @@ void Cutter::follow(int round) {
 
 bool Cutter::enough() const {
   const std::uint64_t distinct = shared_.seen.count();
-  if (distinct >= shared_.options.most_states || shared_.seconds() > shared_.options.seconds) return true;
+  if (distinct >= shared_.options.most_states || shared_.ends()) return true;
   return round_ > 0 && distinct >= shared_.options.states;
 }
 

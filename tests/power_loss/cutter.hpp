@@ -2,6 +2,7 @@
 // Follows a write log and makes what a power cut may leave at each of its calls (cutter.cpp), and hands that to the
 // daemon's own loading code (cut_judge.cpp). One for each thread.
 
+#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <mutex>
@@ -99,10 +100,12 @@ struct Shared {
   const CutOptions& options;
   SeenStates seen, seen_store;
   CutCounts counts;
+  std::atomic<bool> found{false};
   std::mutex mutex;
   std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
   Shared(const Trace& t, const CutOptions& o)
       : trace(t), options(o), seen(o.states * 5 / 4 + 1'000'000), seen_store(o.states * 5 / 4 + 1'000'000) {}
+  bool ends() const { return seconds() > options.seconds || (options.until_found && found); }
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); }
 };
 

@@ -62,8 +62,8 @@ CutCounts cut_power(const Trace& trace, const CutOptions& options) {
       if (!text.empty()) throw std::runtime_error(text);
     }
     if (round == 0) shared.counts.exhaustive = shared.seen.count();
-    const bool enough = shared.seen.count() >= std::min(options.states, options.most_states) ||
-                        shared.seconds() > options.seconds || shared.seen.full();
+    const bool enough =
+        shared.seen.count() >= std::min(options.states, options.most_states) || shared.ends() || shared.seen.full();
     if (enough || shared.seen.count() == before) break;
   }
   shared.counts.distinct = shared.seen.count();

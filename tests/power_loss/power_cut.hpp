@@ -60,6 +60,7 @@ struct CutOptions {
   std::uint64_t most_of_point = ~std::uint64_t{0};  ///< states of a crash point in the exhaustive part, for short runs
   double seconds = 1e9;                             ///< stop sampling after so long
   std::uint64_t samples = 64;                       ///< of a crash point in one round of sampling
+  bool until_found = false;                         ///< stop at the first finding
 };
 
 struct CutCounts {

@@ -179,6 +179,7 @@ CutCounts without_sync_of(const Trace& life, const std::string& prefix) {
   CutOptions few = options();
   few.states = few.most_states = 8000;  // fewer end before the first push
   few.stride = 7;
+  few.until_found = true;
   return cut_power(careless, few);
 }
 

@@ -74,6 +74,7 @@ namespace {
 
 struct LibraryOption {
   const char *name, *what;
+  const char* value = "";  ///< what its value is called in the help
 };
 struct LibraryAction {
   const char *name, *what;
@@ -193,16 +194,16 @@ struct FleetAction {
 };
 
 const std::vector<FleetAction>& fleet_actions() {
-  static const LibraryOption by{"--by", "for the ledger (default: the user's name)"};
+  static const LibraryOption by{"--by", "for the ledger (default: the user's name)", "NAME"};
   static const std::vector<FleetAction> all{
       {"push",
        "send signed weights to every box, in waves; the same command goes on after a stop",
        {{"file", "fleet.toml"}},
-       {{"--blob", "the weights, signed and for any site"},
-        {"--from-library", "the weights, from a library: first 8 or more digits"},
-        {"--library", "whose revoked weights are refused (default: $AIRSIDE_LIBRARY, else none)"},
-        {"--library-keys", "whose index is believed (default: $AIRSIDE_LIBRARY_KEYS, else ./keys)"},
-        {"--at-least", "refuse an index of a lower serial number: somebody put it back"},
+       {{"--blob", "the weights, signed and for any site", "FILE"},
+        {"--from-library", "the weights, from a library: first 8 or more digits", "DIGEST"},
+        {"--library", "whose revoked weights are refused (default: $AIRSIDE_LIBRARY, else none)", "ADDRESS"},
+        {"--library-keys", "whose index is believed (default: $AIRSIDE_LIBRARY_KEYS, else ./keys)", "PLACE"},
+        {"--at-least", "refuse an index of a lower serial number: somebody put it back", "SERIAL"},
         by},
        {{"--dry-run", "check everything, print the waves, send nothing"},
         {"--example", "print a fleet file to begin with"}}},
@@ -223,7 +224,8 @@ const std::vector<FleetAction>& fleet_actions() {
 void add_fleet_action(CLI::App& fleet, const FleetAction& action) {
   CLI::App* command = fleet.add_subcommand(action.name, action.what);
   for (const LibraryOption& place : action.places) command->add_option(place.name)->description(place.what);
-  for (const LibraryOption& option : action.options) command->add_option(option.name)->description(option.what);
+  for (const LibraryOption& option : action.options)
+    command->add_option(option.name)->description(option.what)->type_name(option.value);
   for (const LibraryOption& flag : action.flags) command->add_flag(flag.name)->description(flag.what);
   command->add_flag("--json")->description("print one JSON object and nothing else on standard output");
   command->callback([command] {

@@ -22,6 +22,15 @@ namespace {
 volatile std::sig_atomic_t stop_requested = 0;
 extern "C" void request_serve_stop(int) { stop_requested = 1; }
 
+/// A client with this site file would look for a serial line.
+void note_rtu_over_tcp(const Site& s, const std::string& where) {
+  if (!s.file.modbus || s.file.modbus->transport != hal::ModbusTransport::rtu) return;
+  fmt::print(stderr,
+             "airside: note: the transport of {} is rtu; this is Modbus TCP on {}. --pty FILE serves RTU, and FILE is "
+             "then the site's device; --port says that TCP is meant\n",
+             s.file.path, where);
+}
+
 struct ServeCommand {
   SiteOptions site;
   PlantChoice plant;
@@ -62,6 +71,7 @@ struct ServeCommand {
     std::signal(SIGTERM, request_serve_stop);
     std::signal(SIGINT, request_serve_stop);
     const std::string where = pty.empty() ? fmt::format("{}:{}", listen, server.port()) : pty;
+    if (pty.empty() && port < 0) note_rtu_over_tcp(s, where);
     if (json) {
       const nlohmann::json j = {
           {"plant", model->description()}, {"address", where}, {"from", hal::civil_text(open)}, {"days", days}};

@@ -29,6 +29,14 @@ struct SimulateCommand : Simulation {
     return text;
   }
 
+  std::string period_text() const {
+    const Days controlled = controlled_days();
+    std::string text = controlled.from + " to " + controlled.to;
+    if (expert_days > 0)
+      text += fmt::format(", after {} day{} under the schedule", expert_days, expert_days == 1 ? "" : "s");
+    return text + (plant.scenario.empty() ? ", no scenario" : ", scenario " + plant.scenario);
+  }
+
   void run(const CLI::App& command) {
     const Site chosen = make_site(site);
     take_site_twin(command, plant, chosen, TwinUse::when_asked);
@@ -76,7 +84,7 @@ struct SimulateCommand : Simulation {
     }
     print_figures_header();
     for (const MethodResult& r : results) print_figures(r.name, r.runs.front());
-    fmt::print("on {}\nby {}\n", first.plant, text_of(ready.facts));
+    fmt::print("on {}\nfrom {}\nby {}\n", first.plant, period_text(), text_of(ready.facts));
   }
 };
 

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 
 #include "hal/log/log_csv.hpp"
+#include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "sim/rc/modulating_room.hpp"
 #include "sim/weather/epw.hpp"
@@ -35,6 +38,15 @@ class AskedLog {
   std::optional<hal::LogWriter> writer_;
 };
 
+/// Whatever the spelling: relative, through links, or by a second name of the file.
+bool is_one_file(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
+  std::error_code none;
+  if (fs::equivalent(a, b, none)) return true;
+  const fs::path whole_a = fs::weakly_canonical(fs::absolute(a, none), none);
+  return !whole_a.empty() && whole_a == fs::weakly_canonical(fs::absolute(b, none), none);
+}
+
 }  // namespace
 
 /// The made-up year of a simulated log is in no file: it goes beside the log, for what reads weather and log.
@@ -60,6 +72,51 @@ void Simulation::check_start(Objective objective, bool engine) const {
   throw hal::InputError("--room " + plant.room, "a room whose boxes do not modulate, and objective = \"band\"",
                         "modulating-humid, modulating-mild, modulating-reheat or modulating-duct",
                         "choose one of these rooms, or objective = \"mean\" in the site file");
+}
+
+/// Two logs in one file would be neither.
+void Simulation::check_places(const Site& s) const {
+  if (!history_log.empty() && expert_days == 0 && history.empty()) {
+    throw hal::InputError("--history-log " + history_log, "--expert-days 0, so no day under the schedule",
+                          "1 to 60 of them, whose rows it takes", "give --expert-days, or leave --history-log out");
+  }
+  const std::pair<std::string, std::string> files[] = {{"--history", history},
+                                                       {"--log", log},
+                                                       {"--history-log", history_log},
+                                                       {"the made-up weather beside --log", weather_to_write(s)}};
+  for (std::size_t i = 1; i < std::size(files); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto& [later, path] = files[i];
+      const auto& [earlier, other] = files[j];
+      if (path.empty() || other.empty() || !is_one_file(path, other)) continue;
+      throw hal::InputError(later + " " + path, fmt::format("the file of {} ({})", earlier, other),
+                            "a file of its own for each", "give one of them another name");
+    }
+  }
+}
+
+/// Each thing typed is looked at before the user is asked for one that is not there. Returns the rows of --history.
+std::vector<hal::LogRow> Simulation::read_typed(const Site& s, bool engine) const {
+  (void)start_of(plant);
+  check_room(plant, s);
+  if (!engine && plant.environment.empty()) {
+    (void)make_plant(plant, s, expert_days + days);
+  } else if (engine && !plant.weather.empty() && !std::ifstream(plant.weather)) {  // the engine reads it when it starts
+    throw hal::InputError(plant.weather, "no readable file", "an EPW weather file", "check the path");
+  }
+  if (history.empty()) return {};
+  return hal::read_log(history, s.counts).rows;
+}
+
+void Simulation::refuse_repeated(const std::vector<std::string>& compare) const {
+  for (std::size_t i = 0; i < compare.size(); ++i) {
+    const bool is_main = compare[i] == method;
+    const auto before = compare.begin() + static_cast<std::ptrdiff_t>(i);
+    if (!is_main && std::find(compare.begin(), before, compare[i]) == before) continue;
+    throw hal::InputError("--compare " + compare[i],
+                          is_main ? "the method that runs anyway, by --method" : "the same method twice",
+                          "each method once", "leave it out here, or name another");
+  }
 }
 
 /// What no method of the run heeds must not look as if it had been used.
@@ -105,22 +162,24 @@ Simulation::Ready Simulation::make_ready(const Site& chosen, const std::vector<s
     if (name != "ours") check_method("--compare", name, engine);
     ours = ours || name == "ours";
   }
+  refuse_repeated(compare);
   refuse_unheeded(compare, engine);
   if (!faults.empty()) trial.faults = sim::read_fault_script(faults, trial.site.counts);
-  check_room(plant, trial.site);
+  check_places(trial.site);
+  std::vector<hal::LogRow> remembered = read_typed(trial.site, engine);
   RunFacts facts = run_facts(plant, trial.site);
   BlobBytes blob;
   if (ours) {
     check_start(trial.site.settings.objective, engine);
     if (!weights.empty()) blob = read_blob(weights, trial.site);
   }
-  return {std::move(trial), std::move(facts), std::move(blob)};
+  return {std::move(trial), std::move(facts), std::move(blob), std::move(remembered)};
 }
 
 SimulatedRun Simulation::run(const Ready& ready, const std::string& name, const OnProgress& progress) const {
   const Trial& trial = ready.trial;
   Prepared prepared = prepare(trial);
-  if (!history.empty()) prepared.history = hal::read_log(history, trial.site.counts).rows;
+  if (!history.empty()) prepared.history = ready.history;
   SimulatedRun out;
   out.history = prepared.history;
   out.plant = prepared.model->description();
@@ -141,6 +200,13 @@ Simulation::Recorded Simulation::run_recorded(const Ready& ready, const std::fun
   return out;
 }
 
+Simulation::Days Simulation::controlled_days() const {
+  constexpr std::int64_t day_s = 86400;
+  const std::int64_t begin_s = start_of(plant).seconds + expert_days * day_s;
+  const auto date = [](std::int64_t s) { return hal::civil_text({s}).substr(0, hal::date_text_size); };
+  return {date(begin_s), date(begin_s + (days - 1) * day_s)};
+}
+
 nlohmann::json Simulation::json_of(const Ready& ready, const SimulatedRun& run) const {
   nlohmann::json j = tools::json_of(run.metrics);
   j["plant"] = run.plant;
@@ -150,6 +216,10 @@ nlohmann::json Simulation::json_of(const Ready& ready, const SimulatedRun& run) 
   j["room"] = plant.room;
   j["seeds"] = {plant.seed};
   j["days"] = days;
+  j["scenario"] = plant.scenario;
+  const Days controlled = controlled_days();
+  j["from"] = controlled.from;
+  j["to"] = controlled.to;
   j["digest"] = ready.blob.empty() ? "" : digest_text(ready.blob);
   j["rejected_updates"] = run.control.rejected_updates;
   std::vector<double> setpoints;

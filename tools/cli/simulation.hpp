@@ -33,6 +33,7 @@ struct Simulation {
     Trial trial;
     RunFacts facts;
     BlobBytes blob;
+    std::vector<hal::LogRow> history;  ///< of `history`; empty: none was given
   };
   /// `chosen`: the site, which may have given `plant` its twin. `compare`: further methods that will run.
   /// Errors: hal::InputError.
@@ -50,11 +51,21 @@ struct Simulation {
   /// `begin` is called when all places have been tried; it gives what run() shows its progress with.
   Recorded run_recorded(const Ready& ready, const std::function<OnProgress()>& begin) const;
 
+  /// First and last controlled day, as 2021-08-06.
+  struct Days {
+    std::string from, to;
+  };
+  /// Errors: hal::InputError for a start that is no date.
+  Days controlled_days() const;
+
   /// What --json prints of it.
   nlohmann::json json_of(const Ready& ready, const SimulatedRun& run) const;
 
  private:
   void check_start(Objective objective, bool engine) const;
+  void check_places(const Site& s) const;
+  std::vector<hal::LogRow> read_typed(const Site& s, bool engine) const;
+  void refuse_repeated(const std::vector<std::string>& compare) const;
   void refuse_unheeded(const std::vector<std::string>& compare, bool engine) const;
   std::string weather_to_write(const Site& s) const;
 };

@@ -261,6 +261,9 @@ void take_scenario_start(const CLI::App& command, PlantChoice& choice) {
   if (choice.scenario.empty()) return;
   const sim::Scenario& under = sim::scenario("--scenario", choice.scenario);
   if (command.count("--start") == 0) choice.start = under.start;
+  if (choice.start != under.start)
+    fmt::print(stderr, "airside: note: --start {} replaces {}, the first day of scenario {}\n", choice.start,
+               under.start, choice.scenario);
 }
 
 void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site, TwinUse use) {

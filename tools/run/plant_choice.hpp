@@ -52,7 +52,8 @@ enum class TwinUse : std::uint8_t { unless_named, when_asked };
 void take_site_twin(const CLI::App& command, PlantChoice& choice, const Site& site, TwinUse use);
 
 /// Puts the first day of the scenario, or of the learned environment's log, in the place of a start that `command` was
-/// not given.  Errors: hal::InputError for a name that is none, and for a file that is no environment.
+/// not given; one that was given in place of a scenario's is noted on standard error.
+/// Errors: hal::InputError for a name that is none, and for a file that is no environment.
 void take_scenario_start(const CLI::App& command, PlantChoice& choice);
 
 /// Midnight of the start day.  Errors: hal::InputError for text that is no date.

@@ -3,6 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <vector>
@@ -13,7 +18,7 @@
 #include "hal/text/input_error.hpp"
 #include "hal/text/shell_word.hpp"
 #include "tools/cli/command.hpp"
-#include "tools/cli/site/init_answers.hpp"
+#include "tools/cli/site/ask/init_answers.hpp"
 
 namespace airside::tools {
 
@@ -27,6 +32,53 @@ void write(const fs::path& path, const std::string& text) {
     throw hal::InputError(path.string(), hal::describe(written.error()), "a folder that can be written",
                           "choose another folder");
   }
+}
+
+extern "C" void say_that_it_stopped(int) {
+  constexpr char word[] = "\nstopped; nothing was written\n";
+  static_cast<void>(!::write(STDERR_FILENO, word, sizeof word - 1));
+  ::_exit(128 + SIGINT);
+}
+
+/// While questions are asked Ctrl-C says what became of the answers, and ends the program.
+class StopWord {
+ public:
+  StopWord() {
+    ::sigaction(SIGINT, nullptr, &before_);
+    if (before_.sa_handler == SIG_IGN) return;
+    struct sigaction action {};
+    action.sa_handler = say_that_it_stopped;
+    ::sigemptyset(&action.sa_mask);
+    ::sigaction(SIGINT, &action, nullptr);
+  }
+  ~StopWord() { ::sigaction(SIGINT, &before_, nullptr); }
+  StopWord(const StopWord&) = delete;
+  StopWord& operator=(const StopWord&) = delete;
+
+ private:
+  struct sigaction before_ {};
+};
+
+/// Makes the folder and a file in it, and takes both away: what only a try can say, before anything is asked.
+void try_folder(const std::string& folder) {
+  std::error_code error;
+  fs::path whole = fs::absolute(folder).lexically_normal();
+  if (whole.filename().empty()) whole = whole.parent_path();
+  std::vector<fs::path> made;
+  for (fs::path p = whole; p.has_relative_path() && !fs::exists(fs::symlink_status(p, error)); p = p.parent_path()) {
+    made.push_back(p);
+  }
+  fs::create_directories(whole, error);
+  if (!error) {
+    std::string trial = (whole / ".airside-init-XXXXXX").string();
+    const int file = ::mkstemp(trial.data());
+    if (file < 0) error.assign(errno, std::generic_category());
+    if (file >= 0) ::close(file), ::unlink(trial.c_str());
+  }
+  std::error_code ignored;
+  for (const fs::path& p : made) fs::remove(p, ignored);
+  if (!error) return;
+  throw hal::InputError(folder, error.message(), "a folder that can be made and written", "choose another folder");
 }
 
 struct InitCommand {
@@ -56,10 +108,16 @@ struct InitCommand {
     }
   }
 
+  InitAnswers asked() const {
+    try_folder(folder);
+    const StopWord stop;
+    return ask_answers(std::cin, std::cerr);
+  }
+
   /// Site file and point map from a person's answers; checked whole before a byte is written.
   void write_answered() {
     refuse_existing({fs::path(folder) / "site.toml", fs::path(folder) / "points.csv"});
-    const InitAnswers a = ask ? ask_answers(std::cin, std::cerr) : read_answers(answers);
+    const InitAnswers a = ask ? asked() : read_answers(answers);
     const fs::path dir = folder, site = dir / "site.toml", points = dir / "points.csv", kept = dir / "answers.toml";
     const std::string site_text = site_text_of(a), points_text = points_text_of(a);
     of_answers([&] {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
+#include <cstring>
 #include <set>
 #include <vector>
 
@@ -13,8 +15,8 @@
 #include "hal/site/site_settings.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
-#include "tools/cli/site/init_answers.hpp"
-#include "tools/cli/site/questions.hpp"
+#include "tools/cli/site/ask/init_answers.hpp"
+#include "tools/cli/site/ask/questions.hpp"
 
 namespace airside::tools {
 
@@ -68,6 +70,13 @@ void place_signal(InitRow& row, const SignalAnswer& a) {
   row.is_said = true;
 }
 
+/// The limits of the setpoint's row hold each setpoint that the site writes.
+void widen_setpoint(InitRow& row, const InitAnswers& a) {
+  const auto [least, most] = std::minmax({a.min_degc, a.max_degc, a.schedule_work_degc, a.schedule_off_degc});
+  row["min"] = fmt::format("{}", std::min(std::stod(row["min"]), least));
+  row["max"] = fmt::format("{}", std::max(std::stod(row["max"]), most));
+}
+
 /// Rows of the signals that the site has, without those of a simulated AHU.
 std::vector<InitRow> rows_of_answers(const InitAnswers& a) {
   const std::string all =
@@ -79,6 +88,7 @@ std::vector<InitRow> rows_of_answers(const InitAnswers& a) {
     const std::string& name = row["name"];
     if (name == "clock_s" || name == "clock_advance_s" || name == "map_fingerprint") continue;
     if (a.is_absent(stem_of(name))) continue;
+    if (name == "setpoint") widen_setpoint(row, a);
     if (const auto found = a.signals.find(stem_of(name)); found != a.signals.end()) place_signal(row, found->second);
     rows.push_back(std::move(row));
   }
@@ -283,9 +293,37 @@ std::string complaint_of_site(const InitAnswers& a) {
   }
 }
 
-std::string complaint_of_rows(const InitAnswers& a) {
+SignalAnswer whole_answer(const InitAnswers& a, const std::string& signal) {
+  const auto said = a.signals.find(signal);
+  SignalAnswer whole = said == a.signals.end() ? SignalAnswer{} : said->second;
+  for (InitRow& row : rows_of_answers(a)) {
+    if (stem_of(row["name"]) != signal || place_of(row["name"]) != 1) continue;
+    whole.fc = row.number("fc");
+    whole.addr = row.number("addr");
+    whole.type = row["type"];
+    whole.scale = std::stod(row["scale"]);
+    whole.offset = std::stod(row["offset"]);
+    whole.word_order = row["word_order"];
+  }
+  return whole;
+}
+
+namespace {
+
+/// The point of a line of a point map, the header's being the first.
+std::string name_on_line(const std::string& text, int number) {
+  const std::vector<std::string> lines = parts_of(text, '\n');
+  const auto at = static_cast<std::size_t>(number - 1);
+  return number > 1 && at < lines.size() ? parts_of(lines[at], ',')[0] : "";
+}
+
+}  // namespace
+
+std::string complaint_of_rows(const InitAnswers& a, const std::string& latest) {
   std::vector<InitRow> rows = rows_of_answers(a);
   if (!a.bacnet) std::erase_if(rows, [](const InitRow& row) { return !row.is_said; });
+  // Of two rows that overlap the map complains of the second.
+  std::ranges::stable_partition(rows, [&](InitRow& row) { return stem_of(row["name"]) != latest; });
   if (rows.empty()) return {};
   const std::string text = a.bacnet ? text_of_bacnet_rows(a, rows) : text_of_modbus_rows(rows);
   std::vector<hal::InputError> complaints;
@@ -302,9 +340,15 @@ std::string complaint_of_rows(const InitAnswers& a) {
   for (const hal::InputError& e : complaints) {
     const std::size_t comma = e.place().find(", "), line = e.found().find(" (line ");
     if (!e.place().starts_with("points.csv:")) continue;  // of what is still to come
-    return fmt::format("{}found {}; expected {}; {}",
-                       comma == std::string::npos ? "" : e.place().substr(comma + 2) + ": ", e.found().substr(0, line),
-                       e.expected(), e.remedy());
+    const std::string name = name_on_line(text, std::atoi(e.place().c_str() + std::strlen("points.csv:")));
+    const std::string column = comma == std::string::npos ? "" : e.place().substr(comma + 2);
+    std::string found = e.found().substr(0, line);
+    constexpr std::string_view before = "first on line ";
+    if (const std::size_t at = found.find(before); at != std::string::npos) {
+      found = found.substr(0, at) + "first of " + name_on_line(text, std::atoi(found.c_str() + at + before.size()));
+    }
+    return fmt::format("{}{}{}{}found {}; expected {}; {}", name, name.empty() || column.empty() ? "" : ", ", column,
+                       name.empty() && column.empty() ? "" : ": ", found, e.expected(), e.remedy());
   }
   return {};
 }

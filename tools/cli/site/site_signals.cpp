@@ -6,6 +6,7 @@
 #include <array>
 
 #include "hal/points/point_map.hpp"
+#include "hal/text/civil_text.hpp"
 #include "tools/study/missing_signals.hpp"
 
 namespace airside::tools {

@@ -7,19 +7,14 @@
 #include <cmath>
 
 #include "hal/site/site_settings.hpp"
+#include "tools/cli/site/ask/vendor_numbers.hpp"
 
 namespace airside::tools {
 
 namespace {
 
-/// How vendors number what one function reads: `first` is its address 0.
-struct Numbering {
-  int first, last, fc;
-};
-constexpr std::array<Numbering, 3> vendor_numbers = {{{10001, 19999, 2}, {30001, 39999, 4}, {40001, 49999, 3}}};
-
 /// One warning for all points whose addresses lie in a vendor's range.
-void warn_of_addresses(const hal::PointMap& points, const Numbering& numbers, std::vector<std::string>& out) {
+void warn_of_addresses(const hal::PointMap& points, const VendorNumbers& numbers, std::vector<std::string>& out) {
   std::vector<const hal::Point*> found;
   for (const hal::Point& p : points.points()) {
     if (p.addr >= numbers.first && p.addr <= numbers.last) found.push_back(&p);
@@ -27,12 +22,11 @@ void warn_of_addresses(const hal::PointMap& points, const Numbering& numbers, st
   if (found.empty()) return;
   const bool other_function =
       std::any_of(found.begin(), found.end(), [&](const hal::Point* p) { return p->fc != numbers.fc; });
-  out.push_back(fmt::format(
-      "line {}: {} has address {}{}: in a vendor's table {} is usually register 0 of function {}; if these are such "
-      "numbers, write the address less {}{}",
-      found.front()->line, found.front()->name, found.front()->addr,
-      found.size() == 1 ? "" : fmt::format(", and {} more points have such addresses", found.size() - 1), numbers.first,
-      numbers.fc, numbers.first, other_function ? fmt::format(", with fc {}", numbers.fc) : ""));
+  out.push_back(
+      fmt::format("line {}: {} has address {}{}: {}; if these are such numbers, write the address less {}{}",
+                  found.front()->line, found.front()->name, found.front()->addr,
+                  found.size() == 1 ? "" : fmt::format(", and {} more points have such addresses", found.size() - 1),
+                  numbers.in_words(), numbers.first, other_function ? fmt::format(", with fc {}", numbers.fc) : ""));
 }
 
 bool is_status(const std::string& name) {
@@ -50,12 +44,38 @@ void warn_of_fractions(const hal::PointMap& points, std::vector<std::string>& ou
   }
 }
 
+/// Whether one is the other with a slip of at most two letters in one place.
+bool is_slip_of(std::string_view one, std::string_view other) {
+  while (!one.empty() && !other.empty() && one.front() == other.front()) {
+    one.remove_prefix(1);
+    other.remove_prefix(1);
+  }
+  while (!one.empty() && !other.empty() && one.back() == other.back()) {
+    one.remove_suffix(1);
+    other.remove_suffix(1);
+  }
+  return one.size() <= 2 && other.size() <= 2;
+}
+
+/// Points that a site may do without: nobody asks for one whose name was misspelt.
+void warn_of_misspelt(const hal::PointMap& points, std::vector<std::string>& out) {
+  for (const char* name : {"heartbeat", "device_heartbeat", "supply_temp", "ahu_on", "occupied", "supply_flow"}) {
+    if (points.find(name) != nullptr) continue;
+    for (const std::string& extra : points.extras()) {
+      if (!is_slip_of(extra, name)) continue;
+      out.push_back(fmt::format("line {}: \"{}\" means nothing to airside; if it is {}, correct its name",
+                                points.at(extra).line, extra, name));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const hal::PointMap& points) {
   std::vector<std::string> out;
-  for (const Numbering& numbers : vendor_numbers) warn_of_addresses(points, numbers, out);
+  for (const VendorNumbers& numbers : vendor_numbers) warn_of_addresses(points, numbers, out);
   if (std::string heartbeat = hal::warning_of(points); !heartbeat.empty()) out.push_back(std::move(heartbeat));
+  warn_of_misspelt(points, out);
   warn_of_fractions(points, out);
   return out;
 }

@@ -71,6 +71,12 @@ def seen_in(text, age_s):
         raise NoAnswer(f"no status of airsided: {type(error).__name__} {error}") from error
 
 
+def in_words(error):
+    """What the system says of an error, without its number and the path."""
+    is_of_system = isinstance(error, OSError) and not isinstance(error, ssl.SSLError)
+    return error.strerror.lower() if is_of_system and error.strerror else str(error)
+
+
 def unfit(seen, crc):
     """Why nothing is to be sent to a box now; empty: it may be."""
     if seen.condition == "stopped":
@@ -123,6 +129,7 @@ class SiteBox:
         self.program, self.site = program, Path(box.ways["site"])
 
     def seen(self):
+        path = None
         try:
             site = tomllib.loads(self.site.read_text(encoding="utf-8"))
             path = self.site.parent / site.get("state", {}).get("dir", "state") / "status.json"
@@ -131,8 +138,12 @@ class SiteBox:
                 if not stat.S_ISREG(facts.st_mode):
                     raise NoAnswer(f"{path} is no regular file")
                 text = file.read(LONGEST_STATUS)
+        except FileNotFoundError as error:
+            if path is None:
+                raise NoAnswer(f"no site file {self.site}") from error
+            raise NoAnswer(f"airsided has not run with this site yet (no {path})") from error
         except (OSError, ValueError, AttributeError, TypeError) as error:
-            raise NoAnswer(f"{self.site}: {error}") from error
+            raise NoAnswer(f"{path or self.site}: {in_words(error)}") from error
         return seen_in(text, time.time() - facts.st_mtime)
 
     def push(self, blob):
@@ -170,7 +181,7 @@ class PageBox:
         except urllib.error.HTTPError as error:
             raise Refused(f"{self.address}{path}: {error.code} {error.reason}") from error
         except (OSError, ValueError, http.client.HTTPException) as error:
-            raise NoAnswer(f"{self.address}: {getattr(error, 'reason', error)}") from error
+            raise NoAnswer(f"{self.address}: {in_words(getattr(error, 'reason', error))}") from error
 
     def seen(self):
         try:

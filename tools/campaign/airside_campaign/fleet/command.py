@@ -29,6 +29,7 @@ MOST_LINES = 20  # of single boxes; --json has all
 
 
 def parser():
+    """And those of the actions, by name."""
     p = argparse.ArgumentParser(
         prog="airside fleet", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, epilog=EPILOG
     )
@@ -60,7 +61,7 @@ def parser():
     undo = action("undo", "let every box of a push return to the weights before it")
     undo.add_argument("digest", metavar="DIGEST", help="of the pushed weights: its first 8 or more digits")
     undo.add_argument("--by", metavar="NAME", help="for the ledger (default: the user's name)")
-    return p
+    return p, actions.choices
 
 
 def span(seconds):
@@ -152,14 +153,18 @@ def push_command(arguments, program):
 
 def dry_run(push, as_json):
     waves = push.plan(push.check())
+    nobody = bool(push.unfit) and not any(waves)
     if as_json:
         out = {"weights": push.weights.digest, "crc": push.weights.crc, "waves": waves, "not_fit": push.unfit}
         print(json.dumps(out, ensure_ascii=False))
-        return 0
+        return 1 if nobody else 0
     for number, names in enumerate(waves, 1):
         print(f"wave {number}: {len(names)} boxes: {some(names)}")
     for name, why in push.unfit.items():
         print(f"not now: {name}: {why}")
+    if nobody:
+        print("airside fleet: no box is fit for these weights now, so a push would send nothing", file=sys.stderr)
+        return 1
     print(f"nothing was sent; at least {span(86400 * sum(bool(names) for names in waves))}, a day of trial a wave")
     return 0
 
@@ -202,19 +207,23 @@ def status_command(arguments, program):
     return 0 if fit else 1
 
 
+def one_push(fleet, digest):
+    """Its state, by the first digits. Raises BadInput."""
+    known = read_states(fleet.out)
+    found = [state for state in known if state["digest"].startswith(digest)]
+    if len(digest) >= 8 and len(found) == 1:
+        return found[0]
+    remedy = "give one of " + some((state["digest"][:12] for state in known), 4) if known else "nothing is to be undone"
+    raise BadInput("DIGEST", f"{len(found)} pushes of {digest}", "one, by its first 8 or more digits", remedy)
+
+
 def undo_command(arguments, program):
     fleet = read_fleet(arguments.file)
     record = Record(fleet.out, arguments.by)
+    one_push(fleet, arguments.digest)  # a wrong number leaves no folder and no lock
     with record.alone():
-        found = [s for s in read_states(fleet.out) if s["digest"].startswith(arguments.digest)]
-        if len(arguments.digest) < 8 or len(found) != 1:
-            raise BadInput(
-                "DIGEST",
-                f"{len(found)} pushes of {arguments.digest}",
-                "one, by 8 digits or more",
-                "airside fleet status",
-            )
-        record.state, record.path = found[0], fleet.out / f"{found[0]['digest'][:16]}.json"
+        record.state = one_push(fleet, arguments.digest)
+        record.path = fleet.out / f"{record.state['digest'][:16]}.json"
 
         def progress(left, missing):
             if left:
@@ -232,8 +241,11 @@ def undo_command(arguments, program):
 
 
 def main(words=None):
-    p = parser()
-    arguments = p.parse_args(words)
+    p, actions = parser()
+    arguments, unknown = p.parse_known_args(words)
+    p = actions[arguments.action]  # an error shows the usage of the action
+    if unknown:
+        p.error("unrecognized arguments: " + " ".join(unknown))
     if arguments.action == "push":
         if arguments.example:
             print(EXAMPLE, end="")

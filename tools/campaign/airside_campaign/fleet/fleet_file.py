@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import os
 import re
 import tomllib
 from dataclasses import dataclass
@@ -17,6 +18,19 @@ FLEET_KEYS |= {"trial_limit_h", "poll_s", "at_once"}
 GROUP_KEYS = {"boxes", "topology", "cycle_min", "site", "page", "ca", "access", "push", "status", "rollback"}
 BELONGS = {"ca": "page", "access": "page", "status": "push", "rollback": "push"}
 MOST_BOXES = 100_000
+
+SUCH_AS = {
+    "out": "fleet-push",
+    "keys": "keys",
+    "topology": "5vav-5fcu-2power",
+    "site": "{box}/site.toml",
+    "page": "https://{box}.example.org:8350",
+    "ca": "site.pem",
+    "access": "installer.key",
+}
+ONE_WAY = 'write one alone, such as site = "{box}/site.toml"'
+PUSH = 'write push = ["scp", "-q", "{blob}", "airside@{box}:/var/lib/airside/inbox/fleet.blob"]'
+STATUS = 'write status = ["ssh", "airside@{box}", "airside", "status", "--json"]'
 
 EXAMPLE = """\
 # Weights for many boxes, in waves. {box} is a box's name, {blob} the file that is sent. Paths are from this file on.
@@ -101,15 +115,18 @@ def read_fleet(path):
 class _Reader:
     def __init__(self, path, content):
         self.path, self.content, self.folder = path, content, path.resolve().parent
+        self.reached = {}  # what leads to a box -> its name
 
-    def refuse(self, key, found, expected, remedy="correct it"):
+    def refuse(self, key, found, expected, remedy):
         raise BadInput(f"{self.path}: {key}", found, expected, remedy)
 
     def only(self, table, known, where):
         if not isinstance(table, dict):
-            self.refuse(where, repr(table), "a table")
-        for key in table:
+            self.refuse(where, repr(table), "a table", f"write [{where}], and keys below it")
+        for key, value in table.items():
             if key not in known:
+                if not where and isinstance(value, dict) and (not value or GROUP_KEYS & set(value)):
+                    self.refuse(key, f"[{key}]", "[fleet] and [group.NAME]", f"write [group.{key}]")
                 near = nearest(key, sorted(known))
                 self.refuse(
                     f"{where}.{key}".lstrip("."),
@@ -121,7 +138,8 @@ class _Reader:
     def text(self, table, key, where, default=None):
         value = table.get(key, default)
         if not isinstance(value, str) or not value:
-            self.refuse(f"{where}.{key}", "nothing" if value is None else repr(value), "a text")
+            found = "nothing" if value is None else repr(value)
+            self.refuse(f"{where}.{key}", found, "a text", f'write {key} = "{SUCH_AS[key]}", with what is true here')
         return value
 
     def number(self, key, default, least, most, whole=False):
@@ -131,7 +149,8 @@ class _Reader:
             or not isinstance(value, int if whole else (int, float))
             or not least <= value <= most
         ):
-            self.refuse(f"fleet.{key}", repr(value), f"{'a whole' if whole else 'a'} number, {least} to {most}")
+            expected = f"{'a whole' if whole else 'a'} number, {least} to {most}"
+            self.refuse(f"fleet.{key}", repr(value), expected, f"write {key} = {default}, or remove it: the same")
         return value
 
     def fleet(self):
@@ -162,9 +181,10 @@ class _Reader:
         shares = self.top.get("waves", [0.04, 0.2, 1.0])
         is_list = isinstance(shares, list) and 1 <= len(shares) <= 20
         if not is_list or any(isinstance(s, bool) or not isinstance(s, (int, float)) for s in shares):
-            self.refuse("fleet.waves", repr(shares), "1 to 20 shares, such as [0.04, 0.2, 1.0]")
+            self.refuse("fleet.waves", repr(shares), "1 to 20 shares", "write waves = [0.04, 0.2, 1.0]")
         if not 0 < shares[0] or shares[-1] != 1 or any(a >= b for a, b in itertools.pairwise(shares)):
-            self.refuse("fleet.waves", repr(shares), "rising shares above 0, of which the last is 1")
+            expected = "rising shares above 0, of which the last is 1"
+            self.refuse("fleet.waves", repr(shares), expected, "write waves = [0.04, 0.2, 1.0]")
         return shares
 
     def group(self, name, table, boxes):
@@ -172,45 +192,64 @@ class _Reader:
         self.only(table, GROUP_KEYS, where)
         ways = [way for way in WAYS if way in table]
         if len(ways) != 1:
-            self.refuse(where, " and ".join(ways) or "no way to the boxes", "one of site, page and push", "name one")
+            self.refuse(where, " and ".join(ways) or "no way to the boxes", "one of site, page and push", ONE_WAY)
         for key, way in BELONGS.items():
             if key in table and way != ways[0]:
                 self.refuse(f"{where}.{key}", f"beside {ways[0]}", f"it beside {way} alone", "remove it")
         if ways[0] == "push" and "status" not in table:
-            self.refuse(f"{where}.status", "nothing", "a command that prints airside status --json", "name it")
+            self.refuse(f"{where}.status", "nothing", "a command that prints airside status --json", STATUS)
         topology = self.text(table, "topology", where, self.top.get("topology"))
         if not SHAPE.fullmatch(topology):
-            self.refuse(f"{where}.topology", topology, "such as 5vav-5fcu-2power")
+            self.refuse(f"{where}.topology", topology, "such as 5vav-5fcu-2power", "write that of the site files")
         cycle = table.get("cycle_min", self.top.get("cycle_min", 18))
         if isinstance(cycle, bool) or cycle not in (6, 12, 18, 24):
-            self.refuse(f"{where}.cycle_min", repr(cycle), "6, 12, 18 or 24")
+            self.refuse(f"{where}.cycle_min", repr(cycle), "6, 12, 18 or 24", "write that of the site files")
         names = table.get("boxes")
         if not isinstance(names, list) or not names:
-            self.refuse(f"{where}.boxes", repr(names), "a list of names")
+            found = "nothing" if names is None else repr(names)
+            self.refuse(f"{where}.boxes", found, "a list of names", 'write boxes = ["ahu-1", "ahu-2"]')
         for box in names:
             if not isinstance(box, str) or not NAME.fullmatch(box):
-                self.refuse(f"{where}.boxes", repr(box), "names of letters, digits, dots, dashes, 64 at most")
+                expected = "names of letters, digits, dots, dashes, 64 at most"
+                self.refuse(f"{where}.boxes", repr(box), expected, "write it so, such as ahu-1")
             if box in boxes:
-                self.refuse(f"{where}.boxes", f"{box} again", "each box once")
+                self.refuse(f"{where}.boxes", f"{box} again", "each box once", "remove one, or give it another name")
             if len(boxes) == MOST_BOXES:
                 self.refuse(f"{where}.boxes", f"more than {MOST_BOXES} boxes", "fewer", "make two fleet files")
             filled = {key: self.way(table, key, where, box) for key in WAYS + tuple(BELONGS) if key in table}
             boxes[box] = Box(box, name, topology, cycle, filled)
+            for key in ("site", "page", "push", "status", "rollback"):
+                if key in filled:
+                    self.lead_to_one(key, filled[key], where, box, "{box}" in str(table[key]))
         return names
+
+    def lead_to_one(self, key, value, where, box, has_name):
+        """Two boxes behind one way would be one box that is counted twice, and a canary that stands for itself."""
+        if key == "site":
+            same = os.path.realpath(value)
+        else:
+            same = tuple(value) if isinstance(value, list) else value.lower().removesuffix(":443")
+        other = self.reached.setdefault((key, same), box)
+        if other != box:
+            shown = " ".join(value) if isinstance(value, list) else value
+            remedy = "remove one of the two" if has_name else "write {box} where the name of the box stands in it"
+            self.refuse(f"{where}.{key}", f"{shown} for both {other} and {box}", "a way to each box alone", remedy)
 
     def way(self, table, key, where, box):
         value = table[key]
         if key in ("push", "status", "rollback"):
             if not isinstance(value, list) or not value or any(not isinstance(word, str) or not word for word in value):
-                self.refuse(f"{where}.{key}", repr(value), 'a list of words, such as ["ssh", "{box}", "airside"]')
+                remedy = STATUS if key == "status" else 'write it such as ["ssh", "{box}", "airside", "rollback"]'
+                self.refuse(f"{where}.{key}", repr(value), "a list of words", PUSH if key == "push" else remedy)
             if key == "push" and not any("{blob}" in word for word in value):
-                self.refuse(f"{where}.push", " ".join(value), "a command with {blob}, the file that is sent")
+                self.refuse(f"{where}.push", " ".join(value), "a command with {blob}, the file that is sent", PUSH)
             return [word.replace("{box}", box) for word in value]
         text = self.text(table, key, where).replace("{box}", box)
         if key == "page":
             address = re.fullmatch(r"(https?)://([A-Za-z0-9.-]+|\[[0-9a-fA-F:.]+\])(:\d{1,5})?", text)
             if not address:
-                self.refuse(f"{where}.page", text, "https://HOST:PORT, and nothing behind")
+                example = f'write page = "{SUCH_AS["page"]}"'
+                self.refuse(f"{where}.page", text, "https://HOST:PORT, and nothing behind", example)
             if address[1] == "http" and not (address[2] in ("localhost", "[::1]") or address[2].startswith("127.")):
                 self.refuse(f"{where}.page", text, "https, since the key would travel in the clear", "write https")
             return text

@@ -89,7 +89,9 @@ class Push:
             place = f"{self.fleet.path}: group.{box.group}: {name}"
             for key in ("site", "ca", "access"):
                 if key in box.ways and not Path(box.ways[key]).is_file():
-                    raise BadInput(f"{place}: {key}", f"no file {box.ways[key]}", "a file", "correct path or box")
+                    raise BadInput(
+                        f"{place}: {key}", f"no file {box.ways[key]}", "a file", "correct the path, or remove the box"
+                    )
             if "site" in box.ways and not self.record.state["boxes"]:  # else the push itself tells
                 try_on_site(self.program, self.weights.path, self.weights.name, box.ways["site"], place)
         seen = self.boxes.seen(names)
@@ -100,7 +102,7 @@ class Push:
                     f"{self.fleet.path}: group.{box.group}: {name}",
                     f"a box of {said.topology}",
                     box.topology,
-                    "correct topology, or put the box into another group",
+                    f'write topology = "{said.topology}", or put the box into another group',
                 )
         return seen
 

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import re
 import subprocess
 import tempfile
 from dataclasses import dataclass
@@ -78,14 +79,17 @@ def read_weights(arguments, fleet, program, folder):
         facts = json.loads(done.stdout)
         head = facts["header"]
     except (ValueError, KeyError) as error:
-        raise BadInput(name, done.stderr.strip() or "no weights", "a signed weight blob", "give another") from error
+        raise no_blob(done.stderr, path, name) from error
     if head["key"] == "unsigned":
         raise BadInput(
             name, "an unsigned blob", "a signed one, since boxes take no other", f"airside sign {name} --key YOUR.key"
         )
     if not fleet.keys.exists():
         raise BadInput(
-            f"{fleet.path}: fleet.keys", f"no {fleet.keys}", "the public keys that the boxes believe", "copy"
+            f"{fleet.path}: fleet.keys",
+            f"no {fleet.keys}",
+            "the public keys that the boxes believe",
+            "copy a box's keys folder (it is beside its site.toml) or the NAME.pub of `airside keygen` there",
         )
     for topology, cycle in sorted({(box.topology, box.cycle_min) for box in fleet.boxes.values()}):
         try_on_site(program, path, name, trial_site(folder, topology, cycle, fleet.keys), fleet.path)
@@ -98,6 +102,15 @@ def read_weights(arguments, fleet, program, folder):
         key=head["key"],
         provenance=facts.get("provenance", ""),
     )
+
+
+def no_blob(said, path, name):
+    """The program's complaint of the copy at `path`, as one of the user's file."""
+    text = (said.strip().splitlines() or [""])[-1].removeprefix("airside: ").replace(str(path), str(name))
+    parts = re.fullmatch(r"(.+?): found (.+); expected (.+?); (.+)", text)
+    if parts:
+        return BadInput(*parts.groups())
+    return BadInput(name, text or "no weights", "a signed weight blob", "give a file that `airside sign` wrote")
 
 
 def trial_site(folder, topology, cycle_min, keys):

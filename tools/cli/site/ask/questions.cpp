@@ -1,9 +1,10 @@
-#include "tools/cli/site/questions.hpp"
+#include "tools/cli/site/ask/questions.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -31,6 +32,20 @@ std::optional<int> time_of(const std::string& text) {
   return hal::parse_time_of_day(text.find(':') == 1 ? "0" + text : text);
 }
 
+std::string in_small_letters(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::string hint_of_number(const std::string& text) {
+  if (text.find(',') != std::string::npos) return "; write the decimal mark as a point";
+  const std::vector<std::string> parts = parts_of(text, '/');
+  if (parts.size() != 2) return {};
+  const auto over = real_of(parts[0]), under = real_of(parts[1]);
+  if (!over || !under || *under == 0) return {};
+  return fmt::format("; write the fraction as a decimal number: {:.10g}", *over / *under);
+}
+
 std::vector<std::string> parts_of(const std::string& text, char separator) {
   std::vector<std::string> parts(1);
   for (const char c : text) {
@@ -56,6 +71,7 @@ void Questions::ask(const std::string& question, const std::string& otherwise,
     constexpr const char* blank = " \t\r";
     answer.erase(0, std::min(answer.find_first_not_of(blank), answer.size()));
     answer.erase(answer.find_last_not_of(blank) + 1);
+    if (answer == "back") throw Back{};
     if (answer.empty()) answer = otherwise;
     const std::string wrong = answer.empty() ? "found nothing; expected an answer: there is no default" : take(answer);
     if (wrong.empty()) return;
@@ -77,9 +93,8 @@ void Questions::number(const std::string& question, double& value, double least,
   ask(question, fmt::format("{}", value), [&](const std::string& answer) -> std::string {
     const auto given = real_of(answer);
     if (!given || *given < least || *given > most) {
-      const bool comma = answer.find(',') != std::string::npos;
       return fmt::format("found '{}'; expected a number from {:g} to {:g}{}", answer, least, most,
-                         comma ? "; write the decimal mark as a point" : "");
+                         hint_of_number(answer));
     }
     return try_value(value, *given);
   });
@@ -109,11 +124,12 @@ void Questions::choice(const std::string& question, const std::vector<std::strin
   ask(fmt::format("{} ({})", question, fmt::join(words, ", ")), words[0],
       [&](const std::string& answer) -> std::string {
         for (std::size_t chosen = 0; chosen < words.size(); ++chosen) {
-          if (words[chosen] != answer) continue;
+          if (in_small_letters(words[chosen]) != in_small_letters(answer)) continue;
           set(chosen);
           return complaint_();
         }
-        const std::string near = hal::nearest_name(answer, words);
+        const bool letters = std::ranges::all_of(words, [](const std::string& word) { return word.size() == 1; });
+        const std::string near = letters || answer.size() == 1 ? "" : hal::nearest_name(answer, words);
         return fmt::format("found '{}'; expected {}{}", answer, fmt::join(words, " or "),
                            near.empty() ? "" : fmt::format("; did you mean {}?", near));
       });

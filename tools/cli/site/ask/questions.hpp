@@ -16,11 +16,19 @@ std::optional<double> real_of(const std::string& text);
 /// `7:00` or `07:00`. Units: s since midnight.
 std::optional<int> time_of(const std::string& text);
 
+std::string in_small_letters(std::string text);
+
+/// What to write instead where a number has a decimal comma or is a fraction: "; write ..."; "" where it is neither.
+std::string hint_of_number(const std::string& text);
+
 /// A text cut at each `separator`.
 std::vector<std::string> parts_of(const std::string& text, char separator);
 
+/// Thrown by a question whose answer is `back`: the one before is to be asked again.
+struct Back {};
+
 /// Asks until an answer is right; an empty line takes what is in brackets.
-/// Errors of each question: hal::InputError where the input ends.
+/// Errors of each question: hal::InputError where the input ends; Back.
 class Questions {
  public:
   /// `complaint` looks at all answers so far, and says what is wrong with them, "" where nothing is; the answer that
@@ -40,7 +48,7 @@ class Questions {
   void time(const std::string& question, int& seconds);
   /// Where `value` is empty there is no default, and `example` is shown.
   void text(const std::string& question, std::string& value, const std::string& example);
-  /// Which of the words, the first being the default; `set` gets its place.
+  /// Which of the words, in capitals or small letters, the first being the default; `set` gets its place.
   void choice(const std::string& question, const std::vector<std::string>& words,
               const std::function<void(std::size_t)>& set);
 

@@ -77,9 +77,12 @@ std::string points_text_of(const InitAnswers& answers);
 /// The signals of the point map whose place nobody has said.
 std::vector<std::string> unsaid_signals(const InitAnswers& answers);
 
+/// What is said of a signal, filled in from `airside init`: function, register, type, scale, offset, word order.
+SignalAnswer whole_answer(const InitAnswers& answers, const std::string& signal);
+
 /// What is wrong with the answers so far, in words; "" where nothing is. Of the site file: all but signals. Of the
-/// rows: those of the signals that are said.
+/// rows: those of the signals that are said; of two that contradict one another `latest` is the one to correct.
 std::string complaint_of_site(const InitAnswers& answers);
-std::string complaint_of_rows(const InitAnswers& answers);
+std::string complaint_of_rows(const InitAnswers& answers, const std::string& latest = "");
 
 }  // namespace airside::tools

@@ -1,4 +1,4 @@
-#include "tools/cli/site/init_answers.hpp"
+#include "tools/cli/site/ask/init_answers.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
