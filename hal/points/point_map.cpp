@@ -23,7 +23,11 @@ constexpr std::size_t max_points = 2000;
 void check_unit(const PointRow& row, const Point& p) {
   const char* expected = expected_unit(p.name);
   if (expected == nullptr || p.unit == expected) return;
-  const std::string remedy = "convert with scale and offset (0.5556 and -17.78 turn degF into degc)";
+  constexpr std::array<std::string_view, 8> celsius = {"degC", "DEGC", "°C", "C", "c", "celsius", "Celsius", "deg C"};
+  const bool other_spelling =
+      expected == std::string_view("degc") && std::ranges::find(celsius, p.unit) != celsius.end();
+  const std::string remedy =
+      other_spelling ? "write degc" : "convert with scale and offset (0.5556 and -17.78 turn degF into degc)";
   row.complain("unit", p.unit.empty() ? "an empty cell" : "\"" + p.unit + "\"",
                expected[0] == '\0' ? "an empty cell, since " + p.name + " is a pure number"
                                    : fmt::format("\"{}\" for {}", expected, p.name),

@@ -127,7 +127,7 @@ void TomlSection::refuse(std::string_view key, const std::string& expected, cons
 }
 
 const toml::node* TomlSection::take(std::string_view key) {
-  known_.emplace_back(key);
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
   return table_ == nullptr ? nullptr : table_->get(key);
 }
 

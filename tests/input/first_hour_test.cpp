@@ -43,6 +43,16 @@ TEST(Check, NamesEveryMistakeOfAPointMapInOneGo) {
   EXPECT_EQ(times(listed.out, " more\n"), 1) << listed.out;
 }
 
+TEST(Check, TellsAnotherSpellingOfAUnitFromAnotherUnit) {
+  const Desk desk;
+  desk.site();
+  desk.edit("points.csv", "room_temp_1,degc", "room_temp_1,degC");
+  desk.edit("points.csv", "room_temp_2,degc", "room_temp_2,degf");
+  const std::string said = desk.run("airside", {"check", "site.toml"}).out;
+  EXPECT_EQ(times(said, "; write degc\n"), 1) << said;
+  EXPECT_EQ(times(said, "; convert with scale and offset"), 1) << said;
+}
+
 TEST(Check, RefusesASetpointThatItsOwnRowCallsImpossibleAndSoDoesTheDaemon) {
   const Desk desk;
   desk.site();

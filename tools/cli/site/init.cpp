@@ -146,8 +146,11 @@ struct InitCommand {
                  fmt::join(made_up, ", "));
     }
     fmt::print("Next, none of them writes to the AHU:\n");
-    for (const char* command : {"check", "doctor", "probe"})
-      fmt::print("  airside {} {}\n", command, hal::shell_word(site.string()));
+    for (const char* command : {"check", "doctor", "probe"}) {
+      const bool later = a.bacnet && std::string_view(command) == "probe";
+      fmt::print("  airside {} {}{}\n", command, hal::shell_word(site.string()),
+                 later ? "   # once airside-bacnet runs (docs/bacnet.md)" : "");
+    }
   }
 
   void refuse_existing(const std::vector<fs::path>& files) const {
