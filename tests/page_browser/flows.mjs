@@ -335,9 +335,13 @@ step('a double tap and a held key are no answer to the question', async () => {
 });
 
 step('an order of a session that has ended opens the dialog for signing in', async () => {
+  // As in the background: else the page's next look tells it of the end before anybody has pressed.
+  await view.evaluate(() => Object.defineProperty(document, 'hidden', { get: () => true, configurable: true }));
+  await pause(1500);
   box.run_with(`${password.operator}\n`, 'airside-page', '--site', box.site(), '--set-password', 'operator');
   await confirm(view, 'release');
   await says(view, 'order-said', 'Refused (401)');
+  await view.evaluate(() => delete document.hidden);
   await until('the dialog', () => view.locator('#sign-in-d').evaluate((d) => d.open));
   await says(view, 'sign-in-said', 'not signed in any more');
   await view.locator('#password').fill(password.operator);

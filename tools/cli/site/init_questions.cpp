@@ -25,7 +25,7 @@ constexpr std::array baud_rates = {1200, 2400, 4800, 9600, 19200, 38400, 57600, 
 
 /// The words with the one that was chosen before first.
 std::vector<std::string> with_first(std::vector<std::string> words, const std::string& chosen) {
-  std::ranges::stable_partition(words, [&](const std::string& word) { return word == chosen; });
+  std::stable_partition(words.begin(), words.end(), [&](const std::string& word) { return word == chosen; });
   return words;
 }
 

@@ -323,7 +323,7 @@ std::string complaint_of_rows(const InitAnswers& a, const std::string& latest) {
   std::vector<InitRow> rows = rows_of_answers(a);
   if (!a.bacnet) std::erase_if(rows, [](const InitRow& row) { return !row.is_said; });
   // Of two rows that overlap the map complains of the second.
-  std::ranges::stable_partition(rows, [&](InitRow& row) { return stem_of(row["name"]) != latest; });
+  std::stable_partition(rows.begin(), rows.end(), [&](InitRow& row) { return stem_of(row["name"]) != latest; });
   if (rows.empty()) return {};
   const std::string text = a.bacnet ? text_of_bacnet_rows(a, rows) : text_of_modbus_rows(rows);
   std::vector<hal::InputError> complaints;
