@@ -67,7 +67,9 @@ class MemberScan {
     for (std::size_t i = begin; i < size; ++i) {
       const char letter = letters[i];
       if (letter == '"') {
-        while (++i < size && letters[i] != '"') i += letters[i] == '\\';
+        for (++i; i < size && letters[i] != '"'; ++i) {
+          if (letters[i] == '\\') ++i;
+        }
       } else if (letter == '{' || letter == '[') {
         ++depth;
       } else if ((letter == '}' || letter == ']') && --depth == 0) {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdlib>
 #include <cstring>
 #include <set>
 #include <vector>
@@ -317,6 +316,13 @@ std::string name_on_line(const std::string& text, int number) {
   return number > 1 && at < lines.size() ? parts_of(lines[at], ',')[0] : "";
 }
 
+/// The whole number that begins there; 0 where none does.
+int number_at(const std::string& text, std::size_t at) {
+  int number = 0;
+  std::from_chars(text.data() + std::min(at, text.size()), text.data() + text.size(), number);
+  return number;
+}
+
 }  // namespace
 
 std::string complaint_of_rows(const InitAnswers& a, const std::string& latest) {
@@ -340,12 +346,12 @@ std::string complaint_of_rows(const InitAnswers& a, const std::string& latest) {
   for (const hal::InputError& e : complaints) {
     const std::size_t comma = e.place().find(", "), line = e.found().find(" (line ");
     if (!e.place().starts_with("points.csv:")) continue;  // of what is still to come
-    const std::string name = name_on_line(text, std::atoi(e.place().c_str() + std::strlen("points.csv:")));
+    const std::string name = name_on_line(text, number_at(e.place(), std::strlen("points.csv:")));
     const std::string column = comma == std::string::npos ? "" : e.place().substr(comma + 2);
     std::string found = e.found().substr(0, line);
     constexpr std::string_view before = "first on line ";
     if (const std::size_t at = found.find(before); at != std::string::npos) {
-      found = found.substr(0, at) + "first of " + name_on_line(text, std::atoi(found.c_str() + at + before.size()));
+      found = found.substr(0, at) + "first of " + name_on_line(text, number_at(found, at + before.size()));
     }
     return fmt::format("{}{}{}{}found {}; expected {}; {}", name, name.empty() || column.empty() ? "" : ", ", column,
                        name.empty() && column.empty() ? "" : ": ", found, e.expected(), e.remedy());

@@ -1,6 +1,7 @@
 #pragma once
 // Questions on a terminal: each answer is checked when it is given, and a wrong one is asked again.
 
+#include <exception>
 #include <functional>
 #include <istream>
 #include <optional>
@@ -25,7 +26,7 @@ std::string hint_of_number(const std::string& text);
 std::vector<std::string> parts_of(const std::string& text, char separator);
 
 /// Thrown by a question whose answer is `back`: the one before is to be asked again.
-struct Back {};
+struct Back : std::exception {};
 
 /// Asks until an answer is right; an empty line takes what is in brackets.
 /// Errors of each question: hal::InputError where the input ends; Back.
