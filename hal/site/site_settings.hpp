@@ -20,7 +20,8 @@ ControllerSettings controller_settings(const SiteFile& site, const PointMap& poi
 
 /// Errors: InputError where settings and point map contradict one another: a budget of writes and a setpoint that is
 /// written again and again; a register whose steps are wider than the setpoint may change, or that has no two values
-/// within its limits; setpoints that are outside the limits of their own row; a simulated AHU's clock without its points.
+/// within its limits; setpoints that are outside the limits of their own row; a simulated AHU's clock without its
+/// points.
 void refuse_contradiction(const SiteFile& site, const PointMap& points);
 /// What is allowed and had better be known, as a sentence; empty where there is nothing of the kind.
 std::string warning_of(const PointMap& points);
