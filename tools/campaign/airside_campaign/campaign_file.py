@@ -4,11 +4,11 @@ import difflib
 import fnmatch
 import itertools
 import re
-import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from airside_campaign.complaint import BadInput
+from airside_campaign.toml_file import read_toml
 
 PLACE = re.compile(r"\{([A-Za-z_]\w*)\}")
 OWN_PLACES = ("out", "dir")
@@ -44,18 +44,7 @@ class Campaign:
 def read_campaign(path):
     """All jobs of the file. Raises BadInput with the file, the entry and the key."""
     path = Path(path)
-    try:
-        text = path.read_bytes().decode()
-    except OSError as error:
-        raise BadInput(path, error.strerror.lower(), "a campaign file", "check the path") from error
-    except UnicodeDecodeError as error:
-        raise BadInput(
-            path, f"bytes that are no UTF-8 at {error.start}", "a text file in UTF-8", "save it as UTF-8"
-        ) from error
-    try:
-        content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise BadInput(path, str(error), "TOML", "see docs/campaigns.md for an example") from error
+    content = read_toml(path, "a campaign file", "airside campaign --example prints one")
     return _Reader(path, content).campaign()
 
 

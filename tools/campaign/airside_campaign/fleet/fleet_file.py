@@ -4,11 +4,11 @@ import itertools
 import math
 import os
 import re
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
 from airside_campaign.complaint import BadInput, nearest
+from airside_campaign.toml_file import read_toml
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 SHAPE = re.compile(r"\d+vav-\d+fcu-\d+power")
@@ -95,20 +95,7 @@ class Fleet:
 def read_fleet(path):
     """Raises BadInput with the file and the key."""
     path = Path(path)
-    try:
-        text = path.read_bytes().decode()
-    except OSError as error:
-        raise BadInput(
-            path, error.strerror.lower(), "a fleet file", "airside fleet push --example prints one"
-        ) from error
-    except UnicodeDecodeError as error:
-        raise BadInput(
-            path, f"bytes that are no UTF-8 at {error.start}", "a text file in UTF-8", "save it so"
-        ) from error
-    try:
-        content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise BadInput(path, str(error), "TOML", "airside fleet push --example prints a fleet file") from error
+    content = read_toml(path, "a fleet file", "airside fleet push --example prints one")
     return _Reader(path, content).fleet()
 
 
