@@ -1,6 +1,7 @@
 #include "hal/modbus/link.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <netdb.h>
 #include <sys/socket.h>
 
@@ -8,6 +9,7 @@
 #include <ctime>
 #include <new>
 
+#include "hal/modbus/baud_rates.hpp"
 #include "hal/modbus/wire.hpp"
 #include "hal/text/input_error.hpp"
 
@@ -57,7 +59,7 @@ modbus_t* new_context(const LinkSettings& settings) {
   return modbus_new_rtu(serial.device.c_str(), serial.baud, serial.parity, serial.data_bits, serial.stop_bits);
 }
 
-void check(bool ok, const char* field, const std::string& found, const char* expected) {
+void check(bool ok, const char* field, const std::string& found, const std::string& expected) {
   if (!ok) throw InputError(std::string("modbus ") + field, found, expected, "correct it in the site file");
 }
 
@@ -74,7 +76,8 @@ std::string check_settings(const LinkSettings& s) {
   const auto& serial = std::get<SerialAddress>(s.address);
   check(s.unit >= 1 && s.unit <= 247, "unit", std::to_string(s.unit), "1 to 247 on a serial line");
   check(!serial.device.empty(), "device", "an empty name", "a serial device as /dev/ttyUSB0");
-  check(serial.baud >= 1200 && serial.baud <= 921600, "baud", std::to_string(serial.baud), "1200 to 921600");
+  check(std::ranges::find(baud_rates, serial.baud) != baud_rates.end(), "baud", std::to_string(serial.baud),
+        fmt::format("one of {}", fmt::join(baud_rates, ", ")));
   check(serial.parity == 'N' || serial.parity == 'E' || serial.parity == 'O', "parity", std::string(1, serial.parity),
         "N, E or O");
   check(serial.data_bits == 8, "data bits", std::to_string(serial.data_bits), "8, as RTU needs");

@@ -13,6 +13,7 @@
 #include "airside/civil_time.hpp"
 #include "airside/crc32c.hpp"
 #include "airside/topology.hpp"
+#include "hal/modbus/baud_rates.hpp"
 #include "hal/site/site_keys.hpp"
 #include "hal/site/site_stand_ins.hpp"
 #include "hal/text/foreign_text.hpp"
@@ -135,8 +136,7 @@ void read_target(TomlSection root, SiteFile& out) {
   out.weekday_only = root.flag("weekday_only", out.weekday_only);
   if (out.work_start_s >= out.work_end_s) {
     const char* key = root.has("work_end") ? "work_end" : "work_start";
-    throw InputError(root.place(key), root.found(key), "work_start before work_end on the same day",
-                     "exchange the two, or split a night shift at midnight");
+    root.refuse(key, "work_start before work_end on the same day", "exchange them, or split a night shift at midnight");
   }
   root.refuse_unknown_keys();
 }
@@ -265,7 +265,7 @@ void read_modbus(TomlSection root, SiteFile& out) {
   }
   m.port = static_cast<int>(root.whole("port", m.port, 1, 65535));
   m.device = tcp ? root.text("device", "") : root.required_text("device", "/dev/ttyUSB0");
-  m.baud = static_cast<int>(root.whole("baud", m.baud, 1200, 921600));
+  m.baud = root.one_of("baud", m.baud, baud_rates);
   m.parity = "NEO"[root.choice("parity", {"N", "E", "O"}, 1)];
   m.unit_id = static_cast<int>(root.whole("unit_id", m.unit_id, tcp ? 0 : 1, 247));  // 0 is broadcast there
   m.deadline_s = root.number("deadline_s", m.deadline_s, 0.1, 10, "s");

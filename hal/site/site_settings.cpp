@@ -7,6 +7,7 @@
 
 #include "airside/presets.hpp"
 #include "airside/topologies.hpp"
+#include "hal/points/bacnet_row.hpp"
 #include "hal/site/objective.hpp"
 #include "hal/text/input_error.hpp"
 
@@ -164,8 +165,19 @@ void refuse_contradiction(const SiteFile& site, const PointMap& points) {
 
 std::string warning_of(const PointMap& points) {
   const Point* beat = points.find("heartbeat");
-  if (beat != nullptr && beat->writable()) return {};
-  return "no writable heartbeat: where this box is gone the AHU keeps the last setpoint";
+  if (beat == nullptr || !beat->writable()) {
+    return "no writable heartbeat: where this box is gone the AHU keeps the last setpoint";
+  }
+  const auto device_of = [](const Point& p) { return p.object.substr(0, p.object.find(':')); };
+  const Point* setpoint = points.find("setpoint");
+  const bool is_own = beat->object == held_by_gateway;
+  if (beat->object.empty() || setpoint == nullptr || (!is_own && device_of(*beat) == device_of(*setpoint))) return {};
+  return fmt::format(
+      "line {}: the heartbeat is {}: where this box loses power the AHU keeps the last setpoint; name a commandable "
+      "object of the AHU whose program takes over when the value stands still (docs/bacnet.md, Priorities and hand-back)",
+      beat->line,
+      is_own ? "the gateway's own"
+             : fmt::format("of device {}, the setpoint of device {}", device_of(*beat), device_of(*setpoint)));
 }
 
 LinkSettings link_settings(const ModbusSection& modbus, double backoff_first_s, double backoff_max_s) {

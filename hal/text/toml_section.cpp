@@ -184,6 +184,14 @@ std::int64_t TomlSection::whole(std::string_view key, std::int64_t default_value
   return value;
 }
 
+int TomlSection::one_of(std::string_view key, int default_value, std::span<const int> numbers) {
+  const std::int64_t value = whole(key, default_value, std::ranges::min(numbers), std::ranges::max(numbers));
+  if (std::ranges::find(numbers, value) != numbers.end()) return static_cast<int>(value);
+  std::string list;
+  for (const int number : numbers) list += (list.empty() ? "" : ", ") + std::to_string(number);
+  refuse(key, "one of " + list, "take the one that the devices have; it is in their manuals");
+}
+
 bool TomlSection::flag(std::string_view key, bool default_value) {
   const toml::node* node = take(key);
   if (node == nullptr) return default_value;

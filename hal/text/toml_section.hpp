@@ -5,6 +5,7 @@
 #include <toml++/toml.h>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,6 +34,8 @@ class TomlSection {
   std::string required_text(std::string_view key, std::string_view example);
   double number(std::string_view key, double default_value, double min, double max, std::string_view unit);
   std::int64_t whole(std::string_view key, std::int64_t default_value, std::int64_t min, std::int64_t max);
+  /// A whole number out of a list.
+  int one_of(std::string_view key, int default_value, std::span<const int> numbers);
   bool flag(std::string_view key, bool default_value);
   /// One of `choices`; returns its index.
   std::size_t choice(std::string_view key, const std::vector<std::string>& choices, std::size_t default_index);
@@ -51,11 +54,11 @@ class TomlSection {
   std::string place(std::string_view key) const;
   /// What stands at `key`, as a person would say it.
   std::string found(std::string_view key) const;
+  [[noreturn]] void refuse(std::string_view key, const std::string& expected, const std::string& remedy) const;
   bool has(std::string_view key) const { return table_ != nullptr && table_->contains(key); }
 
  private:
   const toml::node* take(std::string_view key);
-  [[noreturn]] void refuse(std::string_view key, const std::string& expected, const std::string& remedy) const;
   std::string full_name(std::string_view key) const;
 
   const toml::table* table_;

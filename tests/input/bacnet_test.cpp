@@ -152,6 +152,18 @@ TEST(BacnetRow, IsNotMixedWithRowsOfModbus) {
       [&] { parse(replaced(mixed, "bacnet,1201", "modbus,1201")); });
 }
 
+TEST(BacnetRow, HeartbeatThatTheAhuDoesNotWatchIsAWarning) {
+  EXPECT_NE(warning_of(parse(good)).find("line 4: the heartbeat is the gateway's own: where this box loses power"),
+            std::string::npos);
+  const auto with_heartbeat = [](const char* object) {
+    return parse(replaced(good, "bacnet,gateway,0,65535", object));
+  };
+  EXPECT_EQ(warning_of(with_heartbeat("bacnet,1201:analog-value:40,0,65535")), "");
+  EXPECT_NE(warning_of(with_heartbeat("bacnet,1305:analog-value:40,0,65535"))
+                .find("of device 1305, the setpoint of device 1201"),
+            std::string::npos);
+}
+
 // ---- [bacnet]
 
 const std::string bacnet = "[bacnet]\naddress = \"192.168.1.30/24\"\n";

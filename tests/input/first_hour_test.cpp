@@ -95,5 +95,22 @@ TEST(Probe, SaysWhereTheHostIsNamedAndWhatRefuses) {
   EXPECT_EQ(times(desk.run("airside", {"doctor", "site.toml"}).out, "site.toml:39:1: modbus.host: \"no-such"), 1);
 }
 
+TEST(Doctor, KnowsThatAGatewayIsNotInstalledAndThatNoAhuWatches) {
+  if (fs::exists("/etc/systemd/system/airside-bacnet.service")) GTEST_SKIP() << "airside-bacnet is installed here";
+  const Desk desk;
+  desk.write("a.toml",
+             "[site]\nname = \"AHU 9\"\nvavs = 1\nfcus = 0\npowers = 0\n[bus]\ntransport = \"bacnet\"\nport = 9\n"
+             "address = \"192.168.1.30/24\"\n[signals]\nroom_temp = { object = \"1201:analog-input:3\" }\n"
+             "setpoint = { object = \"1201:analog-output:1\" }\n");
+  ASSERT_EQ(desk.run("airside", {"init", "ahu", "--answers", "a.toml"}).code, 0);
+  const Outcome checked = desk.run("airside", {"check", "ahu/site.toml"}),
+                seen = desk.run("airside", {"doctor", "ahu/site.toml"});
+  EXPECT_EQ(checked.code, 0) << checked.err;
+  EXPECT_EQ(times(checked.out + checked.err, "the heartbeat is the gateway's own: where this box loses power"), 1)
+      << checked.out << checked.err;
+  for (const char* part : {"install the gateway airside-bacnet", "the heartbeat is the gateway's own"})
+    EXPECT_EQ(times(seen.out, part), 1) << part << "\n" << seen.out << seen.err;
+}
+
 }  // namespace
 }  // namespace airside

@@ -108,7 +108,7 @@ TEST(InitAnswers, OfATerminalAreCheckedWhenTheyAreGivenForModbusTcp) {
   for (const char* again :
        {"found the text \"AHU <6>\"; expected a name without control characters", "found 'maen'; expected mean or band",
         "found '24,5'; expected a number from 10 to 35; write the decimal mark as a point",
-        "found the text \"06:00\"; expected work_start before work_end",
+        "found 06:00; the end must be after the beginning, 07:00; 'back' asks",
         "found 25.9; warmest must be above coldest (26)", "leave scheme, path and port out",
         "found '0'; expected a number other than 0",
         "found word order 'lttle'; expected big (abcd, high word first) or little (cdab, swapped); did you mean "
@@ -234,6 +234,7 @@ TEST(InitAnswers, ThatAreWrongAreNamedAndNothingIsWritten) {
                          Wrong{"scale = 0.001", "scale = 0.001\nword_order = \"middle\"", "signals.power.word_order"},
                          Wrong{"scale = 0.001", "scale = 1e-9", "points.csv"},
                          Wrong{"unit_id = 3", "unit_id = 3\ntransport = \"rtu\"\nbaud = 300", "bus.baud"},
+                         Wrong{"unit_id = 3", "unit_id = 3\ntransport = \"rtu\"\nbaud = 9601", "one of 1200, 2400"},
                          Wrong{"setpoint_min_degc = 18", "setpoint_min_degc = 30", "setpoint"},
                          Wrong{"unit_id = 3", "unit_id = 3 4", "a.toml:"},
                          Wrong{"host = \"192.0.2.7\"", "host = 'a\"b'", "bus: host, device"}}) {
@@ -315,6 +316,23 @@ TEST(InitAnswers, OfWhatIsWrittenAreNotMadeUp) {
     const std::string rows = text_of_file(desk.path("site/points.csv"));
     EXPECT_TRUE(says(rows, "\nsetpoint,degc,3,200,float32,big,big,1,0," + limits + ",")) << room << "\n" << rows;
   }
+}
+
+TEST(InitAnswers, AreExplainedWhereSomebodyAsks) {
+  const Desk desk;
+  const Outcome asked =
+      typed(desk,
+            "help 'AHU 5' '?' 2 0 1 '?' '' '?' '' 8:00 07:30 19:00 '?' '' '' '' '' '?' '' '?' 10.1.1.1 "
+            "'?' '' '' '?' 3:10:int16 3:40 - - - - - - -");
+  ASSERT_EQ(asked.code, 0) << asked.err;
+  for (const char* there : {"'?' explains, 'back' goes one", "as people call it, for", "one each room temperature",
+                            "brings the mean of the rooms", "in working hours, the mean of all rooms",
+                            "found 07:30; the end must be after the beginning, 08:00; 'back'",
+                            "nothing colder is ever written", "through the gateway airside-bacnet", "without port",
+                            "most devices have 502", "a register, counted from 0, such as 40"})
+    EXPECT_TRUE(says(asked.err, there)) << there << "\n" << asked.err;
+  EXPECT_FALSE(says(asked.err, "work_start")) << asked.err;
+  EXPECT_TRUE(says(text_of_file(desk.path("asked/site.toml")), "name = \"AHU 5\""));
 }
 
 TEST(InitAnswers, InOtherWordsAreTakenAsMeantOrGetAHint) {

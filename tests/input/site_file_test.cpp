@@ -248,6 +248,7 @@ const Case cases[] = {
      {":43:1: modbus.parity", "even", "one of N, E, O", "choose"}},
     {"UnitIdTooLarge", "unit_id = 1", "unit_id = 300", {":44:1: modbus.unit_id", "300", "0 to 247", "range"}},
     {"BaudTooSlow", "baud = 19200", "baud = 300", {": modbus.baud", "300", "1200 to 921600", "range"}},
+    {"BaudThatNoLineHas", "baud = 19200", "baud = 19201", {": modbus.baud", "19201", "one of 1200, 2400", "manuals"}},
     {"SerialUnitZero",
      "transport = \"tcp\"        # tcp or rtu\nhost = \"127.0.0.1\"       # tcp\nport = 502\ndevice",
      "transport = \"rtu\"\nunit_id = 0\ndevice = \"/dev/ttyS0\"\n[ignored]\ndevice",

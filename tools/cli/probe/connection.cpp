@@ -7,6 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <memory>
@@ -18,6 +20,9 @@ namespace airside::tools {
 namespace {
 
 constexpr int connect_ms = 3000;
+constexpr std::array gateway_units = {"/etc/systemd/system/airside-bacnet.service",
+                                      "/usr/local/lib/systemd/system/airside-bacnet.service",
+                                      "/usr/lib/systemd/system/airside-bacnet.service"};
 
 /// errno of one attempt to connect; 0: something took it.
 int errno_of_connecting(const addrinfo& address) {
@@ -41,7 +46,12 @@ NoConnection refused_connection(const hal::SiteFile& site, const std::string& ad
   const hal::ModbusSection& m = *site.modbus;
   const std::string found = fmt::format("connection refused by {}: nothing listens on that port there", address);
   if (site.bacnet) {
-    return {found, "start the gateway: sudo systemctl start airside-bacnet; journalctl -u airside-bacnet says more"};
+    const bool has_unit =
+        std::ranges::any_of(gateway_units, [](const char* path) { return ::access(path, F_OK) == 0; });
+    return {found, has_unit
+                       ? "start the gateway: sudo systemctl start airside-bacnet; journalctl -u airside-bacnet says "
+                         "more"
+                       : "install the gateway airside-bacnet on this machine, then start it (docs/bacnet.md, Install)"};
   }
   return {found,
           fmt::format("see whether port {} is the device's (most have 502), whether Modbus TCP is switched on in "

@@ -179,9 +179,13 @@ class Doctor {
       const Shape shape = parse_shape(site.topology.c_str());
       map.check_topology(shape.vavs, shape.fcus, shape.powers, site.stand_ins);
       hal::refuse_contradiction(site, map);
+      const std::string points = hal::shell_word(site.modbus->points);
       if (map.find("heartbeat") == nullptr) {
-        advise("heartbeat", "no point of that name: an AHU does not notice when the box is gone",
-               "give it a register in " + hal::shell_word(site.modbus->points) + ", which the AHU watches");
+        advise(
+            "heartbeat", "no point of that name: an AHU does not notice when the box is gone",
+            fmt::format("give it {} in {}, which the AHU watches", site.bacnet ? "an object" : "a register", points));
+      } else if (const std::string warning = hal::warning_of(map); !warning.empty()) {
+        advise("heartbeat", warning, "correct " + points);
       }
       return fmt::format("{} points in {}", map.points().size(), site.modbus->points);
     });

@@ -4,11 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <optional>
 #include <set>
 
+#include "hal/modbus/baud_rates.hpp"
 #include "hal/text/civil_text.hpp"
 #include "tools/cli/site/ask/init_answers.hpp"
 #include "tools/cli/site/ask/questions.hpp"
@@ -21,7 +21,6 @@ namespace {
 constexpr int day_s = 24 * 3600;
 /// Setpoints in steps of 0.1 K that a controller can weigh.
 constexpr double most_range_k = 19;
-constexpr std::array baud_rates = {1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200};
 
 /// The words with the one that was chosen before first.
 std::vector<std::string> with_first(std::vector<std::string> words, const std::string& chosen) {
@@ -73,29 +72,48 @@ class SiteQuestions {
   }
 
   void add_room() {
-    always([this] { q_.text("Name of the room or AHU", a_.name, ""); });
-    always([this] { q_.whole("How many VAV boxes (zones with a temperature)", a_.vavs, 1, 32); });
-    always([this] { q_.whole("How many fan coil units", a_.fcus, 0, 32); });
-    always([this] { q_.whole("How many power meters", a_.powers, 0, 8); });
+    always([this] {
+      q_.text("Name of the room or AHU", a_.name, "",
+              "as people call it, for the operator's page and reports; any text without quotes");
+    });
+    always([this] {
+      q_.whole("How many VAV boxes (zones with a temperature)", a_.vavs, 1, 32,
+               "one each room temperature that the AHU's boxes control: the network's inputs are as many");
+    });
+    always([this] {
+      q_.whole("How many fan coil units", a_.fcus, 0, 32,
+               "those whose supply temperature and state the AHU's controller shows; 0: none, or not seen");
+    });
+    always([this] {
+      q_.whole("How many power meters", a_.powers, 0, 8,
+               "electrical power of the AHU, its chiller, its fans: each that the bus shows; 0: none");
+    });
     always([this] { ask_objective(); });
     where([this] { return a_.objective == Objective::mean; },
-          [this] { q_.number("Room temperature to hold, degC", a_.target_degc, 10, 35); });
+          [this] {
+            q_.number("Room temperature to hold, degC", a_.target_degc, 10, 35,
+                      "in working hours, the mean of all rooms");
+          });
   }
 
   void ask_objective() {
     const Objective before = a_.objective;
     const bool may_be_band = a_.powers > 0;
-    q_.ask("Objective (mean: hold the mean room temperature, band: boxes modulate, least energy)",
-           before == Objective::band && may_be_band ? "band" : "mean", [&](const std::string& typed) -> std::string {
-             const std::string answer = in_small_letters(typed);
-             if (answer != "mean" && answer != "band") return fmt::format("found '{}'; expected mean or band", typed);
-             if (answer == "band" && !may_be_band) {
-               return "found band without a power meter; expected one, from which band learns energy: take mean, or go "
-                      "back and add a meter";
-             }
-             a_.objective = answer == "band" ? Objective::band : Objective::mean;
-             return "";
-           });
+    q_.ask(
+        "Objective (mean: hold the mean room temperature, band: boxes modulate, least energy)",
+        before == Objective::band && may_be_band ? "band" : "mean",
+        [&](const std::string& typed) -> std::string {
+          const std::string answer = in_small_letters(typed);
+          if (answer != "mean" && answer != "band") return fmt::format("found '{}'; expected mean or band", typed);
+          if (answer == "band" && !may_be_band) {
+            return "found band without a power meter; expected one, from which band learns energy: take mean, or go "
+                   "back and add a meter";
+          }
+          a_.objective = answer == "band" ? Objective::band : Objective::mean;
+          return "";
+        },
+        "mean: boxes open or shut, the setpoint brings the mean of the rooms to a target; band: boxes that modulate "
+        "hold their rooms, the setpoint is moved to what costs least energy; mean or band");
     if (a_.objective == before) return;
     const bool is_band = a_.objective == Objective::band;
     const InitAnswers usual;
@@ -109,26 +127,49 @@ class SiteQuestions {
   /// The second of two moves ahead of the first where it would contradict it: it is still to be asked.
   void add_hours() {
     always([this] {
-      q_.ask("Working hours begin", hal::clock_text(a_.work_start_s), [&](const std::string& answer) {
-        InitAnswers so_far = a_;
-        const auto given = time_of(answer);
-        if (!given || *given >= day_s) return fmt::format("found '{}'; expected a time such as 07:00", answer);
-        if (so_far.work_end_s <= *given) so_far.work_end_s = day_s;
-        so_far.work_start_s = *given;
-        return keep(so_far);
-      });
+      q_.ask(
+          "Working hours begin", hal::clock_text(a_.work_start_s),
+          [&](const std::string& answer) {
+            InitAnswers so_far = a_;
+            const auto given = time_of(answer);
+            if (!given || *given >= day_s) return fmt::format("found '{}'; expected a time such as 07:00", answer);
+            if (so_far.work_end_s <= *given) so_far.work_end_s = day_s;
+            so_far.work_start_s = *given;
+            return keep(so_far);
+          },
+          "when people come: the target holds from here on; a time such as 07:00");
     });
-    always([this] { q_.time("Working hours end", a_.work_end_s); });
+    always([this] {
+      q_.ask(
+          "Working hours end", hal::clock_text(a_.work_end_s),
+          [&](const std::string& answer) {
+            const auto given = time_of(answer);
+            if (!given) return fmt::format("found '{}'; expected a time such as 19:00, to 24:00", answer);
+            if (*given <= a_.work_start_s) {
+              return fmt::format(
+                  "found {}; the end must be after the beginning, {}; 'back' asks for the beginning again",
+                  hal::clock_text(*given), hal::clock_text(a_.work_start_s));
+            }
+            InitAnswers so_far = a_;
+            so_far.work_end_s = *given;
+            return keep(so_far);
+          },
+          "when they leave: from here on the schedule's setpoint holds; a time such as 19:00");
+    });
   }
 
   void add_limits() {
     always([this] {
-      q_.ask("Coldest supply-air setpoint that may be written, degC", fmt::format("{}", a_.min_degc),
-             [&](const std::string& answer) { return take_coldest(answer); });
+      q_.ask(
+          "Coldest supply-air setpoint that may be written, degC", fmt::format("{}", a_.min_degc),
+          [&](const std::string& answer) { return take_coldest(answer); },
+          "nothing colder is ever written: what coil, ducts and people bear; a number from 5 to below 40");
     });
     always([this] {
-      q_.ask("Warmest, degC", fmt::format("{}", a_.max_degc),
-             [&](const std::string& answer) { return take_warmest(answer); });
+      q_.ask(
+          "Warmest, degC", fmt::format("{}", a_.max_degc),
+          [&](const std::string& answer) { return take_warmest(answer); },
+          "nothing warmer is ever written; a number above the coldest, at most 40");
     });
     always([this] { ask_schedule("Setpoint that the AHU has today in working hours, degC", a_.schedule_work_degc); });
     always([this] { ask_schedule("And outside of them, degC", a_.schedule_off_degc); });
@@ -169,7 +210,8 @@ class SiteQuestions {
 
   void ask_schedule(const char* question, double& degc) {
     if (!said_.contains(&degc)) degc = std::clamp(degc, a_.min_degc, a_.max_degc);
-    q_.number(question, degc, 5, 40);
+    q_.number(question, degc, 5, 40,
+              "what the AHU does without airside: it is held wherever the controller is unsure or off");
     said_.insert(&degc);
     if (degc >= a_.min_degc && degc <= a_.max_degc) return;
     q_.say(fmt::format("  note: {:g} is outside {:g} to {:g}: the schedule will be held at that limit", degc,
@@ -195,15 +237,23 @@ class SiteQuestions {
       const std::vector<std::string> parities = with_first({"E", "N", "O"}, std::string(1, m.parity));
       q_.choice("Parity", parities, [&](std::size_t chosen) { m.parity = parities[chosen][0]; });
     });
-    where(is_tcp, [this, &m] { q_.text("Address of the AHU's controller", m.host, "192.168.1.20"); });
-    where(is_tcp, [this, &m] { q_.whole("Port", m.port, 1, 65535); });
-    where(is_modbus, [this, &m] { q_.whole("Unit number", m.unit_id, bus_ == "rtu" ? 1 : 0, 247); });
+    where(is_tcp, [this, &m] {
+      q_.text("Address of the AHU's controller", m.host, "192.168.1.20",
+              "its IP address or host name, without port; it is in the controller's network settings");
+    });
+    where(is_tcp, [this, &m] { q_.whole("Port", m.port, 1, 65535, "most devices have 502"); });
+    where(is_modbus, [this, &m] {
+      q_.whole("Unit number", m.unit_id, bus_ == "rtu" ? 1 : 0, 247,
+               "the device's own number on the bus; over TCP most answer to 1 or to any");
+    });
   }
 
   void ask_kind_of_bus() {
     const std::vector<std::string> kinds = with_first({"tcp", "rtu", "bacnet"}, bus_);
     const std::string before = bus_;
-    q_.choice("Bus of the AHU, tcp and rtu: Modbus", kinds, [&](std::size_t chosen) { bus_ = kinds[chosen]; });
+    q_.choice(
+        "Bus of the AHU, tcp and rtu: Modbus", kinds, [&](std::size_t chosen) { bus_ = kinds[chosen]; },
+        "tcp: Modbus over Ethernet; rtu: Modbus on a serial line; bacnet: through the gateway airside-bacnet");
     if (bus_ == before) return;
     if (before == "bacnet" || bus_ == "bacnet") former_.clear();
     a_.modbus = {};
@@ -218,21 +268,24 @@ class SiteQuestions {
   }
 
   void ask_serial_line() {
-    q_.ask("Serial line", a_.modbus.device, [&](const std::string& answer) {
-      InitAnswers so_far = a_;
-      const bool is_bare = answer.find('/') == std::string::npos;
-      so_far.modbus.device = is_bare ? "/dev/" + answer : answer;
-      std::string wrong = keep(so_far);
-      if (wrong.empty() && is_bare) q_.say("  taken: " + a_.modbus.device);
-      return wrong;
-    });
+    q_.ask(
+        "Serial line", a_.modbus.device,
+        [&](const std::string& answer) {
+          InitAnswers so_far = a_;
+          const bool is_bare = answer.find('/') == std::string::npos;
+          so_far.modbus.device = is_bare ? "/dev/" + answer : answer;
+          std::string wrong = keep(so_far);
+          if (wrong.empty() && is_bare) q_.say("  taken: " + a_.modbus.device);
+          return wrong;
+        },
+        "the line's device file; `ls /dev/serial/by-id` shows what is plugged in");
   }
 
   void ask_baud() {
     q_.ask("Baud", std::to_string(a_.modbus.baud), [&](const std::string& answer) -> std::string {
       const auto given = whole_of(answer);
-      if (!given || std::ranges::find(baud_rates, *given) == baud_rates.end()) {
-        return fmt::format("found '{}'; expected one of {}", answer, fmt::join(baud_rates, ", "));
+      if (!given || std::ranges::find(hal::baud_rates, *given) == hal::baud_rates.end()) {
+        return fmt::format("found '{}'; expected one of {}", answer, fmt::join(hal::baud_rates, ", "));
       }
       a_.modbus.baud = *given;
       return "";
@@ -241,23 +294,29 @@ class SiteQuestions {
 
   void ask_bacnet_address() {
     hal::BacnetSection b = a_.bacnet.value_or(hal::BacnetSection{});
-    q_.ask("This machine's address in the devices' network, with the length of its prefix, such as 192.168.1.30/24",
-           b.address, [&](const std::string& answer) {
-             InitAnswers so_far = a_;
-             b.address = answer;
-             so_far.bacnet = b;
-             return keep(so_far);
-           });
+    q_.ask(
+        "This machine's address in the devices' network, with the length of its prefix, such as 192.168.1.30/24",
+        b.address,
+        [&](const std::string& answer) {
+          InitAnswers so_far = a_;
+          b.address = answer;
+          so_far.bacnet = b;
+          return keep(so_far);
+        },
+        "broadcasts need the prefix; `ip -4 address` shows both, such as 192.168.1.30/24");
   }
 
   void ask_bacnet_devices() {
     const std::vector<std::string>& devices = a_.bacnet->devices;
-    q_.ask("Devices that Who-Is does not find, such as 1201@192.168.2.50 1305@2001:5",
-           devices.empty() ? "none" : fmt::format("{}", fmt::join(devices, " ")), [&](const std::string& answer) {
-             InitAnswers so_far = a_;
-             so_far.bacnet->devices = answer == "none" ? std::vector<std::string>{} : parts_of(answer, ' ');
-             return keep(so_far);
-           });
+    q_.ask(
+        "Devices that Who-Is does not find, such as 1201@192.168.2.50 1305@2001:5",
+        devices.empty() ? "none" : fmt::format("{}", fmt::join(devices, " ")),
+        [&](const std::string& answer) {
+          InitAnswers so_far = a_;
+          so_far.bacnet->devices = answer == "none" ? std::vector<std::string>{} : parts_of(answer, ' ');
+          return keep(so_far);
+        },
+        "devices behind a router, DEVICE@ADDRESS with blanks between; none where all are in this network");
   }
 
   void ask_where() {
@@ -290,7 +349,9 @@ class SiteQuestions {
 InitAnswers ask_answers(std::istream& in, std::ostream& out) {
   InitAnswers a;
   Questions q(in, out, [&] { return complaint_of_site(a); });
-  q.say("Enter takes what is in brackets, 'back' goes one question back. Nothing is written before the last answer.");
+  q.say(
+      "Enter takes what is in brackets, '?' explains, 'back' goes one question back. Nothing is written before the "
+      "last answer.");
   SiteQuestions(q, a).ask_all();
   return a;
 }

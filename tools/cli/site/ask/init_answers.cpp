@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "airside/topology.hpp"
+#include "hal/modbus/baud_rates.hpp"
 #include "hal/points/point_map.hpp"
 #include "hal/site/site_keys.hpp"
 #include "hal/text/civil_text.hpp"
@@ -76,7 +77,7 @@ void read_bus(hal::TomlSection s, InitAnswers& a) {
   bus.host = s.text("host", is_bacnet ? "127.0.0.1" : bus.host);
   bus.port = static_cast<int>(s.whole("port", is_bacnet ? gateway_port : bus.port, 1, 65535));
   bus.device = s.text("device", bus.device);
-  bus.baud = static_cast<int>(s.whole("baud", bus.baud, 1200, 921600));
+  bus.baud = s.one_of("baud", bus.baud, hal::baud_rates);
   bus.parity = "NEO"[s.choice("parity", {"N", "E", "O"}, 1)];
   bus.unit_id = static_cast<int>(s.whole("unit_id", bus.unit_id, bus.transport == hal::ModbusTransport::rtu, 247));
   hal::BacnetSection bacnet;

@@ -59,7 +59,7 @@ std::vector<std::string> parts_of(const std::string& text, char separator) {
 }
 
 void Questions::ask(const std::string& question, const std::string& otherwise,
-                    const std::function<std::string(const std::string&)>& take) {
+                    const std::function<std::string(const std::string&)>& take, const std::string& help) {
   for (;;) {
     out_ << question << (otherwise.empty() ? "" : " [" + otherwise + "]") << ": " << std::flush;
     std::string answer;
@@ -72,6 +72,12 @@ void Questions::ask(const std::string& question, const std::string& otherwise,
     answer.erase(0, std::min(answer.find_first_not_of(blank), answer.size()));
     answer.erase(answer.find_last_not_of(blank) + 1);
     if (answer == "back") throw Back{};
+    if (answer == "?" || in_small_letters(answer) == "help") {
+      const std::string about = help.empty() ? take("?") : help;
+      const std::size_t found = about.find("; ");
+      out_ << "  " << (help.empty() && found != std::string::npos ? about.substr(found + 2) : about) << '\n';
+      continue;
+    }
     if (answer.empty()) answer = otherwise;
     const std::string wrong = answer.empty() ? "found nothing; expected an answer: there is no default" : take(answer);
     if (wrong.empty()) return;
@@ -79,49 +85,52 @@ void Questions::ask(const std::string& question, const std::string& otherwise,
   }
 }
 
-void Questions::whole(const std::string& question, int& value, int least, int most) {
-  ask(question, std::to_string(value), [&](const std::string& answer) -> std::string {
-    const auto given = whole_of(answer);
-    if (!given || *given < least || *given > most) {
-      return fmt::format("found '{}'; expected a whole number from {} to {}", answer, least, most);
-    }
-    return try_value(value, *given);
-  });
+void Questions::whole(const std::string& question, int& value, int least, int most, const std::string& help) {
+  ask(
+      question, std::to_string(value),
+      [&](const std::string& answer) -> std::string {
+        const auto given = whole_of(answer);
+        if (!given || *given < least || *given > most) {
+          return fmt::format("found '{}'; expected a whole number from {} to {}", answer, least, most);
+        }
+        return try_value(value, *given);
+      },
+      help.empty() ? help : fmt::format("{}; a whole number from {} to {}", help, least, most));
 }
 
-void Questions::number(const std::string& question, double& value, double least, double most) {
-  ask(question, fmt::format("{}", value), [&](const std::string& answer) -> std::string {
-    const auto given = real_of(answer);
-    if (!given || *given < least || *given > most) {
-      return fmt::format("found '{}'; expected a number from {:g} to {:g}{}", answer, least, most,
-                         hint_of_number(answer));
-    }
-    return try_value(value, *given);
-  });
+void Questions::number(const std::string& question, double& value, double least, double most, const std::string& help) {
+  ask(
+      question, fmt::format("{}", value),
+      [&](const std::string& answer) -> std::string {
+        const auto given = real_of(answer);
+        if (!given || *given < least || *given > most) {
+          return fmt::format("found '{}'; expected a number from {:g} to {:g}{}", answer, least, most,
+                             hint_of_number(answer));
+        }
+        return try_value(value, *given);
+      },
+      help.empty() ? help : fmt::format("{}; a number from {:g} to {:g}", help, least, most));
 }
 
-void Questions::time(const std::string& question, int& seconds) {
-  ask(question, hal::clock_text(seconds), [&](const std::string& answer) -> std::string {
-    const auto given = time_of(answer);
-    if (!given) return fmt::format("found '{}'; expected a time such as 07:00, to 24:00", answer);
-    return try_value(seconds, *given);
-  });
-}
-
-void Questions::text(const std::string& question, std::string& value, const std::string& example) {
+void Questions::text(const std::string& question, std::string& value, const std::string& example,
+                     const std::string& help) {
   const std::string shown = value.empty() ? fmt::format("{}, such as {}", question, example) : question;
-  ask(shown, value, [&](const std::string& answer) -> std::string {
-    for (const char c : answer) {
-      if (c != '"' && c != '\\' && static_cast<unsigned char>(c) >= 0x20) continue;
-      return fmt::format("found '{}'; expected no quotes, backslashes and control characters", answer);
-    }
-    return try_value(value, answer);
-  });
+  ask(
+      shown, value,
+      [&](const std::string& answer) -> std::string {
+        for (const char c : answer) {
+          if (c != '"' && c != '\\' && static_cast<unsigned char>(c) >= 0x20) continue;
+          return fmt::format("found '{}'; expected no quotes, backslashes and control characters", answer);
+        }
+        return try_value(value, answer);
+      },
+      help);
 }
 
 void Questions::choice(const std::string& question, const std::vector<std::string>& words,
-                       const std::function<void(std::size_t)>& set) {
-  ask(fmt::format("{} ({})", question, fmt::join(words, ", ")), words[0],
+                       const std::function<void(std::size_t)>& set, const std::string& help) {
+  ask(
+      fmt::format("{} ({})", question, fmt::join(words, ", ")), words[0],
       [&](const std::string& answer) -> std::string {
         for (std::size_t chosen = 0; chosen < words.size(); ++chosen) {
           if (in_small_letters(words[chosen]) != in_small_letters(answer)) continue;
@@ -132,7 +141,8 @@ void Questions::choice(const std::string& question, const std::vector<std::strin
         const std::string near = letters || answer.size() == 1 ? "" : hal::nearest_name(answer, words);
         return fmt::format("found '{}'; expected {}{}", answer, fmt::join(words, " or "),
                            near.empty() ? "" : fmt::format("; did you mean {}?", near));
-      });
+      },
+      help);
 }
 
 }  // namespace airside::tools

@@ -40,18 +40,17 @@ class Questions {
   void say(const std::string& text) { out_ << text << '\n'; }
 
   /// `take` returns what is wrong with an answer, "" where it was taken. Without a default an answer must be given.
+  /// `help` answers `?`; without it what is wrong with `?` does, which `take` then must refuse.
   void ask(const std::string& question, const std::string& otherwise,
-           const std::function<std::string(const std::string&)>& take);
+           const std::function<std::string(const std::string&)>& take, const std::string& help = "");
 
-  void whole(const std::string& question, int& value, int least, int most);
-  void number(const std::string& question, double& value, double least, double most);
-  /// `07:00`; value in seconds since midnight.
-  void time(const std::string& question, int& seconds);
+  void whole(const std::string& question, int& value, int least, int most, const std::string& help = "");
+  void number(const std::string& question, double& value, double least, double most, const std::string& help = "");
   /// Where `value` is empty there is no default, and `example` is shown.
-  void text(const std::string& question, std::string& value, const std::string& example);
+  void text(const std::string& question, std::string& value, const std::string& example, const std::string& help);
   /// Which of the words, in capitals or small letters, the first being the default; `set` gets its place.
   void choice(const std::string& question, const std::vector<std::string>& words,
-              const std::function<void(std::size_t)>& set);
+              const std::function<void(std::size_t)>& set, const std::string& help = "");
 
  private:
   /// Sets `value`, and takes it back where there is something wrong with it.

@@ -84,7 +84,12 @@ class SignalQuestions {
     for (;;) {
       a_.signals.erase(name);
       SignalAnswer said;
-      q_.ask(place.question, default_of(name), [&](const std::string& answer) { return take(answer, name, said); });
+      q_.ask(
+          place.question, default_of(name), [&](const std::string& answer) { return take(answer, name, said); },
+          a_.bacnet ? "an object, DEVICE:TYPE:INSTANCE such as 1201:analog-input:3; - where the AHU has none"
+                    : "a register, counted from 0, such as 40: the rest is then asked; or all at once, "
+                      "function:register:type:scale:offset:order:apart such as 4:40:int16:0.1; - where the AHU has "
+                      "none; as it is: a made-up register");
       try {
         ask_more(name, said);
       } catch (const Back&) {
