@@ -1,6 +1,7 @@
 #pragma once
 // The five losses of one tile: their values and their derivatives by the network's outputs.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -78,14 +79,14 @@ void output_losses(const BatchView<T, Scalar>& batch, int first, int rows, const
       const Scalar tdb_error = deviation[i] - bootstrap[i];
       const Scalar rec_error = reconstruction[i] - s[i];
       const Scalar change = s1[i] - s[i];
-      const Scalar against = -change * deviation[i];
-      const bool violated = against > 0;
+      const Scalar against = std::max(Scalar(0), -change * deviation[i]);
+      const Scalar rc_push = rc_rate * change;
       strb += strb_error * strb_error;
       tdb += tdb_error * tdb_error;
       rec += rec_error * rec_error;
-      rc += violated ? against : Scalar(0);
+      rc += against;
       scratch.d_short_term.row(r)[i] = strb_rate * strb_error;
-      scratch.d_deviation.row(r)[i] = tdb_rate * tdb_error - (violated ? rc_rate * change : Scalar(0));
+      scratch.d_deviation.row(r)[i] = tdb_rate * tdb_error - (against != 0 ? rc_push : Scalar(0));
       scratch.d_reconstruction.row(r)[i] = rec_rate * rec_error;
     }
     sum.strb += static_cast<double>(strb);
@@ -104,7 +105,7 @@ int constraint_loss(int rows, int batch_size, const LossSettings<T>& settings, N
                     LossTerms& sum) {
   using L = Layout<T>;
   std::array<Scalar, L::inputs> label, slope, seed;
-  std::array<Scalar, L::inputs> tangent;
+  std::array<Scalar, L::inputs> wrong, tangent;
   const double rate = settings.weights.gc / batch_size;
   int violating = 0;
   for (std::size_t j = 0; j < L::inputs; ++j) {
@@ -114,15 +115,17 @@ int constraint_loss(int rows, int batch_size, const LossSettings<T>& settings, N
   for (int r = 0; r < rows; ++r) {
     const Scalar* const by_s = scratch.slope_s.row(r);
     const Scalar* const by_a = scratch.slope_a.row(r);
-    for (std::size_t j = 0; j < L::signals; ++j) slope[j] = by_s[j];
-    slope[L::signals] = 0;
-    for (std::size_t j = 0; j <= L::exogenous; ++j) slope[L::rooms + j] += by_a[j];
-    Scalar against = 0;
+    for (std::size_t j = 0; j < L::rooms; ++j) slope[j] = by_s[j];
+    for (std::size_t j = 0; j < L::exogenous; ++j) slope[L::rooms + j] = by_s[L::rooms + j] + by_a[j];
+    slope[L::signals] = by_a[L::exogenous];
+    // Loops of their own, in a form without branches: only the sum has an order.
+    for (std::size_t j = 0; j < L::inputs; ++j) wrong[j] = std::max(Scalar(0), label[j] * slope[j]);
     for (std::size_t j = 0; j < L::inputs; ++j) {
-      const Scalar wrong = label[j] * slope[j];
-      against += wrong > 0 ? wrong : Scalar(0);
-      tangent[j] = wrong > 0 ? seed[j] : Scalar(0);
+      const Scalar start = seed[j];
+      tangent[j] = wrong[j] != 0 ? start : Scalar(0);
     }
+    Scalar against = 0;
+    for (std::size_t j = 0; j < L::inputs; ++j) against += wrong[j];
     if (!(against > 0)) continue;
     sum.gc += static_cast<double>(against);
     Scalar* const u_s = scratch.act.input_s.row(rows + violating);

@@ -38,12 +38,16 @@ void constraint_reverse(const NetworkWeights<T, Scalar>& w, int n, NetworkScratc
   const Scalar* const dec = w.weight_of(Layer::dec);
   for (int o = 0; o < s.rooms(); ++o)
     for (int i = 0; i < latent_width; ++i) column_sum[static_cast<std::size_t>(i)] += dec[o * latent_width + i];
-  const Scalar slope = static_cast<Scalar>(leaky_slope);
-  for (int r = 0; r < n; ++r)
-    for (int i = 0; i < latent_width; ++i) {
-      const Scalar g = column_sum[static_cast<std::size_t>(i)];
-      d.strb_1.row(n + r)[i] = a.strb_1.row(r)[i] > 0 ? g : slope * g;
+  std::array<Scalar, latent_width> column_below;
+  for (std::size_t i = 0; i < latent_width; ++i) column_below[i] = static_cast<Scalar>(leaky_slope) * column_sum[i];
+  for (int r = 0; r < n; ++r) {
+    const Scalar* const activation = a.strb_1.row(r);
+    Scalar* const delta = d.strb_1.row(n + r);
+    for (std::size_t i = 0; i < latent_width; ++i) {
+      const Scalar above = column_sum[i], below = column_below[i];
+      delta[i] = activation[i] > 0 ? above : below;
     }
+  }
   const auto back = [&](Layer layer, auto& dz, int column, auto& dx, const auto& gate) {
     const LayerShape shape = layer_shape<T>(layer);
     layer_reverse(k, n, dz.row(n) + column, dz.width, w.weight_of(layer), shape.outputs, shape.inputs, dx.row(n),

@@ -18,6 +18,14 @@ namespace {
 
 constexpr int any_stride = 0;
 
+/// How many of `rows` go in blocks of R. Where few would be left, which wait for their own sums, a block shares its
+/// rows with them: what is left then are two blocks of nearly the same size.
+template <int R>
+inline int rows_in_blocks(int rows) {
+  const int left = rows % R;
+  return rows - left - (left > 0 && 3 * left <= R && rows > R ? R : 0);
+}
+
 /// Rows r .. r+R-1, columns c .. c+C*lanes-1 of a product; the sums stay in R*C registers.
 template <class V, int R, int C, int Stride>
 inline void product_block(const ProductArgs<float>& p, int r, int c) {
@@ -69,7 +77,7 @@ inline void product_block(const ProductArgs<float>& p, int r, int c) {
   }
 }
 
-/// The last `left` < R+1 rows.
+/// Rows r .. r+left-1, left <= R.
 template <class V, int R, int C>
 inline void product_rest(const ProductArgs<float>& p, int r, int c, int left) {
   if constexpr (R > 0) {
@@ -82,9 +90,9 @@ inline void product_rest(const ProductArgs<float>& p, int r, int c, int left) {
 
 template <class V, int R, int C, int Stride>
 inline int product_rows(const ProductArgs<float>& p, int c) {
-  int r = 0;
-  for (; r + R <= p.rows; r += R) product_block<V, R, C, Stride>(p, r, c);
-  return r;
+  const int whole = rows_in_blocks<R>(p.rows);
+  for (int r = 0; r < whole; r += R) product_block<V, R, C, Stride>(p, r, c);
+  return whole;
 }
 
 /// A panel of C vectors of columns. The strides that occur are compile-time, so that one pointer serves R rows.
@@ -93,7 +101,10 @@ inline void product_panel(const ProductArgs<float>& p, int c) {
   const int r = p.x_stride == 64   ? product_rows<V, R, C, 64>(p, c)
                 : p.x_stride == 32 ? product_rows<V, R, C, 32>(p, c)
                                    : product_rows<V, R, C, any_stride>(p, c);
-  product_rest<V, R - 1, C>(p, r, c, p.rows - r);
+  const int left = p.rows - r;
+  const int first = left > R ? (left + 1) / 2 : left;
+  product_rest<V, R - 1, C>(p, r, c, first);
+  product_rest<V, R - 1, C>(p, r + first, c, left - first);
 }
 
 /// Columns from c on of a single row, C vectors at a time; returns the first column that is left.
@@ -160,9 +171,12 @@ inline void outer_rest(const OuterArgs<float>& p, int r, int c, int left) {
 
 template <class V, int R, int C>
 inline void outer_panel(const OuterArgs<float>& p, int c) {
-  int r = 0;
-  for (; r + R <= p.rows; r += R) outer_block<V, R, C>(p, r, c);
-  outer_rest<V, R - 1, C>(p, r, c, p.rows - r);
+  const int whole = rows_in_blocks<R>(p.rows);
+  for (int r = 0; r < whole; r += R) outer_block<V, R, C>(p, r, c);
+  const int left = p.rows - whole;
+  const int first = left > R ? (left + 1) / 2 : left;
+  outer_rest<V, R - 1, C>(p, whole, c, first);
+  outer_rest<V, R - 1, C>(p, whole + first, c, left - first);
 }
 
 /// 8 x 8 blocks in registers, the rest number by number.
