@@ -13,7 +13,7 @@ list(APPEND AIRSIDE_TOOLS_SOURCES ${cli_shared})
 set(page_parts ${CMAKE_CURRENT_BINARY_DIR}/page_parts.cpp)
 set(page_dir ${CMAKE_CURRENT_SOURCE_DIR}/report)
 set(page_files palette_css=${page_dir}/palette.css page_css=${page_dir}/page.css
-    page_js=${page_dir}/page.js uplot_css=${page_dir}/vendor/uplot.min.css
+    chart_parts_js=${page_dir}/chart_parts.js page_js=${page_dir}/page.js uplot_css=${page_dir}/vendor/uplot.min.css
     uplot_js=${page_dir}/vendor/uplot.iife.min.js uplot_licence=${page_dir}/vendor/LICENSE.uplot)
 list(JOIN page_files "|" page_inputs)
 list(TRANSFORM page_files REPLACE "^[^=]+=" "" OUTPUT_VARIABLE page_depends)

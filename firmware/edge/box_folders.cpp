@@ -31,6 +31,7 @@ void BoxFolders::open_log(const hal::TopologyCounts& counts) {
   log_.emplace(site_.log_dir.c_str(), counts, limits, sync_);
   if (log_->ready()) return;
   storage_ = "log cannot be written";
+  remedy_ = hal::remedy_of(log_->ready().error().fault);
   say("log in {}: {}; each row tries again", site_.log_dir, hal::describe(log_->ready().error()));
 }
 
@@ -44,6 +45,7 @@ void BoxFolders::open_store(const hal::StoreLayout& layout) {
   store_.emplace(std::move(*opened));
   if (store_->ready()) return;
   storage_ = "state cannot be written";
+  remedy_ = hal::remedy_of(store_->ready().error().fault);
   say("state in {}: {}; running in memory, each row tries again", site_.state_dir,
       hal::describe(store_->ready().error()));
 }
@@ -51,7 +53,17 @@ void BoxFolders::open_store(const hal::StoreLayout& layout) {
 void BoxFolders::note(const hal::StoreResult<void>& result, const char* what) {
   const char* before = storage_;
   storage_ = result ? "ok" : hal::text_of(result.error().fault);
-  if (!result && std::strcmp(before, storage_) != 0) say("{}: {} ({})", what, storage_, result.error().step);
+  remedy_ = result ? "" : hal::remedy_of(result.error().fault);
+  if (result || std::strcmp(before, storage_) == 0) return;
+  say("{}: {} ({}); {}", what, storage_, result.error().step, remedy_);
+}
+
+void BoxFolders::note_logged(const hal::StoreResult<void>& result, CivilTime t) {
+  const bool said = !result && std::strcmp(storage_, hal::text_of(result.error().fault)) == 0;
+  note(result, "log");
+  if (said || result || result.error().fault != hal::StoreFault::out_of_order) return;
+  say("log: the clock is at {}, the last row in {} is of {}", RowText(t).view(), site_.log_dir,
+      RowText(log_->last_time()).view());
 }
 
 bool BoxFolders::is_well() const { return std::strcmp(storage_, "ok") == 0; }

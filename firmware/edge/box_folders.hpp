@@ -29,8 +29,12 @@ class BoxFolders {
 
   /// The result of what was done last with `what`; a new fault is said.
   void note(const hal::StoreResult<void>& result, const char* what);
-  /// `ok`, or what is wrong with the disk.
+  /// The same of a row at t: one that is not after the log's last row is said with both times.
+  void note_logged(const hal::StoreResult<void>& result, CivilTime t);
+  /// `ok`, or what is wrong with the disk, or with the clock that the log's rows are in the order of.
   const char* storage() const { return storage_; }
+  /// What a person does about it; "" where all is well.
+  const char* remedy() const { return remedy_; }
   bool is_well() const;
 
   /// Time of the log's last row, 0 without one.
@@ -46,7 +50,7 @@ class BoxFolders {
   hal::Sync sync_;
   std::optional<hal::DurableStore> store_;
   std::optional<hal::RowLog> log_;
-  const char* storage_ = "ok";
+  const char *storage_ = "ok", *remedy_ = "";
 };
 
 }  // namespace airside::edge

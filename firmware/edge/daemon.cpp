@@ -104,7 +104,7 @@ bool Daemon<T>::row(CivilTime t, const Expected<Reading<T>>& sensed, const Contr
   write_status();
   if (readings_.wanted()) read_points(t, sensed.has_value());
   service_.tell("WATCHDOG=1");  // only a row that came through every stage is a sign of life
-  report_.say_mode(controller.control_mode(t));
+  report_.say_mode(controller.control_mode(t), state_.storage_remedy());
   crash_loop_.row();
   return !stop_.raised();
 }
@@ -231,6 +231,7 @@ void Daemon<T>::write_status(CivilTime stopped_at) {
   s.lost_until = state_.lost_until();
   s.release_ends = state_.release_ends();
   s.storage = state_.storage();
+  s.storage_remedy = state_.storage_remedy();
   s.first_row = first_row_;
   s.met = met_;
   s.met_since = met_since_;

@@ -100,7 +100,7 @@ void DaemonState<T>::row(CivilTime t, const Expected<Reading<T>>& sensed, bool h
     beside = trial_.committed();
     if (beside) beside = export_.blocked();
   }
-  if (!logged) return folders_.note(logged, "log");
+  if (!logged) return folders_.note_logged(logged, t);
   if (!committed) return folders_.note(committed, "state");
   folders_.note(beside, "files beside the state");
 }

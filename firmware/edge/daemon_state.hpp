@@ -60,8 +60,9 @@ class DaemonState {
   /// At an orderly end.
   void end();
 
-  /// `ok`, or what is wrong with the disk.
+  /// As of BoxFolders.
   const char* storage() const { return folders_.storage(); }
+  const char* storage_remedy() const { return folders_.remedy(); }
   bool is_well() const { return folders_.is_well(); }
   /// There was state, and none of it is whole and of this version and topology.
   bool state_lost() const { return state_lost_; }

@@ -36,16 +36,50 @@ Entity temperature(std::string object, std::string name, const std::string& memb
                {"suggested_display_precision", 2}}};
 }
 
-std::vector<Entity> entities(int rooms, const std::string& status) {
+/// A number of its own unit, for which Home Assistant has no class: of a temperature's it would convert K to °C.
+Entity quantity(std::string object, std::string name, const std::string& value, const char* unit, int digits) {
+  return {"sensor", std::move(object),
+          json{{"name", std::move(name)},
+               {"value_template", "{{ " + value + " }}"},
+               {"state_class", "measurement"},
+               {"unit_of_measurement", unit},
+               {"suggested_display_precision", digits}}};
+}
+
+/// What `mean` holds and forecasts.
+std::vector<Entity> entities_of_mean() {
+  return {temperature("target", "Room target", "target_degc"),
+          temperature("held", "Held room temperature", "held_degc"),
+          temperature("forecast", "Forecast room temperature", "expected_held_degc"),
+          {"sensor", "confidence",
+           json{{"name", "Confidence"},
+                {"value_template", "{{ value_json.confidence }}"},
+                {"state_class", "measurement"},
+                {"suggested_display_precision", 2},
+                {"entity_category", "diagnostic"}}}};
+}
+
+/// What `band` looks at: it holds no room temperature and forecasts none.
+std::vector<Entity> entities_of_band() {
+  const std::string damper = "value_json.most_open_damper";
+  return {
+      quantity("warmest_zone", "Warmest zone above its setpoint", "value_json.warmest_zone_above_setpoint_k", "K", 2),
+      quantity("most_open_damper", "Most open damper",
+               "(" + damper + " * 100) | round(0) if " + damper + " is number else none", "%", 0)};
+}
+
+std::vector<Entity> entities_of(Objective objective) {
+  return objective == Objective::band ? entities_of_band() : entities_of_mean();
+}
+
+std::vector<Entity> entities(int rooms, Objective objective, const std::string& status) {
   std::vector<Entity> out;
   for (int i = 0; i < rooms; ++i) {
     out.push_back(temperature(fmt::format("room_{}_temperature", i + 1), fmt::format("Room {} temperature", i + 1),
                               fmt::format("room_temp_degc[{}]", i)));
   }
   out.push_back(temperature("setpoint", "Supply air setpoint", "setpoint_degc"));
-  out.push_back(temperature("target", "Room target", "target_degc"));
-  out.push_back(temperature("held", "Held room temperature", "held_degc"));
-  out.push_back(temperature("forecast", "Forecast room temperature", "expected_held_degc"));
+  for (Entity& entity : entities_of(objective)) out.push_back(std::move(entity));
   out.push_back({"sensor", "mode",
                  json{{"name", "Control mode"},
                       {"value_template", "{{ value_json.state }}"},
@@ -65,12 +99,6 @@ std::vector<Entity> entities(int rooms, const std::string& status) {
                       {"device_class", "problem"},
                       {"json_attributes_topic", status},
                       {"json_attributes_template", "{{ {'alarms': value_json.alarms} | tojson }}"}}});
-  out.push_back({"sensor", "confidence",
-                 json{{"name", "Confidence"},
-                      {"value_template", "{{ value_json.confidence }}"},
-                      {"state_class", "measurement"},
-                      {"suggested_display_precision", 2},
-                      {"entity_category", "diagnostic"}}});
   return out;
 }
 
@@ -93,7 +121,7 @@ std::vector<Message> discovery(const hal::SiteFile& site) {
                     {"model", site.topology},
                     {"sw_version", hal::version()}};
   std::vector<Message> out;
-  for (Entity& entity : entities(parse_shape(site.topology.c_str()).vavs, status_topic(mqtt))) {
+  for (Entity& entity : entities(parse_shape(site.topology.c_str()).vavs, site.objective, status_topic(mqtt))) {
     json& document = entity.document;
     document["unique_id"] = node + '_' + entity.object;
     document["state_topic"] = status_topic(mqtt);
@@ -105,11 +133,21 @@ std::vector<Message> discovery(const hal::SiteFile& site) {
   return out;
 }
 
-std::vector<Message> withdrawal(const hal::SiteFile& site) {
+std::vector<Message> outdated(const hal::SiteFile& site) {
   const hal::MqttSection& mqtt = *site.mqtt;
   std::vector<Message> out;
+  if (mqtt.discovery_prefix.empty()) return out;
+  const Objective other = site.objective == Objective::band ? Objective::mean : Objective::band;
+  for (const Entity& entity : entities_of(other)) out.push_back({config_topic(mqtt, entity), ""});
+  return out;
+}
+
+std::vector<Message> withdrawal(const hal::SiteFile& site) {
+  const hal::MqttSection& mqtt = *site.mqtt;
+  std::vector<Message> out = outdated(site);
   if (!mqtt.discovery_prefix.empty()) {
-    for (const Entity& entity : entities(most_rooms, "")) out.push_back({config_topic(mqtt, entity), ""});
+    for (const Entity& entity : entities(most_rooms, site.objective, ""))
+      out.push_back({config_topic(mqtt, entity), ""});
   }
   out.push_back({status_topic(mqtt), ""});
   out.push_back({availability_topic(mqtt), ""});

@@ -18,12 +18,17 @@ std::string status_topic(const hal::MqttSection& mqtt);
 /// `PREFIX/availability`: online while the daemon's status is fresh and the broker hears of it, else offline.
 std::string availability_topic(const hal::MqttSection& mqtt);
 
-/// Home Assistant's discovery: a document for each room temperature, the setpoint, what it is to reach, mode, reason
-/// and alarm. Empty without a discovery prefix. `site.mqtt` must be there.
+/// Home Assistant's discovery: a document for each room temperature, the setpoint, mode, reason and alarm, and what the
+/// objective is judged by: target, held value, forecast and confidence; with `band` the warmest zone and the most open
+/// damper. Empty without a discovery prefix. `site.mqtt` must be there.
 std::vector<Message> discovery(const hal::SiteFile& site);
 
-/// Empty messages for every topic that this site, or the same site with other counts of rooms, may have left: a broker
-/// forgets a retained message when an empty one follows.
+/// Empty messages for the documents that this site has only with the other objective: a broker forgets a retained
+/// message when an empty one follows. Empty without a discovery prefix.
+std::vector<Message> outdated(const hal::SiteFile& site);
+
+/// Empty messages for every topic that this site, or the same site with other counts of rooms or the other objective,
+/// may have left.
 std::vector<Message> withdrawal(const hal::SiteFile& site);
 
 }  // namespace airside::mqtt

@@ -26,6 +26,7 @@ double clock_s() {
 
 Publisher::Publisher(const hal::SiteFile& site)
     : mqtt_(*site.mqtt),
+      outdated_(outdated(site)),
       discovery_(discovery(site)),
       watch_(site.state_dir + "/status.json"),
       broker_(mqtt_, site.path),
@@ -65,6 +66,7 @@ void Publisher::publish_what_changed(double now_s) {
   // One round at a time: while it is under way, what comes replaces what has not been sent.
   if (!broker_.is_up() || broker_.outstanding() > 0) return;
   if (!introduced_) {
+    for (const Message& message : outdated_) broker_.publish(message, now_s);
     for (const Message& message : discovery_) broker_.publish(message, now_s);
     introduced_ = true;
   }

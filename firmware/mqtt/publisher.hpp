@@ -30,7 +30,7 @@ class Publisher {
   void finish();
 
   const hal::MqttSection& mqtt_;
-  const std::vector<Message> discovery_;
+  const std::vector<Message> outdated_, discovery_;
   StatusWatch watch_;
   Broker broker_;
   std::string said_;             ///< last line, which is not repeated

@@ -7,7 +7,6 @@
 #include <algorithm>
 
 #include "firmware/page/data/facts.hpp"
-#include "firmware/page/data/forecast_gap.hpp"
 #include "firmware/page/data/metrics.hpp"
 #include "firmware/page/data/trends.hpp"
 #include "firmware/page/http/response.hpp"
@@ -64,6 +63,7 @@ Answers::Answers(const hal::SiteFile& site)
     : state_dir_(site.state_dir),
       site_text_(without_markup(dumped(site_facts(site)))),
       of_band_(site.objective == Objective::band),
+      gap_hint_(site),
       status_(site.state_dir),
       ledger_(site.page.dir),
       checkout_(site),
@@ -139,7 +139,9 @@ Answer Answers::trends_json(std::string_view span) {
 
 Answer Answers::gap() {
   if (gap_.text.empty() || gap_.count != store_.count() || gap_.reading != store_.is_reading()) {
-    gap_ = {store_.count(), store_.is_reading(), dumped(forecast_gap(store_))};
+    nlohmann::json gap = forecast_gap(store_);
+    gap["commands"] = gap_hint_.commands(gap["reference_days"].get<int>());
+    gap_ = {store_.count(), store_.is_reading(), without_markup(dumped(gap))};
   }
   return {MHD_HTTP_OK, response_of(gap_.text)};
 }

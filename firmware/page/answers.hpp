@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "firmware/page/data/checkout.hpp"
+#include "firmware/page/data/forecast_gap.hpp"
 #include "firmware/page/data/ledger.hpp"
 #include "firmware/page/data/state_folder.hpp"
 #include "firmware/page/data/trend_store.hpp"
@@ -48,6 +49,7 @@ class Answers {
 
   std::string state_dir_, site_text_;
   bool of_band_;
+  GapHint gap_hint_;
   StatusReader status_;
   Ledger ledger_;
   Checkout checkout_;

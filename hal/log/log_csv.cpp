@@ -26,9 +26,16 @@ class Cursor {
     else
       *at_++ = c;
   }
+  /// To the millionth, as a person would write it: 23.87 and not 23.869999999999997. Small numbers, such as losses, by
+  /// four digits.
   void put(double value) {
     if (std::isnan(value)) return;
-    const auto result = std::to_chars(at_, end_, value);
+    constexpr double millionths = 1e6;
+    const double size = std::abs(value);
+    const bool is_small = size > 0 && size < 1e-3;
+    const double rounded = size < 1e9 ? std::round(value * millionths) / millionths : value;
+    const auto result =
+        is_small ? std::to_chars(at_, end_, value, std::chars_format::general, 4) : std::to_chars(at_, end_, rounded);
     if (result.ec != std::errc{})
       full_ = true;
     else

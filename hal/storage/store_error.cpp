@@ -4,7 +4,6 @@
 #include <cstring>
 
 namespace airside::hal {
-namespace {
 
 const char* remedy_of(StoreFault fault) {
   switch (fault) {
@@ -15,7 +14,8 @@ const char* remedy_of(StoreFault fault) {
     case StoreFault::not_found: return "create the folder or correct its path in the site file";
     case StoreFault::other_layout: return "give this site a state folder of its own, or move the old files away";
     case StoreFault::log_shorter: return "the missing rows cannot be restored; the log goes on from here";
-    case StoreFault::out_of_order: return "check the clock, or log to an empty folder";
+    case StoreFault::out_of_order:
+      return "set the clock right, or move the log folder away; until the clock has passed that row nothing is logged";
     case StoreFault::unread: return "load it; it was out of reach at the start";
     case StoreFault::removed: return "stop airsided before its files are moved; the next row writes new ones";
     case StoreFault::wrong_kind: return "find out who put it there, and take it away";
@@ -25,8 +25,6 @@ const char* remedy_of(StoreFault fault) {
   }
   return "this is a fault of the program";
 }
-
-}  // namespace
 
 const char* text_of(StoreFault fault) {
   switch (fault) {
@@ -39,7 +37,7 @@ const char* text_of(StoreFault fault) {
     case StoreFault::wrong_size: return "wrong size";
     case StoreFault::other_layout: return "state of another topology, control cycle or build";
     case StoreFault::log_shorter: return "log shorter than committed";
-    case StoreFault::out_of_order: return "row not after the last one";
+    case StoreFault::out_of_order: return "log's last row is later than the clock";
     case StoreFault::row_too_long: return "row too long";
     case StoreFault::unread: return "older state not read yet";
     case StoreFault::removed: return "files removed while in use";

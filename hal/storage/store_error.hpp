@@ -42,6 +42,9 @@ constexpr bool may_pass(const StoreError& error) {
 /// "disk full", "another process uses it" ...
 const char* text_of(StoreFault fault);
 
+/// What a person does about it: "free some space; ...".
+const char* remedy_of(StoreFault fault);
+
 /// One sentence for the log and the page: step, fault, errno's text, remedy.
 std::string describe(const StoreError& error);
 

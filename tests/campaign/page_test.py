@@ -67,7 +67,7 @@ class Look(unittest.TestCase):
             if key == "hvac_kwh_per_day":  # there the plant says whether it is all electricity
                 expected = ("energy", *expected[1:])
             self.assertEqual(words, expected, key)
-        self.assertIn('<th scope="col" title="dae_degc">DAE<span class="unit">°C</span></th>', self.page)
+        self.assertIn('<th scope="col" title="dae_degc">DAE<span class="unit">K</span></th>', self.page)
         self.assertIn('<th scope="col" title="own_figure">own_figure</th>', self.page)
 
     def test_means_and_spreads_are_those_of_the_seeds(self):

@@ -22,7 +22,29 @@ REF = rdflib.Namespace("https://brickschema.org/schema/Brick/ref#")
 UNIT = rdflib.Namespace("http://qudt.org/vocab/unit/")
 SH = rdflib.Namespace("http://www.w3.org/ns/shacl#")
 AIRSIDE = rdflib.Namespace("urn:airside:vocabulary#")
+BACNET = rdflib.Namespace("http://data.ashrae.org/bacnet/2020#")
 NAME = "房間 301 \\ l'étage"
+
+
+BACNET_ANSWERS = """
+[site]
+vavs = 2
+fcus = 0
+powers = 0
+[bus]
+transport = "bacnet"
+address = "192.168.1.30/24"
+[signals.room_temp]
+object = "1201:analog-input:3"
+scale = 0.5555555556
+offset = -17.77777778
+[signals.vav_on]
+object = "1201:binary-value:12"
+[signals.supply_temp]
+object = "1202:loop:2:controlled-variable-value"
+[signals.setpoint]
+object = "1201:analog-output:1"
+"""
 
 
 def airside(*arguments, code=0):
@@ -64,7 +86,8 @@ class Tags(unittest.TestCase):
         return graph
 
     def judged(self, text, version):
-        """(severity, node, message) of what the ontology's shapes have to say of our nodes, and the whole graph.
+        """(severity, node, message) of what the ontology's shapes have to say of our nodes and references, which
+        have no name, and the whole graph.
         Of its own nodes they say that QUDT is not there."""
         graph = brickschema.Graph(load_brick=True, brick_version=version)
         graph.parse(data=text, format="turtle")
@@ -72,7 +95,8 @@ class Tags(unittest.TestCase):
         found = [(str(results.value(one, SH.resultSeverity)).partition("#")[2],
                   str(results.value(one, SH.focusNode)).partition("#")[2], str(results.value(one, SH.resultMessage)))
                  for one in results.subjects(rdflib.RDF.type, SH.ValidationResult)
-                 if "airside" in str(results.value(one, SH.focusNode))]
+                 if "airside" in str(results.value(one, SH.focusNode))
+                 or (None, REF.hasExternalReference, results.value(one, SH.focusNode)) in graph]
         return found, graph
 
     def test_brick_is_what_the_ontology_allows(self):
@@ -176,6 +200,68 @@ class Tags(unittest.TestCase):
             self.assertEqual(point.get("unit"), {"degc": "°C", "kw": "kW", "m3/s": "m³/s"}.get(row["unit"]))
             self.assertEqual((point["modbusFunctionCode"].val, point["modbusAddress"].val), (int(row["fc"]), int(row["addr"])))
         self.assertEqual([p["airsidePoint"] for p in marked("point", "writable")], ["setpoint"])
+
+    def bacnet_site(self):
+        """Two devices, one of which reports degF and one of which has a loop; the gateway watches the heartbeat."""
+        folder = self.folder / "bacnet"
+        if not folder.exists():
+            (self.folder / "answers.toml").write_text(BACNET_ANSWERS)
+            airside("init", folder, "--answers", self.folder / "answers.toml")
+        with open(folder / "points.csv", newline="") as file:
+            rows = {row["name"]: row for row in csv.DictReader(line for line in file if not line.startswith("#"))}
+        self.assertEqual(rows["heartbeat"]["object"], "gateway")
+        return folder / "site.toml", {n: r for n, r in rows.items() if r["object"] != "gateway"}
+
+    def test_brick_refers_to_objects_of_bacnet_and_to_no_register_of_the_gateway(self):
+        site, rows = self.bacnet_site()
+        text = airside("tags", site).stdout
+        self.assertNotIn("Modbus", text)
+        self.assertNotIn("functionCode", text)
+        for version in ("1.3", "1.4"):
+            found, _ = self.judged(text, version)
+            self.assertEqual([one for one in found if "deprecated in version 1.4.0" not in one[2]], [])
+        graph = rdflib.Graph()
+        graph.parse(data=text, format="turtle")
+        points = {str(s).partition("#")[2]: s for s in graph.subjects(BRICK.isPointOf)}
+        self.assertEqual(set(points), set(rows))
+        for name, point in points.items():
+            objects = [r for r in graph.objects(point, REF.hasExternalReference)
+                       if (r, rdflib.RDF.type, REF.BACnetReference) in graph]
+            self.assertEqual(len(objects), 1, name)
+            device, kind, instance, *other = rows[name]["object"].split(":")
+            name_of_property = other[0] if other else "present-value"
+            facts = dict(graph.predicate_objects(objects[0]))
+            self.assertEqual(str(facts[BACNET["object-identifier"]]), f"{kind},{instance}")
+            self.assertEqual(str(facts[BACNET["object-type"]]), kind)
+            self.assertEqual(str(facts[REF["bacnet-read-property"]]), name_of_property)
+            self.assertEqual(str(facts[REF.BACnetURI]), f"bacnet://{device}/{kind},{instance}/{name_of_property}")
+            there = facts[BACNET.objectOf]
+            self.assertIn((there, rdflib.RDF.type, BACNET.BACnetDevice), graph)
+            self.assertEqual(graph.value(there, BACNET["device-instance"]).toPython(), int(device))
+            self.assertEqual(float(facts.get(AIRSIDE.scale, 1)), float(rows[name]["scale"] or 1))
+            self.assertEqual(float(facts.get(AIRSIDE.offset, 0)), float(rows[name]["offset"] or 0))
+        self.assertEqual(len(set(graph.subjects(rdflib.RDF.type, BACNET.BACnetDevice))), 2)
+        # The shapes do look at these references.
+        wrong = text.replace(":bacnet_device_1202 a bacnet:BACnetDevice", ":bacnet_device_1202 a brick:AHU")
+        self.assertNotEqual(wrong, text)
+        found, _ = self.judged(wrong, "1.4")
+        self.assertIn("Violation", {one[0] for one in found})
+
+    def test_haystack_has_bacnet_cur_and_no_register_of_the_gateway(self):
+        site, rows = self.bacnet_site()
+        text = airside("tags", site, "--format", "haystack").stdout
+        self.assertNotIn("modbus", text)
+        points = {row["airsidePoint"]: row for row in ph_from_json(text).rows if "airsidePoint" in row}
+        self.assertEqual(set(points), set(rows))
+        self.assertEqual({n: p.get("bacnetCur") for n, p in points.items()},
+                         {"room_temp_1": "AI3", "room_temp_2": "AI4", "vav_on_1": "BV12", "vav_on_2": "BV13",
+                          "setpoint": "AO1", "supply_temp": None})
+        for name, point in points.items():
+            device = rows[name]["object"].split(":")[0]
+            self.assertEqual(point["bacnetDeviceInstance"].val, int(device))
+            self.assertTrue(point["airsideBacnetObject"].startswith(rows[name]["object"]), name)
+            self.assertEqual(point["bacnetScale"].val, float(rows[name]["scale"] or 1))
+        self.assertEqual(points["supply_temp"]["airsideBacnetObject"], "1202:loop:2:controlled-variable-value")
 
     def test_a_simulated_site_has_no_registers(self):
         simulated = self.folder / "simulated.toml"

@@ -56,13 +56,14 @@ TEST(GapCommand, NamesWhatIsHiddenReportsPatchesTheRoomAndTakesThePatchBack) {
   const std::string page = text_of_file(desk.path("out/index.html"));
   for (const char* promised :
        {"<h1>Flow of box 2 is not what its controller believes</h1>", "verdict: named", "To confirm it on site",
-        "Guideline 14", "a wrong model can pass", "locked away", "The ledger",
-        "hood at the "
-        "diffuser",
-        "with what was found", "In which weather", "What else could explain it", "</html>"}) {
+        "Guideline 14", "a wrong model can pass", "The 2 days that were locked away", "The ledger",
+        "gain on the locked days: predicted, came<span class=\"unit\">2 ln likelihood ratio</span>",
+        ">flow of box 2 is not what its controller believes<", "hood at the diffuser", "with what was found",
+        "In which weather", "What else could explain it", "</html>"}) {
     EXPECT_NE(page.find(promised), std::string::npos) << promised;
   }
   EXPECT_EQ(page.find("src=\"http"), std::string::npos);
+  EXPECT_EQ(page.find("vav_flow@"), std::string::npos) << "words, not ids";
 
   // The patched room is a room, and differs in the flow of one box by about what was found.
   const sim::RcRoom patched = sim::load_room(desk.path("patched.json").string());

@@ -86,11 +86,15 @@ TEST(Probe, SaysWhereTheHostIsNamedAndWhatRefuses) {
   for (const char* command : {"probe", "doctor"}) {
     const Outcome refused = desk.run("airside", {command, "site.toml"});
     EXPECT_EQ(refused.code, 1);
-    for (const char* part : {"connection refused by 127.0.0.1:9: nothing listens", "whether port 9 is the device's",
-                             "firewall", "nc -vz 127.0.0.1 9"})
+    for (const char* part : {"connection refused by 127.0.0.1:9: nothing listens",
+                             "listens on port 9 (most listen on 502)", "firewall", "nc -vz 127.0.0.1 9"})
       EXPECT_EQ(times(refused.out + refused.err, part), 1) << command << part << "\n" << refused.out << refused.err;
   }
-  desk.edit("site.toml", "host = \"127.0.0.1\"", "host = \"no-such-host.invalid\"");
+  desk.edit("site.toml", "port = 9", "port = 502");
+  desk.edit("site.toml", "host = \"127.0.0.1\"", "host = \"127.0.0.9\"");
+  const Outcome usual = desk.run("airside", {"doctor", "site.toml"});
+  EXPECT_EQ(times(usual.out + usual.err, "listens on port 502, as most do, and"), 1) << usual.out << usual.err;
+  desk.edit("site.toml", "host = \"127.0.0.9\"", "host = \"no-such-host.invalid\"");
   EXPECT_EQ(times(desk.run("airside", {"probe", "site.toml"}).err, "site.toml:39:1: modbus.host: found"), 1);
   EXPECT_EQ(times(desk.run("airside", {"doctor", "site.toml"}).out, "site.toml:39:1: modbus.host: \"no-such"), 1);
 }

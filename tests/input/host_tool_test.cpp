@@ -194,6 +194,24 @@ TEST(RunFacts, AreInEveryOutput) {
   EXPECT_NE(object_of(desk.run("airside", {"report", "log.csv", "-o", "rep", "--json"})).value("commit", ""), "");
 }
 
+TEST(RunFacts, HaveCommandsThatCanBeCopiedWhereFoldersHaveABlank) {
+  const Desk desk;
+  fs::create_directory(desk.path("a b"));
+  const auto run = [&desk](const std::vector<std::string>& words) {
+    const Outcome o = desk.run("airside", words);
+    EXPECT_EQ(o.code, 0) << o.err;
+    return o.out;
+  };
+  run({"pretrain", "--plant", "rc", "--days", "2", "--updates", "1", "-o", "a b/a.blob", "--log", "a b/log.csv"});
+  run({"transfer", "--from", "a b/a.blob", "--log", "a b/log.csv", "--steps", "1", "-o", "a b/b.blob"});
+  const std::string said = object_of({0, run({"blob", "inspect", "a b/b.blob", "--json"}), ""}).value("provenance", "");
+  EXPECT_TRUE(said.starts_with("airside transfer --from 'a b/a.blob' --log 'a b/log.csv' --steps 1 ")) << said;
+  const std::string next =
+      run({"gap", "blind", "--cases", "1", "--days", "4", "--rough", "-o", "a b/cases", "--key", "a b/key.json"});
+  EXPECT_TRUE(has(next, "airside gap run-cases 'a b/cases' -o verdicts.json; airside gap score verdicts.json 'a b/key"))
+      << next;
+}
+
 TEST(RunFacts, NameTheEngineAndTheFileOfWeather) {
   if (!sim::have_energyplus()) GTEST_SKIP() << "NOT CHECKED: EnergyPlus is not installed; run tools/setup";
   const Desk desk;

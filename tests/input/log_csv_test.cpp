@@ -88,6 +88,9 @@ TEST(LogCsv, KeepMissingTurnsBrokenSensorsIntoHoles) {
   EXPECT_EQ(log.rows[1].value[3], 1.0);
 }
 
+/// A number of a reading: to the millionth.
+double reading(double value) { return std::round(value * 1e6) / 1e6; }
+
 TEST(LogCsv, WhatIsWrittenReadsBackToTheSameBits) {
   const std::string path = testing::TempDir() + "airside_round_trip.csv";
   const TopologyCounts five = counts_of<FiveZone>();
@@ -97,12 +100,12 @@ TEST(LogCsv, WhatIsWrittenReadsBackToTheSameBits) {
   for (int i = 0; i < 500; ++i) {
     LogRow row = make_log_row(five);
     row.time = {1625097600 + std::int64_t{360} * i};
-    for (double& value : row.value) value = random.uniform();
-    row.setpoint_degc = 20 + 6 * random.uniform();
+    for (double& value : row.value) value = reading(0.01 + random.uniform());
+    row.setpoint_degc = reading(20 + 6 * random.uniform());
     if (i % 3 != 0) row.supply_temp_degc = 20 + 6 * random.uniform();
     row.controller.mode = "learn";
     row.controller.confidence = random.uniform();
-    row.controller.loss_rec = random.uniform() * 1e-9;
+    row.controller.loss_rec = 1e-9 * i;
     row.controller.fault = i % 7 == 0 ? "stuck, \"twice\"" : "none";
     row.extra = {std::to_string(i)};
     writer.append(row);
@@ -126,6 +129,25 @@ TEST(LogCsv, WhatIsWrittenReadsBackToTheSameBits) {
     EXPECT_EQ(log.rows[i].extra, rows[i].extra);
   }
   std::filesystem::remove(path);
+}
+
+TEST(LogCsv, NumbersAreWrittenAsAPersonWould) {
+  const TopologyCounts counts = counts_of<ThreeVav>();
+  LogRow row = make_log_row(counts);
+  row.time = {1625097600};
+  for (double& value : row.value) value = 0.1 + 0.2;
+  row.setpoint_degc = 23.869999999999997;
+  row.supply_temp_degc = 1234567890.123;
+  row.controller.confidence = 0.9984522588838656;
+  row.controller.loss_strb = 0.00068764607422;
+  row.controller.loss_tdb = 3.4e-12;
+  row.controller.a_head_degc = 23.71393462792165;
+  std::array<char, 4096> line{};
+  const std::size_t size = format_log_row(line, row, true);
+  const std::string text(line.data(), size);
+  for (const char* part :
+       {",0.3,0.3,", ",23.87,1234567890.123,", ",0.998452,", ",0.0006876,", ",3.4e-12,", ",23.713935,"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 
 TEST(LogCsv, AppearsOnlyWhenItIsWhole) {

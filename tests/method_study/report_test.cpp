@@ -108,6 +108,12 @@ TEST_F(MethodReport, ShowsWhatThereIsAndSaysWhatIsNot) {
   const auto& line = std::get<LineChart>(page.blocks[1]);
   ASSERT_EQ(line.series.size(), 1U);
   EXPECT_NEAR(line.series[0].y[0], 0.23, 1e-12) << "the mean of both seeds";
+  EXPECT_EQ(line.unit, "K");
+  for (const ReportBlock& block : page.blocks) {
+    const auto* table = std::get_if<ReportTable>(&block);
+    if (table == nullptr) continue;
+    for (const TableColumn& c : table->columns) EXPECT_EQ((c.name + c.unit).find("°C"), std::string::npos) << c.name;
+  }
 
   PeerRows peers;
   add_peer_rows(peers, peers_file("control",

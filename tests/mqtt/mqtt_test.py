@@ -35,12 +35,11 @@ def resident_kb(pid):
 class Discovery(Desk):
     """A real daemon's status, and what Home Assistant would make of it."""
 
-    def daemon_status(self):
+    def daemon_status(self, objective="mean", room="301"):
         """Two hours of a simulated room under airsided, in self.folder/state."""
         port, ready = free_port(), self.folder / "ready"
-        room = ["--plant", "rc", "--room", "301", "--topology", self.TOPOLOGY]
-        subprocess.run([BIN / "airside", "init", self.folder / "made", "--topology", self.TOPOLOGY, "--name", self.NAME],
-                       check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([BIN / "airside", "init", self.folder / "made", "--topology", self.TOPOLOGY, "--name", self.NAME,
+                        "--objective", objective], check=True, stdout=subprocess.DEVNULL)
         text = (self.folder / "made" / "site.toml").read_text()
         for old, new in (("port = 502", f"port = {port}"), ('source = "system"', 'source = "plant"'),
                          ('dir = "state"', f'dir = "{self.folder}/state"')):
@@ -49,8 +48,9 @@ class Discovery(Desk):
         text += f'\n[mqtt]\nhost = "127.0.0.1"\nport = {self.broker.port}\n'
         (self.folder / "made" / "site.toml").write_text(text)
         (self.folder / "site.toml").write_text(text.replace('"points.csv"', '"made/points.csv"'))
-        server = subprocess.Popen([BIN / "airside", "serve", *room, "--port", str(port), "--ready", ready, "--days", "2"],
-                                  stdout=subprocess.DEVNULL)
+        served = ["--site", self.folder / "made" / "site.toml", "--plant", "rc", "--room", room]
+        server = subprocess.Popen([BIN / "airside", "serve", *served, "--port", str(port), "--ready", ready, "--days",
+                                   "2"], stdout=subprocess.DEVNULL)
         self.addCleanup(self.kill, server)
         within(30, ready.exists, "airside serve answers")
         daemon = subprocess.Popen([BIN / "airsided", "--site", self.folder / "made" / "site.toml", "--no-sync"],
@@ -90,6 +90,45 @@ class Discovery(Desk):
         os.utime(file, (time.time() - 901,) * 2)
         self.hears(listener, self.AVAILABILITY, "offline")
         self.says("older than 15 min")
+
+    def test_a_band_site_shows_its_zones_and_no_target(self):
+        self.broker = self.start_broker()
+        self.write_site(self.broker.port)  # the same AHU as long as its objective was mean
+        self.write_status()
+        before = self.start()
+        self.says("published as online")
+        self.assertIn("sensor/target", self.documents(retained_at(self.broker)))
+        before.send_signal(signal.SIGTERM)
+        before.wait(5)
+        file = self.folder / "state" / "status.json"
+        file.unlink()
+        daemon = self.daemon_status("band", "modulating-mild")
+        within(30, lambda: file.exists() and json.loads(file.read_text()).get("most_open_damper"), "a row")
+        daemon.kill()
+        daemon.wait()
+        listener = self.listen(self.broker)
+        self.start()
+        payload = file.read_text().strip()
+        self.hears(listener, self.STATUS, payload)
+        self.hears(listener, self.AVAILABILITY, "online")
+        truth = json.loads(payload)
+        self.assertEqual(truth["objective"], "band")
+        found = self.documents(retained_at(self.broker))
+        rooms = {f"sensor/room_{i}_temperature" for i in (1, 2, 3)}
+        self.assertEqual(set(found), rooms | {"sensor/setpoint", "sensor/warmest_zone", "sensor/most_open_damper",
+                                              "sensor/mode", "sensor/reason", "binary_sensor/alarm"})
+        warmest, damper = found["sensor/warmest_zone"], found["sensor/most_open_damper"]
+        # A class of temperatures would have K converted to °C.
+        self.assertEqual((warmest["unit_of_measurement"], warmest.get("device_class")), ("K", None))
+        self.assertEqual(rendered(warmest["value_template"], payload), shown(truth["warmest_zone_above_setpoint_k"]))
+        self.assertEqual(damper["unit_of_measurement"], "%")
+        self.assertEqual(float(rendered(damper["value_template"], payload)), round(100 * truth["most_open_damper"]))
+        unknown = json.dumps({**truth, "most_open_damper": None})
+        self.assertEqual(rendered(damper["value_template"], unknown), "None")
+        self.process.send_signal(signal.SIGTERM)
+        self.process.wait(5)
+        self.assertEqual(self.run_once("--forget").returncode, 0)
+        self.assertEqual(retained_at(self.broker), {})
 
     def documents(self, retained):
         """COMPONENT/OBJECT -> document, each complete."""

@@ -1,7 +1,7 @@
 // A real box for a browser: a simulated room on Modbus, airsided beside it, airside-page beside that.
 
 import { spawn, spawnSync } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, openSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, mkdtempSync, openSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
@@ -20,19 +20,24 @@ export async function until(what, look, seconds = 30) {
 }
 
 export class Box {
-  constructor(bin) {
-    this.bin = bin;
+  /** `init`: options of `airside init`; `room`: of `airside serve`; `dir`, `file`: names of the site's folder and file;
+   *  `weights`: pretrained ones to start with, for an objective that has some. */
+  constructor(bin, { init = [], room = '301', dir = 'site', file = 'site.toml', weights = true } = {}) {
+    Object.assign(this, { bin, room, dir, file });
     this.folder = mkdtempSync(join(tmpdir(), 'airside_browser_'));
     this.children = [];
-    this.run('airside', 'init', this.path('site'));
-    this.run('airside', 'pretrain', '--plant', 'rc', '--room', '301', '--days', '4', '-o', this.path('room.blob'));
+    this.run('airside', 'init', this.path(dir), ...init);
+    renameSync(this.path(dir, 'site.toml'), this.site());
     this.run('airside', 'keygen', '-o', this.path('ann'));
-    for (const part of ['keys', 'inbox']) mkdirSync(this.path('site', part), { recursive: true });
-    writeFileSync(this.path('site', 'keys', 'ann.pub'), readFileSync(this.path('ann.pub')));
-    this.edit((text) => text.replace('blob = ""', `blob = "${this.path('room.blob')}"`).replace('source = "system"', 'source = "plant"'));
+    for (const part of ['keys', 'inbox']) mkdirSync(this.path(dir, part), { recursive: true });
+    writeFileSync(this.path(dir, 'keys', 'ann.pub'), readFileSync(this.path('ann.pub')));
+    this.edit((text) => text.replace('source = "system"', 'source = "plant"'));
+    if (!weights) return;
+    this.run('airside', 'pretrain', '--plant', 'rc', '--room', room, '--days', '4', '-o', this.path('room.blob'));
+    this.edit((text) => text.replace('blob = ""', `blob = "${this.path('room.blob')}"`));
   }
   path(...parts) { return join(this.folder, ...parts); }
-  site() { return this.path('site', 'site.toml'); }
+  site() { return this.path(this.dir, this.file); }
   edit(change) { writeFileSync(this.site(), change(readFileSync(this.site(), 'utf8'))); }
   program(name) { return join(this.bin, name); }
 
@@ -58,7 +63,7 @@ export class Box {
 
   async serve(...words) {
     rmSync(this.path('served'), { force: true });
-    this.server = this.start('serve.txt', 'airside', 'serve', '--site', this.site(), '--plant', 'rc', '--room', '301', '--port', '0', '--ready', this.path('served'), ...words);
+    this.server = this.start('serve.txt', 'airside', 'serve', '--site', this.site(), '--plant', 'rc', '--room', this.room, '--port', '0', '--ready', this.path('served'), ...words);
     const where = await until('a served room', () => existsSync(this.path('served')) && readFileSync(this.path('served'), 'utf8'));
     this.edit((text) => text.replace(/(\[modbus\][^[]*\nport = )\d+/, `$1${where.trim().split(':').pop()}`));
   }
@@ -69,7 +74,7 @@ export class Box {
     const where = await until('a page', () => existsSync(this.path('page')) && readFileSync(this.path('page'), 'utf8'));
     this.address = `${scheme}://${where.trim()}`;
   }
-  status() { return JSON.parse(readFileSync(this.path('site', 'state', 'status.json'), 'utf8')); }
+  status() { return JSON.parse(readFileSync(this.path(this.dir, 'state', 'status.json'), 'utf8')); }
 
   async close(keep) {
     for (const child of this.children) child.kill('SIGTERM');

@@ -1,12 +1,13 @@
 // Every flow of the operator's page in a real browser, on a real airside-page beside a real daemon.
 // usage: [AIRSIDE_PAGE_PICTURES=FOLDER] [KEEP=1] node flows.mjs BIN_DIR MODULES_DIR
 
-import { spawnSync } from 'node:child_process';
-import { chmodSync, existsSync, mkdirSync, readFileSync, renameSync, utimesSync, writeFileSync } from 'node:fs';
+import { spawn, spawnSync } from 'node:child_process';
+import { chmodSync, copyFileSync, existsSync, mkdirSync, readFileSync, renameSync, utimesSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { join, resolve } from 'node:path';
+import { delimiter, join, resolve } from 'node:path';
+import { fileURLToPath } from 'node:url';
 import { Box, pause, until } from './box.mjs';
-import { close_to, gap_of_logs } from './logs.mjs';
+import { close_to, gap_of_logs, write_days, zones_of_logs } from './logs.mjs';
 
 const [bin, modules] = process.argv.slice(2).map((p) => resolve(p));
 const pictures = process.env.AIRSIDE_PAGE_PICTURES;
@@ -30,18 +31,20 @@ const step = (name, work) => steps.push([name, work]);
 
 const password = { operator: 'seven quiet dampers', installer: 'nine cold coils here' };
 let box, browser, view, problems = [];
+const others = [];  // boxes beside it
 
-/** A page in a window of its own; whatever it complains of or fetches from elsewhere is a problem. */
-async function open(options = {}) {
+/** The page of a box in a window of its own; whatever it complains of, but for `expected`, or fetches from elsewhere is
+ *  a problem. */
+async function open(options = {}, of = box, expected = []) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, locale: 'en-GB', colorScheme: 'light', ...options });
   const tab = await context.newPage();
   tab.bodies = [];
-  tab.expected = [];
+  tab.expected = expected;
   tab.on('console', (m) => { if (['error', 'warning'].includes(m.type()) && !tab.expected.some((e) => m.text().includes(e))) problems.push(`console: ${m.text()} at ${m.location().url}`); });
   tab.on('pageerror', (e) => problems.push(`page error: ${e.message}`));
-  tab.on('request', (r) => { if (!r.url().startsWith(box.address) && !r.url().startsWith('data:') && !r.url().startsWith('blob:')) problems.push(`request to ${r.url()}`); });
+  tab.on('request', (r) => { if (!r.url().startsWith(of.address) && !r.url().startsWith('data:') && !r.url().startsWith('blob:')) problems.push(`request to ${r.url()}`); });
   tab.on('requestfinished', (r) => tab.bodies.push(r.sizes().then((s) => [new URL(r.url()).pathname, s.responseBodySize + s.responseHeadersSize], () => ['', 0])));
-  await tab.goto(box.address, { waitUntil: 'load' });
+  await tab.goto(of.address, { waitUntil: 'load' });
   await ready(tab);
   return tab;
 }
@@ -69,15 +72,21 @@ const text_of = (tab, id) => tab.locator(`#${id}`).textContent();
 async function says(tab, id, words) {
   await until(`#${id} says "${words}"`, async () => (await text_of(tab, id)).includes(words), 40).catch(async (e) => { throw new Error(`${e.message}; it says "${await text_of(tab, id)}"`); });
 }
-async function confirm(tab, id) {
-  await tab.locator(`#${id}`).click();
-  await tab.locator('#confirm-yes').click();
+/** `press`: click, or tap on a screen that is touched. */
+async function confirm(tab, id, press = 'click') {
+  await tab.locator(`#${id}`)[press]();
+  await tab.locator('#confirm-yes')[press]();
 }
-async function sign_in(tab, role, word) {
-  await tab.locator('#sign-in').click();
+async function sign_in(tab, role, word, press = 'click') {
+  await tab.locator('#sign-in')[press]();
   await tab.locator('#role').selectOption(role);
   await tab.locator('#password').fill(word);
-  await tab.locator('#sign-in-f button[type=submit]').click();
+  await tab.locator('#sign-in-f button[type=submit]')[press]();
+}
+/** Until everything is shown: bytes that the browser has received, and what it asked for. */
+async function received(tab) {
+  const bodies = await Promise.all(tab.bodies);
+  return { bytes: bodies.reduce((sum, [, n]) => sum + n, 0), bodies };
 }
 
 step('a week under control, with a fault and somebody else at the setpoint', async () => {
@@ -97,7 +106,7 @@ step('what it shows is what airside status says', async () => {
   const last = shown.trim().split('\n').pop();
   check(status.includes(last), `airside status has "${last}":\n${status}`);
   await says(view, 'badge', 'Stopped');
-  const bodies = await Promise.all(view.bodies), bytes = bodies.reduce((sum, [, n]) => sum + n, 0);
+  const { bytes, bodies } = await received(view);
   for (const path of ['/', '/app.js', '/style.css', '/uplot.js', '/texts/en.json', '/trends.json']) check(bodies.some(([p, n]) => p === path && n > 1000), `${path} was counted`);
   check(bytes < 150000, `first paint and all behind it: ${bytes} bytes`);
   console.log(`  ${bytes} bytes until all is shown`);
@@ -138,6 +147,69 @@ step('how far forecasts were from each room, by day', async () => {
   same(await view.locator('#gap-do').isVisible(), false, 'nothing to do is claimed');
   await view.locator('#gap-days-h').press('Enter');
   same(await view.locator('#gap-days tbody tr').count(), gap.days.length, 'days');
+});
+
+/** A command as it is copied into a shell, in `folder`: its exit code, or "runs" where it has more to do than can be waited
+ *  for. One with an option that is missing or wrong ends at once. */
+async function shell(command, folder, seconds) {
+  let said = '';
+  const child = spawn('sh', ['-c', `exec ${command}`], { cwd: folder, env: { ...process.env, PATH: `${bin}${delimiter}${process.env.PATH}` } });
+  for (const stream of [child.stdout, child.stderr]) stream.on('data', (text) => { said += text; });
+  const ended = new Promise((done) => child.on('exit', done));
+  const code = await Promise.race([ended, pause(1000 * seconds).then(() => 'runs')]);
+  if (code === 'runs') child.kill('SIGTERM');
+  await ended;
+  return { code, said };
+}
+
+step('forecast errors that grow: the installer sees commands, and they work', async () => {
+  const site = new Box(bin, { dir: 'my site', file: 'ahu 3.toml' });
+  others.push(site);
+  const folder = site.path('my site');
+  site.edit((text) => text.replace('dir = "log"', 'dir = "my logs"'));
+  site.run('airside', 'simulate', '--site', site.site(), '--plant', 'rc', '--room', '301', '--expert-days', '0', '--days', '11', '--weights', site.path('room.blob'), '--log', site.path('run.csv'));
+  write_days(site.path('run.csv'), join(folder, 'my logs'), { from: '2021-08-09', worse_k: 0.6 });
+  renameSync(site.path('run.epw'), join(folder, 'STATION.epw'));
+  site.run_with(`${password.installer}\n`, 'airside-page', '--site', site.site(), '--set-password', 'installer');
+  await site.open_page();
+  const tab = await open({}, site, ['503']);  // there is no status: nothing but a log
+  await says(tab, 'gap-said', 'have grown in the newest 3 days, against the 8 days before: Held value (mean), Room 1');
+  check((await tab.locator('#gap-tell').isVisible()) && !(await tab.locator('#gap-do').isVisible()), 'who has not signed in is shown whom to inform');
+  same(await text_of(tab, 'gap-commands'), '', 'commands for nobody');
+  await sign_in(tab, 'installer', password.installer);
+  await until('the installer is shown what to do', () => tab.locator('#gap-do').isVisible());
+  same(await tab.locator('#gap-tell').isVisible(), false, 'whom to inform');
+  const commands = (await text_of(tab, 'gap-commands')).split('\n');
+  same(commands.join(' && '), "airside gap fit --site 'ahu 3.toml' --measured 'my logs' --weather STATION.epw --out room.json && "
+    + "airside gap --site 'ahu 3.toml' --measured 'my logs' --reference-days 7 --plant rc --room room.json --weather STATION.epw --out gap-report", 'commands without a model');
+  await says(tab, 'gap-do-said', 'names no model of the building ([twin])');
+  await says(tab, 'gap-do-said', 'STATION.epw is the weather');
+  const fit = await shell(commands[0], folder, 4);  // a minute of work
+  check(['runs', 0].includes(fit.code), `${commands[0]}: ${fit.code} ${fit.said}`);
+  copyFileSync(fileURLToPath(new URL('../../sim/rooms/301.json', import.meta.url)), join(folder, 'room.json'));
+  const gap = await shell(commands[1], folder, 240);
+  check(gap.code === 0 && existsSync(join(folder, 'gap-report', 'index.html')), `${commands[1]}: ${gap.code} ${gap.said}`);
+  await accessible(tab, 'a gap hint');
+  await tab.locator('#language').selectOption('zh-Hant');
+  await says(tab, 'gap-do-said', '現場檔未指明建築模型');
+  await tab.setViewportSize({ width: 320, height: 740 });
+  await until('charts are drawn anew', () => tab.evaluate(() => document.querySelector('#charts canvas').getBoundingClientRect().width < 320));
+  await fits(tab, 'a gap hint at 320 px');
+  await picture(tab, 'gap-hint-zh');
+  await tab.context().close();
+  await site.end(site.page);
+  site.edit((text) => `${text}\n[twin]\nmodel = "rc"\nweather = "STATION.epw"\n`);
+  await site.open_page();
+  const again = await open({}, site, ['503']);
+  await sign_in(again, 'installer', password.installer);
+  await says(again, 'gap-commands', 'airside gap');
+  const short = await text_of(again, 'gap-commands');
+  same(short, "airside gap --site 'ahu 3.toml' --measured 'my logs' --reference-days 7 --out gap-report", 'the command with a model');
+  same(/twin|STATION/.test(await text_of(again, 'gap-do-said')), false, 'words on a model that is missing');
+  const known = await shell(short, folder, 4);
+  check(['runs', 0].includes(known.code), `${short}: ${known.code} ${known.said}`);
+  await again.context().close();
+  await site.end(site.page);
 });
 
 step('trends of day, week and month, a table beside them, and CSV', async () => {
@@ -361,6 +433,37 @@ step('release for an hour, and the return by itself', async () => {
   await until('the daemon has returned', () => box.status().state !== 'release', 60);
   await until('the wish is gone', () => !existsSync(box.path('site', 'inbox', 'release')));
   check(readFileSync(box.path('daemon.txt'), 'utf8').includes('the time of the release is over'), 'the daemon says so');
+});
+
+step('release for 4 h and for 24 h; release and hand-back by thumb on a phone', async () => {
+  for (const hours of [4, 24]) {
+    await view.locator('#release-hours').selectOption(String(hours));
+    await view.locator('#release').click();
+    await says(view, 'confirm-said', `After ${hours} h airside takes over by itself`);
+    await view.locator('#confirm-yes').click();
+    await says(view, 'order-said', `Released for ${hours} h`);
+    await until(`a release that ends ${hours} h later`, () => {
+      const s = box.status(), lasts_h = (Date.parse(s.release_ends) - Date.parse(s.time)) / 3600e3;
+      return s.state === 'release' && lasts_h > hours - 0.5 && lasts_h <= hours;
+    });
+  }
+  const phone = await open({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 }, box, ['403', '429', '401', '404']);
+  await sign_in(phone, 'operator', password.operator, 'tap');
+  await says(phone, 'who', 'operator');
+  await says(phone, 'badge', 'Released');
+  await confirm(phone, 'hand-back', 'tap');
+  await says(phone, 'order-said', 'takes over within 6 min');
+  await until('the daemon has taken over', () => box.status().state !== 'release');
+  await reload(phone);
+  await confirm(phone, 'release', 'tap');
+  await says(phone, 'order-said', 'nothing more is written');
+  await until('the daemon has released', () => box.status().state === 'release' && box.status().release_ends === '');
+  await picture(phone, 'phone-released', false);
+  await confirm(phone, 'hand-back', 'tap');
+  await says(phone, 'order-said', 'takes over within 6 min');
+  await until('the daemon has taken over again', () => box.status().state !== 'release');
+  await phone.context().close();
+  await view.locator('#release-hours').selectOption('');
 });
 
 step('an alarm that has ended stays until it is acknowledged', async () => {
@@ -649,6 +752,73 @@ step('too many wrong passwords', async () => {
   await says(view, 'who', 'Not signed in');
 });
 
+step('boxes that modulate: each zone has its own setpoint and band, and nothing is said of a target or a forecast', async () => {
+  const site = new Box(bin, { init: ['--objective', 'band', '--topology', '12vav-0fcu-2power', '--name', 'Level 4'], room: 'modulating-mild', weights: false });
+  others.push(site);
+  await site.serve('--start', '2021-04-08', '--days', '10');
+  const days = site.daemon('--until', '2021-04-14T13:00:00');
+  same(await Promise.race([days.ended, pause(150000).then(() => 'too slow')]), 0, 'six days and a half end in order');
+  await site.end(site.server);
+  await site.open_page();
+  const tab = await open({}, site), s = site.status(), own = zones_of_logs(site.path('site', 'log'), 12);
+  check(s.objective === 'band' && s.confidence !== null && s.candidates?.cost_kw?.length > 10, `a band site that has weighed costs: ${JSON.stringify(s)}`);
+  const { bytes, bodies } = await received(tab);
+  check(bytes < 150000, `twelve rooms until all is shown: ${bytes} bytes`);
+  check(bodies.some(([p]) => p === '/trends.json') && !bodies.some(([p]) => p === '/gap.json'), 'nothing is asked of forecasts');
+  same(await tab.locator('#rooms li').count(), 12, 'rooms');
+  for (const kind of ['.track i.band', '.track i:not(.band)', '.track b', '.value small']) same(await tab.locator(`#rooms ${kind}`).count(), 12, `${kind} of each zone`);
+  for (const [i, row] of (await tab.locator('#rooms li').all()).entries()) {
+    same(await row.locator('small').textContent(), `setpoint ${own.cooling_degc[i].toFixed(2)} °C`, `zone ${i + 1}`);
+    // In the picture too: one scale for heating setpoint - 0.5 K, setpoint + 0.5 K, setpoint and room.
+    const [low, high, line, dot] = await row.evaluate((li) => ['i.band', 'i:not(.band)', 'b'].flatMap((kind) => { const r = li.querySelector(`.track ${kind}`).getBoundingClientRect(); return kind === 'i.band' ? [r.left, r.right] : [(r.left + r.right) / 2]; }));
+    const px_a_k = (high - low) / (own.cooling_degc[i] - own.heating_degc[i] + 1);
+    close_to(high - line, 0.5 * px_a_k, 2, `the upper edge of zone ${i + 1}, px`);
+    close_to(dot - line, (s.room_temp_degc[i] - own.cooling_degc[i]) * px_a_k, 2, `the room of zone ${i + 1}, px`);
+  }
+  await says(tab, 'rooms-said', 'The warmest zone is');
+  await says(tab, 'zones-said', 'from 0.5 K below the heating setpoint to 0.5 K above that line');
+  for (const id of ['confidence-line', 'gap-s']) same(await tab.locator(`#${id}`).isVisible(), false, id);
+  check(!/Forecasts against|confidence/i.test(await tab.locator('main').innerText()), 'no word of forecasts of rooms');
+  await says(tab, 'why', 'Of the setpoints that keep every zone in its band');
+  same(await tab.locator('#why-weighed').isVisible(), true, 'what was weighed');
+  await tab.locator('.span[data-span=week]').click();
+  await says(tab, 'balance', 'chosen under Trends (Week)');
+  const heads = await tab.locator('#balance thead th').allTextContents();
+  same(heads.slice(4).join('; '), 'Zones too warm, K·h; Zones too cold, K·h', 'comfort of zones');
+  const cells = await tab.locator('#balance tbody td').allTextContents();
+  check(cells.length >= 5 && cells.every((c) => /^-?\d+\.\d+$/.test(c)), `a number in each cell: ${cells}`);
+  const sum_of = (column) => cells.filter((_, i) => i % 5 === column).reduce((sum, c) => sum + Number(c), 0);
+  close_to(sum_of(3), own.warm_kh, 0.02, 'degree-hours above the zones’ setpoints');
+  close_to(sum_of(4), own.cold_kh, 0.02, 'degree-hours below their heating setpoints');
+  check(own.warm_kh + own.cold_kh > 0.1, `days without any discomfort prove nothing: ${JSON.stringify(own)}`);
+  await tab.locator('#trends-table > summary').click();
+  same((await tab.locator('#days thead th').allTextContents()).includes('Zones too warm, K·h'), true, 'by day');
+  await accessible(tab, 'a band site');
+  await picture(tab, 'band');
+  await tab.locator('#language').selectOption('zh-Hant');
+  await says(tab, 'zones-said', '該區域的設定值');
+  await says(tab, 'rooms', `設定值 ${own.cooling_degc[0].toFixed(2)} °C`);
+  await says(tab, 'balance', '區域過暖');
+  await tab.context().close();
+  for (const [name, options] of Object.entries({ 'band-phone-dark': { viewport: { width: 320, height: 740 }, hasTouch: true, isMobile: true, colorScheme: 'dark' }, 'band-phone-zh': { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, locale: 'zh-TW' } })) {
+    const phone = await open(options, site);
+    await fits(phone, name);
+    await accessible(phone, name);
+    const width = await phone.locator('#rooms .track').first().evaluate((e) => e.getBoundingClientRect().width);
+    check(width > 200, `a track of ${width} px in ${name}`);
+    await picture(phone, name);
+    await phone.context().close();
+  }
+  await site.serve('--start', '2021-04-15', '--speed', '400');
+  site.daemon();
+  await until('the daemon goes on', () => !site.status().stopped && site.status().time > '2021-04-15T00:30');
+  const live = await open({}, site);
+  await until('marks of the running day', async () => { await reload(live); return (await live.locator('#rooms .track i:not(.band)').count()) === 12; });
+  same(await live.locator('#gap-s').isVisible(), false, 'forecasts of a running box');
+  await live.context().close();
+  for (const child of [...site.children]) await site.end(child);
+});
+
 step('over TLS the cookie is Secure and bound to the host', async () => {
   box.run('airside-page', '--site', box.site(), '--clear-password', 'viewer');
   await box.end(box.page);
@@ -720,12 +890,14 @@ async function main() {
   } catch (error) {
     console.error(`FAILED  ${name}: ${error.message}\n${error.stack}`);
     if (view) await picture(view, 'failed').catch(() => {});
-    for (const log of ['page.txt', 'daemon.txt', 'serve.txt']) {
-      if (existsSync(box.path(log))) console.error(`--- ${log}\n${readFileSync(box.path(log), 'utf8').split('\n').slice(-25).join('\n')}`);
+    for (const one of [box, ...others.slice(-1)]) {
+      for (const log of ['page.txt', 'daemon.txt', 'serve.txt'].map((file) => one.path(file)).filter((file) => existsSync(file))) {
+        console.error(`--- ${log}\n${readFileSync(log, 'utf8').split('\n').slice(-25).join('\n')}`);
+      }
     }
   }
   await browser.close();
-  await box.close(failed && process.env.KEEP);
+  for (const one of [box, ...others]) await one.close(failed && process.env.KEEP);
   process.exit(failed ? 1 : 0);
 }
 main();

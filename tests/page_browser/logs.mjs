@@ -1,6 +1,6 @@
 // What the page says of a log, computed a second time from the daemon's files.
 
-import { readFileSync, readdirSync } from 'node:fs';
+import { mkdirSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 export function close_to(found, expected, within, what) {
@@ -14,6 +14,35 @@ function rows_of(folder) {
     for (const line of lines) rows.push(Object.fromEntries(head.map((name, i) => [name, line[i]])));
   }
   return rows;
+}
+/** Writes a log as the daemon's files of a day each, with forecasts that are wrong by `worse_k` more from `from` on. */
+export function write_days(log, folder, { from, worse_k }) {
+  const [head, ...lines] = readFileSync(log, 'utf8').trim().split('\n'), at = head.split(',').indexOf('expected_held_degc');
+  if (at < 0) throw new Error(`${log} has no forecasts`);
+  const days = new Map();
+  for (const line of lines) {
+    const fields = line.split(','), day = line.slice(0, 10);
+    if (day >= from && fields[at] !== '') fields[at] = (Number(fields[at]) + worse_k).toFixed(2);
+    days.set(day, [...(days.get(day) ?? [head]), fields.join(',')]);
+  }
+  mkdirSync(folder, { recursive: true });
+  for (const [day, rows] of days) writeFileSync(join(folder, `airside-${day}.csv`), `${rows.join('\n')}\n`);
+}
+
+/** Of the newest week: the newest row's setpoints of zones, and degree-hours beyond them and 0.5 K while people are in
+ *  and the fan runs. */
+export function zones_of_logs(folder, zones) {
+  const rows = rows_of(folder).slice(-7 * 240), each = (row, name) => Array.from({ length: zones }, (_, i) => number(row[name.replace('#', i + 1)]));
+  let warm_kh = 0, cold_kh = 0;
+  for (const row of rows) {
+    if (row.occupied === '0' || row.ahu_on === '0') continue;
+    const rooms = each(row, 'room_temp_#_degc'), cool = each(row, 'zone_setpoint_#_degc'), heat = each(row, 'zone_heating_setpoint_#_degc');
+    rooms.forEach((v, i) => {
+      if (v - cool[i] > 0.5) warm_kh += 0.1 * (v - cool[i] - 0.5);
+      if (heat[i] - v > 0.5) cold_kh += 0.1 * (heat[i] - v - 0.5);
+    });
+  }
+  return { warm_kh, cold_kh, cooling_degc: each(rows.at(-1), 'zone_setpoint_#_degc'), heating_degc: each(rows.at(-1), 'zone_heating_setpoint_#_degc') };
 }
 const number = (text) => (text === undefined || text === '' ? NaN : Number(text));
 

@@ -1,5 +1,7 @@
 // What the page remembers by itself: alarms until somebody has seen them, what became of weights, a month of the log.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -7,6 +9,7 @@
 #include "firmware/page/data/ledger.hpp"
 #include "firmware/page/data/trend_store.hpp"
 #include "firmware/page/data/trends.hpp"
+#include "hal/points/point_map.hpp"
 #include "hal/site/site_settings.hpp"
 #include "page_http/page_rig.hpp"
 
@@ -194,6 +197,41 @@ TEST_F(PageMemory, HoldsAMonthAndGivesAtMostFiveHundredPoints) {
   append_csv_row(s, s.count() - 1, csv);
   EXPECT_EQ(
       csv, "2021-08-04T23:54:00,run,none,25.20,25.00,25.40,22.40,22.50,30.25,,,,3.000,25.00,25.10,25.20,25.30,25.40\n");
+}
+
+TEST_F(PageMemory, ABandSiteHasTheZonesSetpointsAndTheirDegreeHours) {
+  write("points.csv", hal::default_point_map(2, 0, 1, {}, true));
+  write("band.toml",
+        "[site]\nname = \"Band\"\ntopology = \"2vav-0fcu-1power\"\n[controller]\nobjective = \"band\"\n"
+        "[modbus]\nhost = \"127.0.0.1\"\npoints = \"points.csv\"\n[state]\ndir = \"state\"\n[log]\ndir = \"log\"\n");
+  std::string log =
+      "time,room_temp_1_degc,room_temp_2_degc,vav_on_1,vav_on_2,power_1_kw,mau_temp_degc,outdoor_temp_degc,rain,"
+      "setpoint_degc,supply_temp_degc,damper_1,damper_2,zone_setpoint_1_degc,zone_setpoint_2_degc,"
+      "zone_heating_setpoint_1_degc,zone_heating_setpoint_2_degc,occupied,supply_flow_m3s,ahu_on,mode,reason\n";
+  for (int i = 0; i < 240; ++i) {
+    // Two hours with people in and the fan on, one without people, one without air. Room 1 is 1.5 K above its setpoint,
+    // room 2 is 0.75 K below its heating setpoint; in the last row of all room 2 has no setpoints.
+    const bool people = i < 20 || (i >= 30 && i < 40), fan = i < 30;
+    log += fmt::format("2021-07-01T{:02}:{:02}:00,25.5,20.25,1,1,2,18,30,0,14,14,0.9,0.3,24,", i / 10, i % 10 * 6);
+    log += i == 239 ? ",21,," : "24,21,21,";
+    log += fmt::format("{},1,{},run,none\n", people ? 1 : 0, fan ? 1 : 0);
+  }
+  write("log/airside-2021-07-01.csv", log);
+  TrendStore s(hal::read_site_file(folder / "band.toml", hal::site_rules()));
+  read_all(s);
+  ASSERT_EQ(s.count(), 240u) << s.trouble();
+  const json t = trends(s, "day", true), day = t["days"][0];
+  EXPECT_NEAR(day["zones_too_warm_kh"].get<double>(), 2 * 1.0, 1e-9) << "beyond the 0.5 K of a thermostat's swing";
+  EXPECT_NEAR(day["zones_too_cold_kh"].get<double>(), 2 * 0.25, 1e-9);
+  EXPECT_EQ(t["by_control"]["airside"]["zones_too_warm_kh"], day["zones_too_warm_kh"]);
+  EXPECT_TRUE(t["by_control"]["schedule"]["zones_too_warm_kh"].is_null()) << "it never controlled";
+  EXPECT_TRUE(day["degree_hours_kh"].is_null()) << "there is no target";
+  EXPECT_EQ(
+      t["zones"],
+      (json{{"time", "2021-07-01T23:54:00"}, {"cooling_degc", {24.0, nullptr}}, {"heating_degc", {21.0, nullptr}}}));
+  const json mean = trends(s, "day", false);
+  EXPECT_TRUE(mean["zones"].is_null());
+  EXPECT_TRUE(mean["days"][0]["zones_too_warm_kh"].is_null());
 }
 
 TEST_F(PageMemory, AGapIsEmptyAndNotALine) {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "firmware/page/data/checkout.hpp"
 #include "firmware/page/data/forecast_gap.hpp"
@@ -105,6 +106,34 @@ TEST_F(PagePoints, ForecastErrorsThatGrowAreNamedAndSmallOnesAreNot) {
   const json g = gap();
   EXPECT_EQ(g["enough"], false) << "three days before the newest three";
   EXPECT_EQ(g["grows"][0], false);
+}
+
+TEST_F(PagePoints, TheReferenceIsOfDaysBeforeTheNewestThree) {
+  for (int day = 1; day <= 8; ++day) write_day(day, 0.1);
+  EXPECT_EQ(gap()["reference_days"], 5) << "of eight";
+  for (int day = 9; day <= 13; ++day) write_day(day, 0.1);
+  EXPECT_EQ(gap()["reference_days"], 7) << "of thirteen";
+  fs::remove_all(folder / "log");
+  fs::create_directories(folder / "log");
+  write_day(1, 0.1);
+  EXPECT_EQ(gap()["reference_days"], 2) << "the least that airside gap takes";
+}
+
+TEST_F(PagePoints, TheCommandsOfTheGapFitTheSite) {
+  using Lines = std::vector<std::string>;
+  const auto commands = [&](const std::string& name, const std::string& more) {
+    write(name, "[site]\nname = \"Room 301\"\ntopology = \"5vav-5fcu-2power\"\n" + more);
+    return GapHint(hal::read_site_file(folder / name, hal::site_rules())).commands(6);
+  };
+  EXPECT_EQ(commands("site.toml", ""),
+            (Lines{"airside gap fit --site site.toml --measured log --weather STATION.epw --out room.json",
+                   "airside gap --site site.toml --measured log --reference-days 6 --plant rc --room room.json "
+                   "--weather STATION.epw --out gap-report"}));
+  EXPECT_EQ(commands("it's 3.toml", "[log]\ndir = \"my logs/\"\n[twin]\nmodel = \"rc\"\n"),
+            (Lines{"airside gap --site 'it'\\''s 3.toml' --measured 'my logs' --reference-days 6 "
+                   "--weather STATION.epw --out gap-report"}));
+  EXPECT_EQ(commands("site.toml", "[twin]\nmodel = \"m.epJSON\"\nweather = \"a.epw\"\n"),
+            (Lines{"airside gap --site site.toml --measured log --reference-days 6 --out gap-report"}));
 }
 
 TEST_F(PagePoints, ALogWithoutForecastsHasNoGap) {

@@ -34,11 +34,43 @@ TEST(Report, HoldsEverythingNeededToRepeatTheRun) {
 
 TEST(Report, SaysInPlainWordsHowItWent) {
   const ReportInput input = make_run_report(synthetic_run());
-  EXPECT_NE(input.headline.find("Over 14 days the mean of the five rooms stayed within 0.06 °C of the 25.25 °C target"),
-            std::string::npos)
+  EXPECT_NE(
+      input.headline.find("Over 14 days the mean of the five rooms was 0.06 K from the 25.25 °C target on average "
+                          "in working hours, and 0.09 K on the worst day."),
+      std::string::npos)
+      << input.headline;
+  EXPECT_NE(input.headline.find("The expert schedule was 1.78 K from it on the same days"), std::string::npos)
       << input.headline;
   EXPECT_NE(input.headline.find("29.2 kWh of electricity a day, this control 28.9 kWh."), std::string::npos)
       << input.headline;
+}
+
+TEST(Report, PraisesNoMethodThatFails) {
+  for (const MethodResult& method : synthetic_run(2).methods) {
+    RunRecord run = synthetic_run(2);
+    run.methods = {{method.name, MethodResult::Kind::ours, method.runs}};
+    const std::string text = make_run_report(run).headline;
+    const double off = spread_of(method.runs, &Metrics::dae_degc).mean;
+    const double worst = spread_of(method.runs, &Metrics::me_degc).mean;
+    const std::string said = "the mean of the five rooms was " + number_text(off, 2) +
+                             " K from the 25.25 °C target on average in working hours, and " + number_text(worst, 2) +
+                             " K on the worst day.";
+    EXPECT_NE(text.find(said), std::string::npos) << method.name << ": " << text;
+    EXPECT_EQ(text.find("within"), std::string::npos) << method.name << ": " << text;
+  }
+  RunRecord day = synthetic_run(1);
+  day.methods.resize(1);
+  EXPECT_NE(make_run_report(day).headline.find("Over 1 day the mean"), std::string::npos);
+}
+
+TEST(Report, HasDifferencesInKelvinAndTemperaturesInDegrees) {
+  const std::string page = report_html(make_run_report(synthetic_run(2)));
+  EXPECT_EQ(page.find("°C h"), std::string::npos);
+  EXPECT_EQ(page.find("DAE, °C"), std::string::npos);
+  EXPECT_EQ(page.find("<span class=\"unit\">°C</span>"), std::string::npos)
+      << "no table and no figure is a temperature";
+  for (const char* text : {"K h a day", "DAE, K", "\"unit\":\"°C\"", "25.25&nbsp;°C", "2021-07-01 to 2021-07-02"})
+    EXPECT_NE(page.find(text), std::string::npos) << text;
 }
 
 TEST(Report, OfAFortnightAtSixMinutesStaysBelowTwoMegabytes) {
@@ -139,13 +171,13 @@ TEST(Report, AnHourOfReleaseAndABoxThatClosesAreSeen) {
   EXPECT_EQ(modes->series[0].y[99], 3);
   EXPECT_EQ(modes->series[0].y[105], 0);
   ASSERT_EQ(events->rows.size(), 1U);
-  EXPECT_EQ(events->rows[0].name, "1 Jul 10:00");
-  EXPECT_EQ(events->rows[0].cells[0].text, "1 Jul 11:00");
+  EXPECT_EQ(events->rows[0].name, "2021-07-01 10:00");
+  EXPECT_EQ(events->rows[0].cells[0].text, "2021-07-01 11:00");
   EXPECT_EQ(events->rows[0].cells[1].text, "1.0 h");
-  EXPECT_EQ(events->rows[0].cells[3].text, "released by hand");
+  EXPECT_EQ(events->rows[0].cells[3].text, "released by hand: an operator has released the AHU");
   const std::string svg = line_chart_svg(*boxes);
   EXPECT_NE(svg.find(">west 1</text>"), std::string::npos);
-  EXPECT_NE(svg.find(">2 Jul</text>"), std::string::npos) << "days as in the page";
+  EXPECT_NE(svg.find(">07-02</text>"), std::string::npos) << "days as in the page";
 
   const ReportInput quiet = make_run_report(synthetic_run(2));
   for (const ReportBlock& block : quiet.blocks) {

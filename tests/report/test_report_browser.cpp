@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -100,6 +101,45 @@ TEST_F(ReportInABrowser, DrawsEveryChartWithoutAComplaintOrARequest) {
   const std::string requests = text_of("net.json");
   ASSERT_FALSE(requests.empty());
   EXPECT_EQ(foreign_requests(requests), 0u);
+}
+
+/// Stroke and pattern of the keys of each legend.
+std::vector<std::vector<std::pair<std::string, std::string>>> keys_of_legends(const std::string& dom) {
+  std::vector<std::vector<std::pair<std::string, std::string>>> legends;
+  const std::string begin = "class=\"u-legend", end = "</table>";
+  const std::regex key("<path d=\"M0 5H30\" stroke=\"([^\"]*)\" stroke-width=\"[^\"]*\" stroke-dasharray=\"([^\"]*)\"");
+  for (std::size_t at = dom.find(begin); at != std::string::npos; at = dom.find(begin, at + 1)) {
+    const std::string legend = dom.substr(at, dom.find(end, at) - at);
+    auto& keys = legends.emplace_back();
+    for (std::sregex_iterator m(legend.begin(), legend.end(), key); m != std::sregex_iterator(); ++m)
+      keys.emplace_back((*m)[1], (*m)[2]);
+  }
+  return legends;
+}
+
+TEST_F(ReportInABrowser, TellsTheLinesOfAChartApartWithoutColour) {
+  RunRecord run = synthetic_run(2);
+  run.mode.assign(run.row_time.size(), "learn");
+  run.reason.assign(run.row_time.size(), "none");
+  std::fill_n(run.mode.begin() + 100, 10, "release");
+  write_report(folder_ / "report.html", make_run_report(run));
+  const std::string dom = open(folder_ / "report.html", "--window-size=1200,900 --dump-dom");
+  const auto legends = keys_of_legends(dom);
+  ASSERT_EQ(legends.size(), 7u);
+  EXPECT_EQ(legends[0].size(), 7u) << "five rooms, mean and target; no key of the mode beside the cursor";
+  for (std::size_t i = 0; i < legends.size(); ++i) {
+    std::set<std::string> strokes, dashes;
+    for (const auto& [stroke, dash] : legends[i]) {
+      strokes.insert(stroke);
+      dashes.insert(dash);
+    }
+    EXPECT_FALSE(legends[i].empty()) << i;
+    EXPECT_EQ(dashes.size(), legends[i].size()) << "patterns of chart " << i;
+    EXPECT_EQ(strokes.size(), legends[i].size()) << "colours of chart " << i;
+  }
+  EXPECT_EQ(matches(dom, "<i class=\"release\"></i>Released"), 4u) << "rooms, setpoint, power, outdoor";
+  EXPECT_EQ(matches(dom, ">mode<"), 5u) << "beside their cursors, and the line of the chart of modes";
+  EXPECT_EQ(text_of("log").find("CONSOLE"), std::string::npos) << text_of("log");
 }
 
 TEST_F(ReportInABrowser, AForeignRequestWouldBeSeen) {

@@ -57,6 +57,16 @@ TEST(ReportText, TicksAreRoundAndInside) {
   EXPECT_EQ(round_ticks(3, 3, 5).size(), 1u);
 }
 
+TEST(ReportText, TimesAreThoseOfTheOperatorsPage) {
+  const CivilTime t{1628253000};  // 2021-08-06T12:30:00
+  EXPECT_EQ(date_text(t), "2021-08-06");
+  EXPECT_EQ(minute_text(t), "2021-08-06 12:30");
+  EXPECT_EQ(day_text(t), "08-06");
+  EXPECT_EQ(days_text(1), "1 day");
+  EXPECT_EQ(days_text(0), "0 days");
+  EXPECT_EQ(days_text(12), "12 days");
+}
+
 TEST(Downsample, KeepsEveryPeakOfEverySeries) {
   LineChart chart;
   ChartSeries up{"up", {}, SeriesRole::plain, false}, down = up, level = up;

@@ -110,7 +110,7 @@ TEST_F(LoggedSite, ZonesAreTooColdByTheirHeatingSetpoints) {
   const auto said = nlohmann::json::parse(report().out);
   EXPECT_NEAR(said["methods"]["log"]["zone_degree_hours_below_per_day_degch"], 0.25 * 12, 1e-9) << "zone 2: 23.9";
   EXPECT_TRUE(shows(page(), "Zones too cold a day"));
-  EXPECT_TRUE(shows(page(), "below their heating setpoints for 3"));
+  EXPECT_TRUE(shows(page(), "below their heating setpoints for 3.00&nbsp;K h"));
 }
 
 TEST_F(LoggedSite, IsJudgedByTheRoomsMeanOtherwise) {

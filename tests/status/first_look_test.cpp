@@ -184,6 +184,15 @@ TEST_F(FirstLook, WatchShowsTheNewestRowAndTheDayBeforeIt) {
   const auto half_hours = static_cast<std::ptrdiff_t>(std::min<std::size_t>(log.rows.size(), 240) / 5);
   EXPECT_GE(marks, half_hours) << of_room;
   EXPECT_LE(marks, half_hours + 1) << of_room;
+  // Behind the line of each room its own least and most, not those of all rooms.
+  double least = room, most = room;
+  for (std::size_t i = log.rows.size() - std::min<std::size_t>(log.rows.size(), 240); i < log.rows.size(); ++i) {
+    const double degc = std::stod(log.rows[i].substr(log.rows[i].find(',') + 1));
+    least = std::min(least, degc);
+    most = std::max(most, degc);
+  }
+  EXPECT_TRUE(of_room.ends_with(fmt::format("  {:.1f} to {:.1f} degC", least, most))) << of_room;
+  EXPECT_NE(seen.out.find("Lines of rooms and their mean have one scale, "), std::string::npos) << seen.out;
   EXPECT_NE(seen.out.find("mean of rooms"), std::string::npos);
   EXPECT_NE(seen.out.find("setpoint"), std::string::npos);
 }

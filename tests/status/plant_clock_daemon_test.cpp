@@ -117,5 +117,25 @@ TEST_F(PlantClock, ThatReallyJumpedIsFollowed) {
   EXPECT_TRUE(has_said("so control goes on from there")) << daemon->said();
 }
 
+TEST_F(PlantClock, SetBackOverARestartIsSaidAsSuchAndNotAsADiskThatFailed) {
+  daemon->signal(SIGTERM);
+  ASSERT_EQ(daemon->wait(20), 0) << daemon->said();
+  added = -0.5 * seconds_per_day;
+  daemon = bench.start_daemon(false, {"--until", "2100-01-01T00:00:00"});
+  ASSERT_TRUE(rows(4, 20)) << daemon->said();
+  const nlohmann::json s = status();
+  EXPECT_EQ(s["storage"], "log's last row is later than the clock") << s;
+  EXPECT_EQ(s["reason"], "storage failed") << s;
+  EXPECT_NE(s.value("way_out", "").find("set the clock right, or move the log folder away"), std::string::npos) << s;
+  EXPECT_TRUE(has_said("log: the clock is at 2020-12-2")) << daemon->said();
+  EXPECT_TRUE(has_said("move the log folder away")) << daemon->said();
+  EXPECT_FALSE(has_said("look at the disk")) << daemon->said();
+  // What is advised helps, while the daemon runs.
+  std::filesystem::rename(bench.file("log"), bench.file("log-before"));
+  EXPECT_TRUE(rows(4, 20)) << daemon->said();
+  EXPECT_EQ(status()["storage"], "ok") << status();
+  EXPECT_GE(bench.logged_rows(), 2u);
+}
+
 }  // namespace
 }  // namespace airside::status

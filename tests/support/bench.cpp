@@ -223,12 +223,30 @@ std::size_t Bench::logged_rows() const {
   return (files - 1) * rows_per_day + (lines > 0 ? lines - 1 : 0);
 }
 
+namespace {
+
+/// A field of a row whose fraction has more digits than a person would write; "" where there is none.
+std::string long_field(const std::string& row) {
+  for (std::size_t at = 0; at < row.size();) {
+    const std::size_t end = std::min(row.find(',', at), row.size());
+    const std::string field = row.substr(at, end - at);
+    const std::size_t point = field.find('.');
+    const bool is_small = field.starts_with("0.000") || field.starts_with("-0.000") || field.find('e') != field.npos;
+    if (point != field.npos && !is_small && field.size() - point - 1 > 6) return field;
+    at = end + 1;
+  }
+  return "";
+}
+
+}  // namespace
+
 void expect_same_rows(const LogText& log, const LogText& expected) {
   EXPECT_EQ(log.header, expected.header);
   EXPECT_EQ(log.rows.size(), expected.rows.size());
   const std::size_t n = std::min(log.rows.size(), expected.rows.size());
   for (std::size_t i = 0; i < n; ++i) {
     ASSERT_EQ(log.rows[i], expected.rows[i]) << "row " << i << " of " << n;
+    ASSERT_EQ(long_field(log.rows[i]), "") << "row " << i << ": " << log.rows[i];
   }
 }
 

@@ -49,6 +49,7 @@ class Bench {
   /// Starts `airside serve`; waits until it answers.
   void start_server();
   void stop_server() { server_.reset(); }
+  int server_pid() const { return server_->pid(); }
   /// Starts `airsided` for the scored days.
   std::unique_ptr<Child> start_daemon(bool sync = false, const std::vector<std::string>& more = {});
   /// What stands in the daemon's log folder now.

@@ -11,10 +11,10 @@
 #include <thread>
 
 #include "airside/supervision/schedule.hpp"
-#include "hal/text/civil_text.hpp"
 #include "hal/text/shell_word.hpp"
 #include "hal/text/unfinished.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/report/charts/report_text.hpp"
 #include "tools/report/logged_method.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/run_record.hpp"
@@ -42,8 +42,8 @@ MethodResult::Kind kind_of(const Site& site, const LoggedMethod& m, bool charted
 }
 
 std::string period_text(const hal::Log& log) {
-  return fmt::format("{} to {}, {} rows, {} missing", hal::civil_text(log.summary.first),
-                     hal::civil_text(log.summary.last), log.summary.rows, log.summary.missing_rows);
+  return fmt::format("{} to {}, {} rows, {} missing", minute_text(log.summary.first), minute_text(log.summary.last),
+                     log.summary.rows, log.summary.missing_rows);
 }
 
 /// The page as a picture, by an installed browser. Returns what hindered it, or "".

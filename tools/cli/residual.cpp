@@ -9,6 +9,7 @@
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
+#include "hal/text/shell_word.hpp"
 #include "sim/scenarios/scenario.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/run/child_jobs.hpp"
@@ -179,8 +180,8 @@ struct ResidualCommand {
 
   std::string provenance(std::size_t learned, const ResidualScore& score) const {
     const std::string how = kept.empty() ? fmt::format("--seeds {} --days {}", seeds, days) : "--cycles";
-    return fmt::format("airside residual {}{} {}: {} cycles of {}; left on {}: {:.3f}", blob, command_text(site), how,
-                       learned, learned_of(), tried_of(), score.ratio);
+    return fmt::format("airside residual {}{} {}: {} cycles of {}; left on {}: {:.3f}", hal::shell_word(blob),
+                       command_text(site), how, learned, learned_of(), tried_of(), score.ratio);
   }
 
   void say(const RunFacts& facts, std::size_t learned, const std::vector<Tried>& tried, bool is_worth_it) const {

@@ -10,6 +10,7 @@
 
 #include "airside/fault.hpp"
 #include "hal/site/site_settings.hpp"
+#include "hal/storage/store_error.hpp"
 #include "hal/text/input_error.hpp"
 #include "sim/json/json_file.hpp"
 #include "tools/cli/command.hpp"
@@ -292,17 +293,26 @@ std::string link_text(const Snapshot& s) {
                      timeouts, frames, ids, exceptions);
 }
 
-/// The whole text at once, so that a damaged snapshot prints nothing but the complaint.
-std::string sentences(const Snapshot& s, double age, const Condition& condition) {
+std::string storage_text(const Snapshot& s) {
   const std::string storage = s.text("storage");
   const std::uint64_t generation = s.count("generation");
+  if (storage == "ok") return fmt::format("Storage is in order, generation {}.", generation);
+  const std::string text = fmt::format("Storage: {} (generation {})", storage, generation);
+  for (int i = 1; i <= static_cast<int>(hal::StoreFault::wrong_kind); ++i) {
+    const auto fault = static_cast<hal::StoreFault>(i);
+    if (storage == hal::text_of(fault)) return text + "; " + hal::remedy_of(fault) + '.';
+  }
+  return text + '.';
+}
+
+/// The whole text at once, so that a damaged snapshot prints nothing but the complaint.
+std::string sentences(const Snapshot& s, double age, const Condition& condition) {
   std::string text = fmt::format("{} ({})\n", s.text("site"), s.text("topology"));
   for (const std::string& line : {state_text(s, condition), alarms_text(s), rooms_text(s), setpoint_text(s),
                                   shadows_text(s), learning_text(s), pushed_text(s)}) {
     if (!line.empty()) text += line + '\n';
   }
-  text += storage == "ok" ? fmt::format("Storage is in order, generation {}.\n", generation)
-                          : fmt::format("Storage: {} (generation {}).\n", storage, generation);
+  text += storage_text(s) + '\n';
   const std::string clock = s.object().value("clock", json("ok")).get<std::string>();
   if (clock != "ok") text += "The plant's clock, within the last day: " + clock + ".\n";
   const std::string link = link_text(s);

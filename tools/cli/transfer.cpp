@@ -6,6 +6,7 @@
 
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
+#include "hal/text/shell_word.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/run/options/option_checks.hpp"
 #include "tools/run/run_facts.hpp"
@@ -34,10 +35,10 @@ struct TransferCommand {
                             "let the schedule run longer and export that log");
     }
     Progress bar(from.empty() ? "training from scratch" : "fine-tuning", progress_steps);
-    options.provenance =
-        fmt::format("airside transfer{} --log {} --steps {} --seed {}{}{}", from.empty() ? "" : " --from " + from, log,
-                    options.steps, options.seed, command_text(site),
-                    from.empty() ? "" : fmt::format(" (source digest {})", digest_text(source)));
+    options.provenance = fmt::format("airside transfer{} --log {} --steps {} --seed {}{}{}",
+                                     from.empty() ? "" : " --from " + hal::shell_word(from), hal::shell_word(log),
+                                     options.steps, options.seed, command_text(site),
+                                     from.empty() ? "" : fmt::format(" (source digest {})", digest_text(source)));
     const Transferred made = transfer(s, source, rows.rows, options, show_progress(bar));
     const BlobBytes& blob = made.blob;
     bar.finish();

@@ -133,20 +133,26 @@ class LastDay {
     for (std::size_t room = 0; room < rooms_; ++room) {
       for (const double v : lines[room]) of_rooms.add(v);
     }
-    std::string text = fmt::format("{:>16} {:>7}  {}\n", "", "now", "the last 24 hours, from the left");
-    const auto add = [&text](const std::string& name, const std::vector<double>& values, Range range) {
-      const std::string now = std::isfinite(values.back()) ? fmt::format("{:.2f}", values.back()) : "-";
-      text += fmt::format("{:>16} {:>7}  {}  {:.1f} to {:.1f} degC\n", name, now,
-                          sparkline(values, range.low, range.high), range.low, range.high);
-    };
+    std::string text = fmt::format("{:>16} {:>7}  {:<{}}  {}\n", "", "now", "the last 24 hours, from the left", columns,
+                                   "least and most");
     const auto own_range = [](const std::vector<double>& values) {
       Range range;
       for (const double v : values) range.add(v);
       return range;
     };
+    const auto add = [&](const std::string& name, const std::vector<double>& values, Range scale) {
+      const std::string now = std::isfinite(values.back()) ? fmt::format("{:.2f}", values.back()) : "-";
+      const Range own = own_range(values);
+      text += fmt::format("{:>16} {:>7}  {}", name, now, sparkline(values, scale.low, scale.high));
+      text += own.low <= own.high ? fmt::format("  {:.1f} to {:.1f} degC\n", own.low, own.high) : "  -\n";
+    };
     for (std::size_t room = 0; room < rooms_; ++room) add(fmt::format("room {}", room + 1), lines[room], of_rooms);
     add("mean of rooms", lines[rooms_], of_rooms);
     add("setpoint", lines[rooms_ + 1], own_range(lines[rooms_ + 1]));
+    if (of_rooms.low <= of_rooms.high) {
+      text += fmt::format("Lines of rooms and their mean have one scale, {:.1f} to {:.1f} degC.\n", of_rooms.low,
+                          of_rooms.high);
+    }
     return text;
   }
 

@@ -1,9 +1,9 @@
 // Draws the line charts of a report from the JSON beside it. One cursor and one zoom for all charts over time.
+// chart_parts.js stands before this file: what it shares with the operator's page.
 (() => {
   "use strict";
   const charts = JSON.parse(document.getElementById("charts").textContent);
   const root = document.documentElement;
-  const colour = (name) => getComputedStyle(root).getPropertyValue("--" + name).trim();
   const plots = [];
   const DAY = 86400;
   let range = null;      // of all charts over time; null: everything
@@ -13,16 +13,10 @@
   const first = Math.min(...times.map((c) => c.x[0]));
   const last = Math.max(...times.map((c) => c.x[c.x.length - 1]));
   const utc = (s) => uPlot.tzDate(new Date(s * 1e3), "Etc/UTC");
-  const day = uPlot.fmtDate("{WWW} {D} {MMM}");
-  const minute = uPlot.fmtDate("{WWW} {D} {MMM} {HH}:{mm}");
-  const clock = [
-    [365 * DAY, "{YYYY}", null, null, null, null, null, null, 1],
-    [28 * DAY, "{MMM}", "\n{YYYY}", null, null, null, null, null, 1],
-    [DAY, "{D} {MMM}", null, null, null, null, null, null, 1],
-    [3600, "{HH}:{mm}", "\n{D} {MMM}", null, "\n{D} {MMM}", null, null, null, 1],
-    [60, "{HH}:{mm}", "\n{D} {MMM}", null, "\n{D} {MMM}", null, null, null, 1],
-    [1, "{HH}:{mm}:{ss}", "\n{D} {MMM}", null, "\n{D} {MMM}", null, null, null, 1],
-  ];
+  const day = uPlot.fmtDate("{WWW} {YYYY}-{MM}-{DD}");
+  const minute = uPlot.fmtDate("{WWW} {YYYY}-{MM}-{DD} {HH}:{mm}");
+  const clock = (u, splits, axis, space, step) => step >= 28 * DAY
+    ? splits.map((s) => new Date(s * 1e3).toISOString().slice(0, 7)) : time_ticks(splits, step >= DAY);
 
   function show(from, to) {
     const width = Math.max(to - from, 1800);
@@ -34,21 +28,14 @@
     showDays();
   }
 
-  // The shaded hours, behind the grid.
-  const bands = (c) => (u) => {
-    if (!c.bands.length) return;
-    const { left, top, width, height } = u.bbox;
-    u.ctx.save();
-    u.ctx.beginPath();
-    u.ctx.rect(left, top, width, height);
-    u.ctx.clip();
-    u.ctx.fillStyle = colour("band");
-    for (const [from, to] of c.bands) {
-      const x = u.valToPos(from, "x", true);
-      u.ctx.fillRect(x, top, u.valToPos(to, "x", true) - x, height);
-    }
-    u.ctx.restore();
+  // What holds at a time, such as a control mode, in words beside the cursor.
+  const stretch_at = (c) => (u, v, series, i) => {
+    if (i == null) return "\u2013";
+    const now = c.stretches.filter(([from, to]) => from <= c.x[i] && c.x[i] < to).pop();
+    return now ? now[3] : c.otherwise;
   };
+  // On a phone a long name stands in two lines.
+  const folded = (name) => name.replace(/^(.{8,}?) /, "$1\n");
 
   // Two fingers zoom, one finger moves what is zoomed; up and down still scroll the page.
   function touch(u) {
@@ -81,8 +68,10 @@
       stroke: ink, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif",
       grid: { stroke: () => colour("grid"), width: 1 }, ticks: { stroke: () => colour("grid"), width: 1, size: 4 },
     };
-    const named = c.yNames.length > 0;
+    const named = c.yNames.length > 0, has_stretches = c.stretches.length > 0;
     if (named) place.style.minHeight = "0";
+    const names = narrow ? c.yNames.map(folded) : c.yNames;
+    const letters = Math.max(0, ...names.flatMap((n) => n.split("\n").map((part) => part.length)));
     const value = (u, v) => v == null ? "\u2013"
       : named ? (v - Math.floor(v + 0.01) >= 0.5 ? c.raised : c.raised ? "" : c.yNames[Math.round(v)])
       : c.log ? Number(v.toPrecision(3)).toString() : v.toFixed(c.decimals).replace("-", "\u2212");
@@ -110,21 +99,22 @@
       axes: [
         { ...axis, size: 40, ...(c.time ? { values: clock } : { label: c.xLabel, labelSize: 22 }), space: narrow ? 56 : 64 },
         {
-          ...axis, label: c.unit, labelSize: 20, size: 66,
-          ...(named ? { splits: () => c.yNames.map((_, i) => i), values: () => c.yNames } : {}),
+          ...axis, label: c.unit, labelSize: 20, size: Math.max(66, 22 + 6.4 * letters),
+          ...(named ? { splits: () => names.map((_, i) => i), values: () => names } : {}),
           ...(c.log ? { values: (u, all) => all.map((v) => v == null ? "" : Number.isInteger(Math.round(Math.log10(v) * 1e6) / 1e6) ? String(Number(v.toPrecision(1))) : "") } : {}),
         },
       ],
       series: [
         { label: c.time ? "time" : c.xLabel, value: (u, v) => v == null ? "\u2013" : c.time ? minute(utc(v)) : String(v) },
         ...c.series.map((s) => ({
-          label: s.name, value, stroke: () => colour(s.colour) + (s.muted ? "90" : ""),
-          width: s.colour === "main" ? 2.4 : s.muted ? 1 : 1.5, dash: s.dash ? [6, 4] : undefined,
+          label: s.name, value, stroke: () => colour(s.colour) + (s.muted ? "c0" : ""),
+          width: s.colour === "main" ? 2.4 : s.muted ? 1.2 : 1.5, dash: pattern(s.dash),
           paths: s.step ? stepped : undefined, points: { show: false }, spanGaps: false,
         })),
+        ...(has_stretches ? [{ label: c.stretchesName, value: stretch_at(c), class: "stretch-now", points: { show: false } }] : []),
       ],
       hooks: {
-        drawClear: [bands(c)],
+        drawClear: [draw_bands([...c.bands.map(([from, to]) => ["", from, to]), ...c.stretches.map(([from, to, kind]) => [kind, from, to])])],
         setScale: [(u, key) => {
           if (key !== "x" || !c.time || spreading || !u.status) return;
           const { min, max } = u.scales.x;
@@ -134,9 +124,10 @@
       },
     };
     const n = c.x.length;
-    const data = [c.x, ...c.series.map((s) => Array.isArray(s.y) ? s.y : new Array(n).fill(s.y))];
+    const data = [c.x, ...c.series.map((s) => Array.isArray(s.y) ? s.y : new Array(n).fill(s.y)), ...(has_stretches ? [new Array(n).fill(null)] : [])];
     place.replaceChildren();
     const u = new uPlot(opts, data, place);
+    draw_keys(place, u, has_stretches ? [c.series.length + 1] : []);
     u.isTime = c.time;
     u.place = place;
     if (c.time) touch(u);

@@ -6,6 +6,7 @@ namespace airside::tools {
 
 extern const char* const palette_css[];
 extern const char* const page_css[];
+extern const char* const chart_parts_js[];
 extern const char* const page_js[];
 extern const char* const uplot_css[];
 extern const char* const uplot_js[];

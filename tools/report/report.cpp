@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "hal/text/staged_folder.hpp"
 #include "tools/report/charts/downsample.hpp"
 #include "tools/report/charts/report_text.hpp"
+#include "tools/report/charts/series_look.hpp"
 #include "tools/report/charts/svg_chart.hpp"
 #include "tools/report/page_parts.hpp"
 
@@ -95,16 +97,22 @@ json chart_json(const LineChart& full, std::size_t points) {
   j["bands"] = json::array();
   for (const ChartBand& b : chart.bands) j["bands"].push_back({b.from, b.to});
   j["series"] = json::array();
-  std::size_t next = 0;
-  for (const ChartSeries& s : chart.series) {
+  j["stretches"] = json::array();
+  for (const ChartStretch& s : chart.stretches) {
+    j["stretches"].push_back({s.from, s.to, s.kind, valid_utf8(s.why.empty() ? s.name : s.name + ": " + s.why)});
+  }
+  j["stretchesName"] = valid_utf8(chart.stretches_name);
+  j["otherwise"] = valid_utf8(chart.otherwise);
+  const std::vector<SeriesLook> looks = looks_of(chart);
+  for (std::size_t i = 0; i < chart.series.size(); ++i) {
+    const ChartSeries& s = chart.series[i];
     json y = numbers(s.y, chart.log_axis);
     j["series"].push_back({{"name", valid_utf8(s.name)},
-                           {"colour", colour_class(s.role, next)},
-                           {"muted", s.role == SeriesRole::muted},
-                           {"dash", s.role == SeriesRole::reference},
+                           {"colour", looks[i].colour},
+                           {"muted", looks[i].muted},
+                           {"dash", looks[i].dash},
                            {"step", s.stepped},
                            {"y", s.y.size() == 1 && chart.x.size() != 1 ? y[0] : y}});
-    if (s.role == SeriesRole::plain || s.role == SeriesRole::muted) ++next;
   }
   return j;
 }
@@ -121,20 +129,23 @@ struct BlockWriter {
   std::size_t points;
 
   void operator()(const LineChart& chart) const {
-    page += "<section>" + heading(chart.title, chart.note) +
-            fmt::format("<div class=\"chart\" data-chart=\"{}\"></div></section>\n", charts.size());
+    page += "<section>" + heading(chart.title, chart.note);
+    if (!chart.stretches.empty()) {
+      page += "<ul class=\"stretches\">";
+      for (const ChartStretch& kind : kinds_of(chart.stretches))
+        page += fmt::format("<li><i class=\"{}\"></i>{}</li>", kind.kind, escape_markup(kind.name));
+      page += "</ul>";
+    }
+    page += fmt::format("<div class=\"chart\" data-chart=\"{}\"></div></section>\n", charts.size());
     charts.push_back(chart_json(chart, points));
   }
 
   void operator()(const BarChart& chart) const {
     page += "<section>" + heading(chart.title, chart.note) + "<div class=\"bars\"><ul class=\"keys\">";
-    std::size_t next = 0;
-    for (std::size_t g = 0; g < chart.groups.size(); ++g) {
-      const BarGroup& group = chart.groups[g];
-      const std::string colour = colour_class(group.role, next);
-      if (group.role == SeriesRole::plain || group.role == SeriesRole::muted) ++next;
+    const std::vector<SeriesLook> looks = looks_of(chart);
+    for (std::size_t g = 0; g < looks.size(); ++g) {
       page += fmt::format("<li><button type=\"button\" data-group=\"{}\"><i class=\"swatch {}\"></i>{}</button></li>",
-                          g, colour, escape_markup(group.name));
+                          g, looks[g].colour, escape_markup(looks[g].name));
     }
     page += "</ul><div class=\"scroll\">" + bar_chart_svg(chart, SvgUse::in_page) + "</div></div></section>\n";
   }
@@ -208,9 +219,11 @@ struct BlockWriter {
 
 /// A number never stands at the end of a line without its unit.
 std::string keep_units(std::string text) {
-  for (const std::string unit : {" °C", " kWh", " %"}) {
-    for (std::size_t at = text.find(unit); at != std::string::npos; at = text.find(unit, at)) {
-      text.replace(at, 1, "&nbsp;");
+  for (const std::string unit : {" °C", " K", " kWh", " %"}) {
+    for (std::size_t at = text.find(unit); at != std::string::npos; at = text.find(unit, at + 1)) {
+      const std::size_t end = at + unit.size();
+      const bool whole = end == text.size() || std::isalnum(static_cast<unsigned char>(text[end])) == 0;
+      if (whole && at > 0 && std::isdigit(static_cast<unsigned char>(text[at - 1])) != 0) text.replace(at, 1, "&nbsp;");
     }
   }
   return text;
@@ -269,6 +282,7 @@ std::string report_html(const ReportInput& input, const ReportOptions& options) 
           escape_script_json(charts.dump(-1, ' ', false, json::error_handler_t::replace)) + "</script>\n<script>\n";
   append(page, uplot_js);
   page += '\n';
+  append(page, chart_parts_js);
   append(page, page_js);
   return page + "</script>\n</body>\n</html>\n";
 }

@@ -1,15 +1,10 @@
 #include "tools/report/run_charts.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
-#include <optional>
 
-#include "hal/text/civil_text.hpp"
-#include "tools/report/charts/report_text.hpp"
+#include "tools/report/run_stretches.hpp"
 
 namespace airside::tools {
 namespace {
@@ -33,40 +28,6 @@ std::vector<double> levels_of(const std::vector<std::string>& modes) {
   return levels;
 }
 
-/// Every time in which the controller had a reason for its mode, from one row to the next; nothing without one.
-std::optional<ReportTable> events_table(const RunRecord& r) {
-  constexpr std::size_t most = 40;
-  ReportTable table;
-  table.title = "What the controller did, and why";
-  table.row_header = "from";
-  table.prose = true;
-  for (const char* name : {"to", "for", "mode", "reason"}) table.columns.emplace_back().name = name;
-  const auto cell = [](std::string text) {
-    TableCell c;
-    c.text = std::move(text);
-    return c;
-  };
-  const auto time_text = [](CivilTime t) { return day_text(t) + hal::civil_text(t).substr(10, 6).replace(0, 1, " "); };
-  std::size_t events = 0;
-  for (std::size_t i = 0; i < r.mode.size();) {
-    std::size_t end = i + 1;
-    while (end < r.mode.size() && r.mode[end] == r.mode[i] && r.reason[end] == r.reason[i]) ++end;
-    if (!r.reason[i].empty() && r.reason[i] != "none" && ++events <= most) {
-      const CivilTime to = end < r.mode.size() ? r.row_time[end] : CivilTime{r.row_time.back().seconds + row_s};
-      const double hours = static_cast<double>(to.seconds - r.row_time[i].seconds) / 3600;
-      table.rows.push_back({time_text(r.row_time[i]),
-                            {cell(time_text(to)), cell(fmt::format("{:.1f} h", hours)),
-                             cell(r.mode[i] == "expert" ? "schedule" : r.mode[i]), cell(r.reason[i])},
-                            SeriesRole::plain,
-                            false});
-    }
-    i = end;
-  }
-  if (events == 0) return {};
-  table.note = events > most ? fmt::format("The first {} of {}.", most, events) : "";
-  return table;
-}
-
 /// Charts over the time of a run, in the order in which they are read.
 class RunCharts {
  public:
@@ -77,6 +38,7 @@ class RunCharts {
       base_.bands = working_hours(r.cycle_time.front(), r.cycle_time.back(), r.metrics);
     }
     base_.band_name = "working hours";
+    stretches_ = stretches_of(r);
   }
 
   void add_rooms() {
@@ -91,7 +53,7 @@ class RunCharts {
     } else {
       line(rooms, "target", {r_.metrics.target_degc}, SeriesRole::reference, false);
     }
-    add(rooms);
+    add_with_stretches(rooms);
   }
 
   void add_boxes() {
@@ -119,7 +81,7 @@ class RunCharts {
     line(setpoint, "network", r_.network_setpoint_degc, SeriesRole::muted, true);
     line(setpoint, "room head", r_.head_setpoint_degc, SeriesRole::muted, true);
     line(setpoint, "applied", r_.setpoint_degc, SeriesRole::main, true);
-    add(setpoint);
+    add_with_stretches(setpoint);
   }
 
   void add_dampers() {
@@ -136,12 +98,12 @@ class RunCharts {
 
   void add_modes() {
     LineChart modes = chart("Control mode",
-                            "Learn: control, and learning. Run: control with frozen weights. Schedule: the setpoint of "
-                            "the schedule. Release: nothing is written.",
+                            "As the operator's page names them. Schedule: the setpoint of the schedule. Released: "
+                            "nothing is written. The same is shaded behind rooms, setpoint and power.",
                             "", r_.row_time);
     if (!r_.mode.empty()) {
       line(modes, "mode", levels_of(r_.mode), SeriesRole::main, true);
-      modes.y_names = {"release", "schedule", "run", "learn"};
+      for (const char* mode : {"release", "expert", "run", "learn"}) modes.y_names.push_back(mode_words(mode));
     }
     add(modes);
     if (auto table = events_table(r_)) out_.blocks.emplace_back(std::move(*table));
@@ -173,12 +135,12 @@ class RunCharts {
     LineChart power = chart(r_.all_electric ? "Electric power" : "Power", "", "kW", r_.row_time);
     for (const NamedValues& p : r_.power_kw) line(power, p.name, p.values, SeriesRole::plain, false);
     power.y_min = 0;
-    add(power);
+    add_with_stretches(power);
 
     LineChart outdoor = chart("Outdoor temperature", "", "°C", r_.row_time);
     line(outdoor, "outdoor air", r_.outdoor_degc, SeriesRole::plain, false);
     outdoor.decimals = 1;
-    add(outdoor);
+    add_with_stretches(outdoor);
   }
 
  private:
@@ -193,6 +155,13 @@ class RunCharts {
   void add(LineChart& c) {
     if (!c.series.empty() && !c.x.empty()) out_.blocks.emplace_back(std::move(c));
   }
+  /// With the controller's modes and alarms behind the curves, so that an hour of release is seen where its spike is.
+  void add_with_stretches(LineChart& c) {
+    c.stretches = stretches_;
+    c.stretches_name = "mode";
+    c.otherwise = mode_words("learn");
+    add(c);
+  }
   static void line(LineChart& c, std::string name, const std::vector<double>& y, SeriesRole role, bool stepped) {
     if (!y.empty()) c.series.push_back({std::move(name), y, role, stepped});
   }
@@ -200,6 +169,7 @@ class RunCharts {
   const RunRecord& r_;
   ReportInput& out_;
   LineChart base_;
+  std::vector<ChartStretch> stretches_;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "hal/text/input_error.hpp"
+#include "tools/report/run_stretches.hpp"
 
 namespace airside::tools {
 
@@ -105,7 +106,9 @@ RunRecord make_run_record(const Site& site, const ControlRun& run) {
   for (const hal::LogRow& row : run.rows) {
     r.mode.push_back(row.controller.mode);
     r.reason.push_back(row.controller.reason);
+    r.fault.push_back(row.controller.fault);
   }
+  r.signal = signals_at_fault(site.counts, run.rows);
   if (std::ranges::all_of(r.mode, [](const std::string& m) { return m.empty(); })) r.mode.clear();
   if (site.settings.objective == Objective::band) {
     ZoneBand band = zone_band(site, run.rows);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <optional>
 
-#include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 #include "tools/report/charts/report_text.hpp"
 #include "tools/report/run_charts.hpp"
@@ -45,8 +44,6 @@ SeriesRole role_of(ResultKind kind) {
 
 double mean_of(const MethodResult& method, double Metrics::*figure) { return spread_of(method.runs, figure).mean; }
 
-std::string days_text(std::size_t days) { return days == 1 ? "one day" : fmt::format("{} days", days); }
-
 std::string rooms_text(std::size_t rooms) {
   constexpr const char* words[] = {"no", "one", "two", "three", "four", "five", "six", "seven", "eight"};
   return rooms < std::size(words) ? words[rooms] : std::to_string(rooms);
@@ -54,21 +51,21 @@ std::string rooms_text(std::size_t rooms) {
 
 /// What an operator wants to know, in the order of asking: comfort, worst day, schedule, energy.
 std::string headline(const RunRecord& r, const MethodResult& ours, const MethodResult* schedule) {
-  const std::size_t days = ours.runs[0].days.size();
+  const long days = std::ssize(ours.runs[0].days);
   const std::size_t rooms = r.room_temp_degc.size();
   const char* energy = r.all_electric ? "electricity" : "energy";
   const double used = mean_of(ours, &Metrics::hvac_kwh_per_day);
   const double before = schedule ? mean_of(*schedule, &Metrics::hvac_kwh_per_day) : 0;
   if (r.band) {
-    std::string said = band_headline(*r.band, days_text(std::max<std::size_t>(1, r.row_time.size() / rows_per_day)));
+    std::string said = band_headline(*r.band, days_text(std::max(1L, std::ssize(r.row_time) / rows_per_day)));
     if (!(used > 0 && before > 0)) return said;
     return said + fmt::format(" The schedule used {} kWh of {} a day on the same days, this control {} kWh.",
                               number_text(before, 1), energy, number_text(used, 1));
   }
+  // A distance, never praise: the same words must do for a control that fails.
   std::string text = fmt::format(
-      "Over {} the mean of the {} stayed within {} °C of the {} °C target on average in working hours, and within {} "
-      "°C "
-      "on the worst day.",
+      "Over {} the mean of the {} was {} K from the {} °C target on average in working hours, and {} K on the worst "
+      "day.",
       days_text(days),
       rooms == 1   ? "room"
       : rooms == 0 ? "rooms"
@@ -76,7 +73,7 @@ std::string headline(const RunRecord& r, const MethodResult& ours, const MethodR
       number_text(mean_of(ours, &Metrics::dae_degc), 2), number_text(r.metrics.target_degc, 2),
       number_text(mean_of(ours, &Metrics::me_degc), 2));
   if (!schedule) return text;
-  text += fmt::format(" The expert schedule was {} °C off on the same days",
+  text += fmt::format(" The expert schedule was {} K from it on the same days",
                       number_text(mean_of(*schedule, &Metrics::dae_degc), 2));
   if (!(used > 0 && before > 0)) return text + ".";
   // No "less" or "more": rooms differ by more than any two methods do in one room (README.md, "Limits").
@@ -94,18 +91,18 @@ std::vector<KeyFigure> key_figures(const RunRecord& r, const MethodResult& ours,
     }
     return KeyFigure{number_text(s.mean, decimals), unit, label, note};
   };
-  std::vector<KeyFigure> figures = {figure("Average error", &Metrics::dae_degc, "°C", 3),
-                                    figure("Error on the worst day", &Metrics::me_degc, "°C", 3),
-                                    figure("Error on the first day", &Metrics::day1_dae_degc, "°C", 3),
-                                    figure("Setpoint unrest (DARV)", &Metrics::darv_degc, "°C", 3)};
+  std::vector<KeyFigure> figures = {figure("Average error", &Metrics::dae_degc, "K", 3),
+                                    figure("Error on the worst day", &Metrics::me_degc, "K", 3),
+                                    figure("Error on the first day", &Metrics::day1_dae_degc, "K", 3),
+                                    figure("Setpoint unrest (DARV)", &Metrics::darv_degc, "K", 3)};
   if (r.band) {
     figures.erase(figures.begin(), figures.begin() + 3);
     figures.insert(figures.begin(),
-                   {{number_text(r.band->above_degch_per_day(), 2), "°C h", "Zones too warm a day", "all zones"},
+                   {{number_text(r.band->above_degch_per_day(), 2), "K h", "Zones too warm a day", "all zones"},
                     {number_text(r.band->saturated_h_per_day(), 1), "h", "Boxes fully open a day", "all zones"}});
     if (r.band->shows_heating) {
       figures.insert(figures.begin() + 1,
-                     {number_text(r.band->below_degch_per_day(), 2), "°C h", "Zones too cold a day", "all zones"});
+                     {number_text(r.band->below_degch_per_day(), 2), "K h", "Zones too cold a day", "all zones"});
     }
   }
   if (mean_of(ours, &Metrics::hvac_kwh_per_day) > 0) {
@@ -151,7 +148,7 @@ BarChart daily_bars(const RunRecord& r, const MethodResult& ours) {
   chart.title = "Error of each day";
   chart.note = std::string("Daily average error (DAE) of the mean room temperature in working hours") +
                (ours.runs.size() > 1 ? ", mean over the runs" : "") + ". Choose a method to see it alone.";
-  chart.unit = "DAE, °C";
+  chart.unit = "DAE, K";
   chart.decimals = 3;
   for (const DayMetrics& day : ours.runs[0].days) chart.categories.push_back(day_text(day.midnight));
   for (const MethodResult* m : ranked(r.methods)) {
@@ -178,7 +175,7 @@ ReportTable rooms_table(const RunRecord& r, const MethodResult& ours) {
       "while rooms differ; a large figure here asks for a look at that room's VAV balance.";
   const std::size_t rooms = ours.runs[0].room_dae_degc.size();
   for (std::size_t i = 0; i < rooms; ++i) {
-    table.columns.push_back({i < r.room_names.size() ? r.room_names[i] : fmt::format("room {}", i + 1), "°C", 2, true});
+    table.columns.push_back({i < r.room_names.size() ? r.room_names[i] : fmt::format("room {}", i + 1), "K", 2, true});
   }
   for (const MethodResult* method : table_order(r.methods)) {
     const MethodResult& m = *method;
@@ -225,16 +222,16 @@ ReportTable methods_table(const std::vector<MethodResult>& methods, const char* 
     bool mark;
   };
   static constexpr Figure figures[] = {
-      {"DAE", "°C", &Metrics::dae_degc, 3, true},
-      {"ME", "°C", &Metrics::me_degc, 3, true},
-      {"worst room", "°C", &Metrics::worst_room_dae_degc, 3, true},
-      {"day 1", "°C", &Metrics::day1_dae_degc, 3, true},
-      {"DARV", "°C", &Metrics::darv_degc, 3, true},
-      {"degree-hours", "°C h a day", &Metrics::degree_hours_degch, 2, true},
-      {"above target", "°C h a day", &Metrics::degree_hours_above_degch, 2, true},
+      {"DAE", "K", &Metrics::dae_degc, 3, true},
+      {"ME", "K", &Metrics::me_degc, 3, true},
+      {"worst room", "K", &Metrics::worst_room_dae_degc, 3, true},
+      {"day 1", "K", &Metrics::day1_dae_degc, 3, true},
+      {"DARV", "K", &Metrics::darv_degc, 3, true},
+      {"degree-hours", "K h a day", &Metrics::degree_hours_degch, 2, true},
+      {"above target", "K h a day", &Metrics::degree_hours_above_degch, 2, true},
       {"electricity", "kWh a day", &Metrics::hvac_kwh_per_day, 1, true},
-      {"CDH", "°C h", &Metrics::cdh_degch, 1, false},
-      {"HDH", "°C h", &Metrics::hdh_degch, 1, false},
+      {"CDH", "K h", &Metrics::cdh_degch, 1, false},
+      {"HDH", "K h", &Metrics::hdh_degch, 1, false},
   };
   ReportTable table;
   table.title = "All methods";
@@ -272,8 +269,7 @@ ReportInput make_run_report(const RunRecord& r) {
   // A plant's own description may name the weather already.
   if (!r.weather.empty() && r.plant.find(r.weather) == std::string::npos) out.subtitle += ", weather " + r.weather;
   if (!r.row_time.empty()) {
-    out.subtitle += fmt::format(", {} to {}", hal::civil_text(r.row_time.front()).substr(0, 10),
-                                hal::civil_text(r.row_time.back()).substr(0, 10));
+    out.subtitle += fmt::format(", {} to {}", date_text(r.row_time.front()), date_text(r.row_time.back()));
   }
   if (!r.versions.empty()) out.subtitle += ", " + r.versions;
   out.headline = headline(r, ours, schedule);

@@ -46,7 +46,8 @@ struct RunRecord {
   std::vector<double> outdoor_degc;
   std::vector<NamedValues> power_kw;
   std::vector<NamedValues> boxes_on;  ///< 1 on, 0 closed; none where the site does not see them, or none ever closed
-  std::vector<std::string> mode, reason;  ///< of the controller; empty without its columns
+  std::vector<std::string> mode, reason, fault;  ///< of the controller; empty without its columns
+  std::vector<std::string> signal;               ///< that the fault is about, where it can be named
 
   // Ours, a value a control cycle
   std::vector<CivilTime> cycle_time;

@@ -118,14 +118,14 @@ ZoneBand zone_band(const Site& site, const std::vector<hal::LogRow>& rows) {
 std::string band_headline(const ZoneBand& band, const std::string& days) {
   const std::size_t n = band.zones.size();
   std::string text =
-      fmt::format("Over {} the {} {} more than 0.5 °C above {} for {} °C h a day while people were in", days,
+      fmt::format("Over {} the {} {} more than 0.5 K above {} for {} K h a day while people were in", days,
                   n == 1 ? "zone" : fmt::format("{} zones", n), n == 1 ? "was" : "were",
                   n == 1 ? "its setpoint" : "their setpoints", number_text(band.above_degch_per_day(), 2));
   if (n > 1 && band.worst().above_degch_per_day > 0)
     text += fmt::format(", most in {} ({})", band.worst().name, number_text(band.worst().above_degch_per_day, 2));
   if (band.shows_heating)
     text +=
-        fmt::format(", and as much below {} for {} °C h", n == 1 ? "its heating setpoint" : "their heating setpoints",
+        fmt::format(", and as much below {} for {} K h", n == 1 ? "its heating setpoint" : "their heating setpoints",
                     number_text(band.below_degch_per_day(), 2));
   return text + fmt::format("; boxes stood fully open for {} h a day.", number_text(band.saturated_h_per_day(), 1));
 }
@@ -135,12 +135,12 @@ ReportTable zones_table(const ZoneBand& band) {
   table.title = "Each zone";
   table.row_header = "zone";
   table.note =
-      "While people are in and the fan runs. Above setpoint: degree-hours above the zone's own setpoint + 0.5 °C, and "
-      "the most that it was above it. Below heating setpoint: below that - 0.5 °C, where the log shows it. Open: hours "
+      "While people are in and the fan runs. Above setpoint: degree-hours above the zone's own setpoint + 0.5 K, and "
+      "the most that it was above it. Below heating setpoint: below that - 0.5 K, where the log shows it. Open: hours "
       "with the damper above 0.95, where the box has no more to give.";
-  table.columns = {{"above setpoint", "°C h a day", 2, false},
-                   {"most above", "°C", 2, false},
-                   {"below heating setpoint", "°C h a day", 2, false},
+  table.columns = {{"above setpoint", "K h a day", 2, false},
+                   {"most above", "K", 2, false},
+                   {"below heating setpoint", "K h a day", 2, false},
                    {"open", "h a day", 1, false},
                    {"mean damper", "0 to 1", 2, false}};
   for (const ZoneFigures& zone : band.zones) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "airside/civil_time.hpp"
+#include "airside/demand/zone_comfort.hpp"
 
 namespace airside::tools {
 
@@ -107,19 +108,6 @@ Spread spread_of(std::span<const Metrics> runs, double Metrics::*figure);
 /// Whether a cycle that starts at `time` is scored.
 bool is_scored(CivilTime time, const MetricsSettings& settings = {});
 
-// What counts as discomfort of a zone, and as a box without reserve.
-constexpr double comfort_slack_k = 0.5;  ///< beside a setpoint, which a thermostat's own swing takes
-constexpr double open_damper = 0.95;     ///< a box that has no more to give
-
-/// K by which a zone is above its cooling setpoint and the slack; 0 where either is NaN.
-inline double too_warm_k(double room_degc, double cooling_degc) {
-  const double k = room_degc - cooling_degc - comfort_slack_k;
-  return k > 0 ? k : 0;
-}
-/// K by which it is below its heating setpoint and the slack; 0 where either is NaN.
-inline double too_cold_k(double room_degc, double heating_degc) {
-  const double k = heating_degc - comfort_slack_k - room_degc;
-  return k > 0 ? k : 0;
-}
+constexpr double open_damper = 0.95;  ///< a box that has no more to give
 
 }  // namespace airside::tools

@@ -12,6 +12,7 @@
 #include "airside/crc32c.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
+#include "hal/text/shell_word.hpp"
 #include "sim/energyplus/install.hpp"
 #include "sim/energyplus/options.hpp"
 #include "sim/energyplus/plant.hpp"
@@ -383,17 +384,16 @@ std::unique_ptr<sim::PlantModel> make_plant(const PlantChoice& choice, const Sit
 }
 
 std::string command_text(const PlantChoice& choice, const Site& site) {
-  if (!choice.environment.empty())
-    return fmt::format("--environment {} --start {} --seed {}", choice.environment, choice.start, choice.seed);
-  std::string text =
-      fmt::format("--plant {} --room {} --start {} --seed {}", is_energyplus(choice, site) ? "energyplus" : "rc",
-                  choice.room, choice.start, choice.seed);
+  const std::string when = fmt::format(" --start {} --seed {}", choice.start, choice.seed);
+  if (!choice.environment.empty()) return "--environment " + hal::shell_word(choice.environment) + when;
+  std::string text = fmt::format("--plant {} --room {}{}", is_energyplus(choice, site) ? "energyplus" : "rc",
+                                 hal::shell_word(choice.room), when);
   const bool of_site = choice.twin && choice.patches == choice.twin->patches;
-  if (!choice.model.empty()) text += of_site ? " --twin" : " --twin " + choice.model;
-  for (const std::string& patch : choice.patches) text += of_site ? "" : " --patch " + patch;
-  if (!choice.weather.empty()) text += " --weather " + choice.weather;
+  if (!choice.model.empty()) text += of_site ? " --twin" : " --twin " + hal::shell_word(choice.model);
+  for (const std::string& patch : choice.patches) text += of_site ? "" : " --patch " + hal::shell_word(patch);
+  if (!choice.weather.empty()) text += " --weather " + hal::shell_word(choice.weather);
   if (choice.weekends) text += " --weekends";
-  if (!choice.scenario.empty()) text += " --scenario " + choice.scenario;
+  if (!choice.scenario.empty()) text += " --scenario " + hal::shell_word(choice.scenario);
   return text;
 }
 

@@ -22,6 +22,7 @@ constexpr const char* turtle_prefixes = R"(# Written by `airside tags`.
 @prefix owl: <http://www.w3.org/2002/07/owl#> .
 @prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
 @prefix skos: <http://www.w3.org/2004/02/skos/core#> .
+@prefix bacnet: <http://data.ashrae.org/bacnet/2020#> .
 @prefix airside: <urn:airside:vocabulary#> .
 @prefix : <urn:airside:site:{}#> .
 
@@ -66,14 +67,48 @@ const char* type_text(hal::PointType type) {
 
 const char* order_text(hal::Endian order) { return order == hal::Endian::big ? "big" : "little"; }
 
+/// A double of Turtle with all its digits, which only its exponent tells from a decimal.
+std::string double_text(double value) {
+  std::string text = fmt::format("{}", value);
+  return text.find('e') == std::string::npos ? text + "e0" : text;
+}
+
 std::string register_of(const hal::Point& row) {
   std::string out = fmt::format(
       " ,\n        [ a airside:ModbusReference ; airside:functionCode {} ; airside:address {} ; airside:type \"{}\" ; "
-      "airside:byteOrder \"{}\" ;\n          airside:wordOrder \"{}\" ; airside:scale {:e} ; airside:offset {:e}",
-      row.fc, row.addr, type_text(row.type), order_text(row.byte_order), order_text(row.word_order), row.scale,
-      row.offset);
+      "airside:byteOrder \"{}\" ;\n          airside:wordOrder \"{}\" ; airside:scale {} ; airside:offset {}",
+      row.fc, row.addr, type_text(row.type), order_text(row.byte_order), order_text(row.word_order),
+      double_text(row.scale), double_text(row.offset));
   if (row.writable()) out += fmt::format(" ; airside:writeFunctionCode {}", row.fc_write);
   return out + " ]";
+}
+
+/// A device by its own node, so that points of one device share it.
+std::string device_id(const BacnetObject& at) { return fmt::format("bacnet_device_{}", at.device); }
+
+/// Scale and offset stand there only where the object's value is in another unit than the point's.
+std::string object_reference(const BacnetObject& at, const hal::Point& row) {
+  std::string out = fmt::format(
+      " ,\n        [ a ref:BACnetReference ; bacnet:object-identifier \"{0},{1}\" ; bacnet:object-type \"{0}\" ;\n"
+      "          bacnet:objectOf :{2} ; ref:bacnet-read-property \"{3}\" ; ref:BACnetURI \"bacnet://{4}/{0},{1}/{3}\"",
+      at.type, at.instance, device_id(at), at.property, at.device);
+  if (row.scale != 1 || row.offset != 0)
+    out += fmt::format(" ;\n          airside:scale {} ; airside:offset {}", double_text(row.scale),
+                       double_text(row.offset));
+  return out + " ]";
+}
+
+std::string devices_turtle(const std::vector<SitePoint>& points) {
+  std::set<std::string_view> devices;
+  std::string out;
+  for (const SitePoint& p : points) {
+    const auto at = bacnet_object(*p.row);
+    if (!at || !devices.insert(at->device).second) continue;
+    out += fmt::format(
+        ":{} a bacnet:BACnetDevice ;\n    rdfs:label \"BACnet device {}\" ;\n    bacnet:device-instance {} .\n\n",
+        device_id(*at), at->device, at->device);
+  }
+  return out;
 }
 
 /// What belongs to what, and feeds what.
@@ -108,7 +143,11 @@ std::string point_turtle(const SitePoint& p, const Site& site) {
     references += fmt::format(" ,\n        [ a ref:TimeseriesReference ; ref:hasTimeseriesId {} ; ref:storedAt {} ]",
                               turtle_text(p.column), turtle_text(log_folder(site)));
   }
-  if (site.file.modbus) references += register_of(*p.row);
+  if (const auto at = bacnet_object(*p.row)) {
+    references += object_reference(*at, *p.row);
+  } else if (site.file.modbus && p.row->protocol == hal::Protocol::modbus) {
+    references += register_of(*p.row);
+  }
   if (!references.empty()) out += " ;\n    ref:hasExternalReference" + references.substr(2);
   return out + " .\n\n";
 }
@@ -118,7 +157,7 @@ std::string point_turtle(const SitePoint& p, const Site& site) {
 std::string brick_model(const Site& site) {
   const std::vector<SitePoint> points = site_points(site);
   std::string out = fmt::format(fmt::runtime(turtle_prefixes), hal::topic_name(site.file.name));
-  if (site.file.modbus) out += modbus_vocabulary;
+  if (site.file.modbus && !site.file.bacnet) out += modbus_vocabulary;
   std::set<std::string_view> units;
   for (const SitePoint& p : points) units.insert(p.kind->qudt_unit);
   units.erase("");
@@ -135,6 +174,7 @@ std::string brick_model(const Site& site) {
   for (int i = 1; i <= site.counts.vavs; ++i) {
     out += fmt::format(":room_{} a brick:Room , rec:Room ;\n    rdfs:label \"room {}\" .\n\n", i, i);
   }
+  out += devices_turtle(points);
   for (const SitePoint& p : points) out += point_turtle(p, site);
   out.pop_back();
   return out;

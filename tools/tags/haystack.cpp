@@ -4,6 +4,8 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "hal/site/mqtt_section.hpp"
 #include "tools/tags/site_points.hpp"
@@ -18,6 +20,32 @@ using nlohmann::json;
 constexpr std::array<const char*, 7> owner_markers = {"equip ahu hvac",  "equip discharge fan motor", "equip mau hvac",
                                                       "equip vav hvac",  "space hvac zone",           "equip fcu hvac",
                                                       "equip elec meter"};
+
+/// Codes of object types in bacnetCur, as connectors of Haystack servers read them; others have none.
+/// Source: BacnetAddr of Haxall's ph.protocols, 2026.
+constexpr std::array<std::pair<std::string_view, const char*>, 12> object_codes = {{{"analog-input", "AI"},
+                                                                                    {"analog-output", "AO"},
+                                                                                    {"analog-value", "AV"},
+                                                                                    {"binary-input", "BI"},
+                                                                                    {"binary-output", "BO"},
+                                                                                    {"binary-value", "BV"},
+                                                                                    {"multi-state-input", "MSI"},
+                                                                                    {"multi-state-output", "MSO"},
+                                                                                    {"multi-state-value", "MSV"},
+                                                                                    {"accumulator", "ACC"},
+                                                                                    {"positive-integer-value", "PIV"},
+                                                                                    {"large-analog-value", "LAV"}}};
+
+/// bacnetCur is the present value of an object; airsideBacnetObject has every object whole.
+void add_object(json& row, const BacnetObject& at, const hal::Point& point) {
+  row["airsideBacnetObject"] = point.object;
+  row["bacnetDeviceInstance"] = std::stoi(std::string(at.device));
+  for (const auto& [type, code] : object_codes) {
+    if (type == at.type && at.property == "present-value") row["bacnetCur"] = code + std::string(at.instance);
+  }
+  row["bacnetScale"] = point.scale;
+  row["bacnetOffset"] = point.offset;
+}
 
 void mark(json& row, const std::string& markers) {
   std::istringstream words(markers);
@@ -77,7 +105,9 @@ class Grid {
     if (p.row->writable()) mark(row, "writable");
     row["airsidePoint"] = p.row->name;
     if (!p.column.empty()) row["airsideLogColumn"] = p.column;
-    if (site_.file.modbus) {
+    if (const auto at = bacnet_object(*p.row)) {
+      add_object(row, *at, *p.row);
+    } else if (site_.file.modbus && p.row->protocol == hal::Protocol::modbus) {
       row["modbusFunctionCode"] = p.row->fc;
       row["modbusAddress"] = p.row->addr;
       row["modbusScale"] = p.row->scale;

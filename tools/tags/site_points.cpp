@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "hal/points/bacnet_row.hpp"
 #include "hal/points/point_names.hpp"
 
 namespace airside::tools {
@@ -100,6 +101,17 @@ int owners(const Site& site, const std::vector<SitePoint>& points, Owner owner) 
     default: break;
   }
   return std::ranges::any_of(points, [owner](const SitePoint& p) { return p.kind->owner == owner; }) ? 1 : 0;
+}
+
+std::optional<BacnetObject> bacnet_object(const hal::Point& row) {
+  if (row.protocol != hal::Protocol::bacnet || row.object == hal::held_by_gateway) return {};
+  std::array<std::string_view, 4> part;
+  std::string_view rest = row.object;
+  for (std::string_view& one : part) {
+    one = rest.substr(0, rest.find(':'));
+    rest.remove_prefix(std::min(one.size() + 1, rest.size()));
+  }
+  return BacnetObject{part[0], part[1], part[2], part[3]};
 }
 
 const std::string& log_folder(const Site& site) { return site.file.log_dir; }

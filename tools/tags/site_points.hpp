@@ -2,6 +2,7 @@
 // What a site's points are to other people's software: each with its class, its tags and whose it is.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,6 +43,15 @@ std::string owner_id(Owner owner, int place);
 std::string owner_label(Owner owner, int place);
 /// Number of zones and boxes, fan coils, meters of the site; 1 of what every site has, 0 where nothing is there.
 int owners(const Site& site, const std::vector<SitePoint>& points, Owner owner);
+
+/// An object of a BACnet device, by instance numbers: 1201, `analog-input`, 3, `present-value`.
+struct BacnetObject {
+  std::string_view device, type, instance, property;
+};
+
+/// What the gateway reads for this row, which must outlive it; nothing for a Modbus register and for what the gateway
+/// itself holds: its own registers are of no use to others.
+std::optional<BacnetObject> bacnet_object(const hal::Point& row);
 
 /// Where the daemon logs, as the site file says it.
 const std::string& log_folder(const Site& site);

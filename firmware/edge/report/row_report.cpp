@@ -18,9 +18,13 @@ void RowReport::say_doubted(const hal::Point* doubted) {
   said_doubted_ = doubted != nullptr ? std::string_view(doubted->name) : std::string_view{};
 }
 
-void RowReport::say_mode(const ActiveMode& on) {
+void RowReport::say_mode(const ActiveMode& on, std::string_view storage_remedy) {
   if (on == said_mode_) return;
-  say("{}: {}; {}", text_of(on.mode), why_of(on), way_out_of(on));
+  if (on.reason == Reason::storage_failed && !storage_remedy.empty()) {
+    say("{}: {}; ends with the first write that succeeds; {}", text_of(on.mode), why_of(on), storage_remedy);
+  } else {
+    say("{}: {}; {}", text_of(on.mode), why_of(on), way_out_of(on));
+  }
   said_mode_ = on;
 }
 

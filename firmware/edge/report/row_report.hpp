@@ -15,7 +15,8 @@ class RowReport {
  public:
   /// A point whose words make sense only in another order, or nullptr; it must outlive this.
   void say_doubted(const hal::Point* doubted);
-  void say_mode(const ActiveMode& on);
+  /// `storage_remedy`: what a person does about storage that failed, where its cause is known.
+  void say_mode(const ActiveMode& on, std::string_view storage_remedy = {});
 
  private:
   std::string_view said_doubted_;

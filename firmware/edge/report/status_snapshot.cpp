@@ -113,6 +113,8 @@ std::size_t StatusFile::format(CivilTime now, const StatusSnapshot& s) {
   if (has_end) {
     hal::write_civil_text(ends.data(), s.release_ends);
     text.add(",\"way_out\":\"ends at {}, or when it is handed back\"", std::string_view(ends.data(), ends.size()));
+  } else if (s.control_mode.reason == Reason::storage_failed && !s.storage_remedy.empty()) {
+    text.add(",\"way_out\":\"ends with the first write that succeeds; {}\"", s.storage_remedy);
   } else {
     text.string("way_out", way_out_of(s.control_mode));
   }

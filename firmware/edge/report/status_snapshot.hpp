@@ -40,6 +40,7 @@ struct StatusSnapshot {
   CivilTime met_since = {};
   double room_mean_degc = Decision::none, held_degc = Decision::none;  ///< of the rooms above
   std::string_view storage = "ok";                                     ///< or what is wrong with it
+  std::string_view storage_remedy = {};                                ///< what a person does about it
   std::string_view clock = "ok";  ///< or what a plant's clock did of late: "read wrong", "jumped"
   std::uint64_t link_timeouts = 0, link_bad_frames = 0, link_wrong_ids = 0, link_exceptions = 0;
   std::uint64_t setpoint_writes = 0;        ///< since the daemon's start

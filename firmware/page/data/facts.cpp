@@ -7,6 +7,7 @@
 #include "airside/controller/blob.hpp"
 #include "airside/held_rooms.hpp"
 #include "firmware/page/data/state_folder.hpp"
+#include "hal/site/site_settings.hpp"
 #include "hal/system/version.hpp"
 #include "hal/text/civil_text.hpp"
 
@@ -19,6 +20,7 @@ json site_facts(const hal::SiteFile& site) {
           {"topology", site.topology},
           {"version", hal::version()},
           {"objective", site.objective == Objective::band ? "band" : "mean"},
+          {"band_k", site.objective == Objective::band ? json(hal::controller_settings(site).demand.band_k) : json()},
           {"hold", text_of(site.held.rule)},
           {"target_degc", site.room_temp_degc},
           {"work_start_s", site.work_start_s},

@@ -1,11 +1,14 @@
 #include "firmware/page/data/forecast_gap.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <string>
-#include <vector>
+#include <filesystem>
 
 #include "hal/text/civil_text.hpp"
+#include "hal/text/shell_word.hpp"
 
 namespace airside::page {
 namespace {
@@ -16,6 +19,7 @@ constexpr std::int64_t shown_days = 14;
 constexpr std::size_t recent_days = 3, before_days_needed = 4;
 constexpr int forecasts_needed = 10;  ///< of a day, to be compared with others
 constexpr double growth = 1.5, growth_k = 0.05;
+constexpr std::size_t least_reference_days = 2, reference_days_wanted = 7;  ///< the least that airside gap takes
 
 /// Errors of one day or of several; the held value first, then each room.
 struct Errors {
@@ -53,6 +57,11 @@ json list_of(const Errors& errors, double (Errors::*what)(std::size_t) const) {
     list.push_back(std::isfinite(value) ? json(std::round(value * 1000) / 1000) : json());
   }
   return list;
+}
+
+/// Last name of a path, which may end in a slash, as a word of a command.
+std::string last_name(const std::filesystem::path& path) {
+  return hal::shell_word((path.has_filename() ? path : path.parent_path()).filename().string());
 }
 
 /// Adds what the cycle that begins in row `number` shows, if it shows something.
@@ -132,7 +141,21 @@ json forecast_gap(const TrendStore& store) {
           {"before_rms_k", list_of(before, &Errors::rms_k)},
           {"grows", grows},
           {"enough", enough},
+          {"reference_days", std::clamp(days.size() - n_recent, least_reference_days, reference_days_wanted)},
           {"reading", store.is_reading()}};
+}
+
+GapHint::GapHint(const hal::SiteFile& site)
+    : files_(fmt::format("--site {} --measured {}", last_name(site.path), last_name(site.log_dir))),
+      weather_(site.twin && !site.twin->weather.empty() ? "" : " --weather STATION.epw"),
+      has_twin_(site.twin.has_value()) {}
+
+std::vector<std::string> GapHint::commands(int reference_days) const {
+  const std::string judged = fmt::format("airside gap {} --reference-days {}", files_, reference_days);
+  constexpr const char* out = " --out gap-report";
+  if (has_twin_) return {judged + weather_ + out};
+  return {fmt::format("airside gap fit {}{} --out room.json", files_, weather_),
+          judged + " --plant rc --room room.json" + weather_ + out};
 }
 
 }  // namespace airside::page

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "airside/demand/zone_comfort.hpp"
 #include "airside/supervision/mode_table.hpp"
 #include "airside/supervision/schedule.hpp"
 #include "firmware/page/data/state_folder.hpp"
@@ -38,6 +39,16 @@ std::uint8_t reason_of(std::string_view name) {
   return 0;
 }
 
+/// Places in LogRow::side of a signal, by room; empty where one of the rooms has none.
+std::vector<std::size_t> sides_by_room(const hal::TopologyCounts& counts, hal::SideSignal signal) {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < counts.sides.size(); ++i) {
+    if (counts.sides[i].signal == signal) places.push_back(i);
+  }
+  if (places.size() != static_cast<std::size_t>(counts.vavs)) places.clear();
+  return places;
+}
+
 }  // namespace
 
 TrendStore::TrendStore(const hal::SiteFile& site)
@@ -53,6 +64,10 @@ TrendStore::TrendStore(const hal::SiteFile& site)
       trouble_ = unread.what();
     }
   }
+  cooling_ = sides_by_room(counts_, hal::SideSignal::zone_setpoint);
+  heating_ = sides_by_room(counts_, hal::SideSignal::zone_heating_setpoint);
+  zones_.cooling_degc.resize(cooling_.size());
+  zones_.heating_degc.resize(heating_.size());
   const int first_power = 2 * counts_.vavs + 2 * counts_.fcus;
   for (int i = 0; i < counts_.powers; ++i) has_meters_ = has_meters_ || !counts_.stand_in(first_power + i);
 }
@@ -180,8 +195,28 @@ void TrendStore::add(const hal::LogRow& from) {
   row.mode = mode_of(from.controller.mode);
   row.reason = reason_of(from.controller.reason);
   row.working_hours = in_working_hours(settings_, from.time);
+  add_zones(from, row);
   rows_[at] = row;
   ++count_;
+}
+
+void TrendStore::add_zones(const hal::LogRow& from, TrendRow& row) {
+  zones_.time = from.time;
+  const auto is_off = [&](hal::SideSignal signal) { return hal::side_of(counts_, from, signal) == 0; };
+  const bool counts = !is_off(hal::SideSignal::occupied) && !is_off(hal::SideSignal::ahu_on);
+  const auto sum_over = [&](const std::vector<std::size_t>& places, std::vector<float>& kept, auto beyond_k) {
+    bool known = false;
+    double sum_k = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double degc = from.side[places[i]];
+      kept[i] = static_cast<float>(degc);
+      known = known || std::isfinite(degc);
+      sum_k += beyond_k(from.value[i], degc);
+    }
+    return counts && known ? static_cast<float>(sum_k) : TrendRow::none;
+  };
+  row.too_warm_k = sum_over(cooling_, zones_.cooling_degc, too_warm_k);
+  row.too_cold_k = sum_over(heating_, zones_.heating_degc, too_cold_k);
 }
 
 }  // namespace airside::page

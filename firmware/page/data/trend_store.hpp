@@ -3,6 +3,7 @@
 // of files, and a flood of requests reads nothing.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -24,9 +25,19 @@ struct TrendRow {
   float setpoint_degc = none, supply_degc = none, outdoor_degc = none;
   float schedule_degc = none, g36_degc = none, confidence = none, power_kw = none;
   float expected_degc = none;  ///< held value, forecast for the end of the cycle that begins here
+  /// Sums over zones of what each is beyond its own setpoints and the comfort slack; while people are in and air is on,
+  /// as far as the row says, and of zones whose setpoints the site shows.
+  float too_warm_k = none, too_cold_k = none;
   std::int8_t mode = -1;       ///< number of ControlMode; -1: not known
   std::uint8_t reason = 0;     ///< number of Reason
   bool working_hours = false;  ///< of people's clocks
+};
+
+/// What zones are cooled and heated to by their own thermostats. Shape: one entry a room, or empty where the site does
+/// not show it for each. Units: degC; NaN: not known.
+struct ZoneSetpoints {
+  CivilTime time;  ///< of the row
+  std::vector<float> cooling_degc, heating_degc;
 };
 
 class TrendStore {
@@ -48,6 +59,8 @@ class TrendStore {
   const float* rooms_degc(std::uint64_t number) const {
     return rooms_.data() + static_cast<std::size_t>(number % capacity) * static_cast<std::size_t>(counts_.vavs);
   }
+  /// Of the newest row.
+  const ZoneSetpoints& zone_setpoints() const { return zones_; }
   /// First row that is not before t.
   std::uint64_t from(CivilTime t) const;
   int vavs() const { return counts_.vavs; }
@@ -63,6 +76,7 @@ class TrendStore {
   bool read_some();
   void take(const hal::Log& log);
   void add(const hal::LogRow& row);
+  void add_zones(const hal::LogRow& from, TrendRow& row);
   void begin_anew();
 
   hal::TopologyCounts counts_;
@@ -74,6 +88,8 @@ class TrendStore {
   bool has_meters_ = false, is_reading_ = true;
   std::vector<TrendRow> rows_;
   std::vector<float> rooms_;
+  std::vector<std::size_t> cooling_, heating_;  ///< places in LogRow::side, by room
+  ZoneSetpoints zones_;
   std::uint64_t count_ = 0;
 };
 

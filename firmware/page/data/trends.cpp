@@ -38,6 +38,7 @@ struct Mean {
 /// Sums over rows, for a day or for all rows under one control.
 struct Sums {
   double hours = 0, energy_kwh = 0, metered_h = 0, working_h = 0, degree_hours = 0;
+  double warm_h = 0, too_warm_kh = 0, cold_h = 0, too_cold_kh = 0;  ///< hours that count, and zones' degree-hours
   std::array<double, 4> mode_h{};
 
   void add(const TrendRow& row, double target_degc) {
@@ -47,9 +48,16 @@ struct Sums {
       energy_kwh += static_cast<double>(row.power_kw) * row_h;
       metered_h += row_h;
     }
+    add_zones(row.too_warm_k, warm_h, too_warm_kh);
+    add_zones(row.too_cold_k, cold_h, too_cold_kh);
     if (!row.working_hours || !std::isfinite(row.held_degc)) return;
     working_h += row_h;
     degree_hours += std::abs(static_cast<double>(row.held_degc) - target_degc) * row_h;
+  }
+  static void add_zones(float beyond_k, double& hours_counted, double& degree_hours_kh) {
+    if (!std::isfinite(beyond_k)) return;
+    hours_counted += row_h;
+    degree_hours_kh += static_cast<double>(beyond_k) * row_h;
   }
   json as_json(bool of_band) const {
     const bool has_target = !of_band && working_h > 0;
@@ -59,6 +67,8 @@ struct Sums {
             {"working_h", rounded(working_h, 10)},
             {"degree_hours_kh", has_target ? rounded(degree_hours) : json()},
             {"mean_distance_k", has_target ? rounded(degree_hours / working_h, 1000) : json()},
+            {"zones_too_warm_kh", of_band && warm_h > 0 ? rounded(too_warm_kh) : json()},
+            {"zones_too_cold_kh", of_band && cold_h > 0 ? rounded(too_cold_kh) : json()},
             {"learn_h", rounded(mode_h[0], 10)},
             {"run_h", rounded(mode_h[1], 10)},
             {"expert_h", rounded(mode_h[2], 10)},
@@ -115,6 +125,20 @@ json spells_of(const TrendStore& store, std::uint64_t from) {
   }
   if (spells.size() > max_spells) spells.erase(spells.begin(), spells.end() - max_spells);
   return spells;
+}
+
+/// The zones' own setpoints by the newest row; null where the site does not show them.
+json zones_of(const TrendStore& store) {
+  const ZoneSetpoints& zones = store.zone_setpoints();
+  if (zones.cooling_degc.empty()) return nullptr;
+  const auto list = [](const std::vector<float>& degc) {
+    json values = json::array();
+    for (const float v : degc) values.push_back(rounded(static_cast<double>(v)));
+    return degc.empty() ? json() : values;
+  };
+  return {{"time", text_of_time(zones.time)},
+          {"cooling_degc", list(zones.cooling_degc)},
+          {"heating_degc", list(zones.heating_degc)}};
 }
 
 using Column = float TrendRow::*;
@@ -210,6 +234,7 @@ json trends(const TrendStore& store, std::string_view span, bool of_band) {
   out["points"] = points;
   out["rows"] = store.count() - from;
   add_curves(store, from, step_s, points, out);
+  out["zones"] = of_band ? zones_of(store) : json();
   out["spells"] = spells_of(store, from);
   out["days"] = days_of(store, from, of_band);
   out["by_control"] = by_control(store, from, of_band);

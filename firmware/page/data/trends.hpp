@@ -17,7 +17,9 @@ std::optional<std::uint64_t> rows_of_span(std::string_view span);
 
 /// {span, from, to, step_s, points, time_s, held_degc, .., rooms_degc, mode, spells, days, by_control, reading,
 /// trouble}. A point is the mean of its rows, its mode the gravest of them; what nobody logged is null. `of_band`: the
-/// site has no target, so there are no degree-hours. Cost: some ms for a month.
+/// site has no target, so there are no degree-hours from it. Instead each sum has the zones' degree-hours above their
+/// cooling setpoint + comfort_slack_k and below their heating setpoint - comfort_slack_k, and `zones` their setpoints
+/// by the newest row: {time, cooling_degc, heating_degc}. Cost: some ms for a month.
 nlohmann::json trends(const TrendStore& store, std::string_view span, bool of_band);
 
 /// Header and rows for /trends.csv, rounded for people: temperatures to 0.01 degC, power to 0.001 kW.

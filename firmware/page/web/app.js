@@ -184,7 +184,7 @@ async function refresh_trends() {
     const trends = (await get(`/trends.json?span=${page.span}`)).json;
     if (!page.session.see) return;
     page.trends = trends;
-    if (!trends.reading) page.gap = (await get('/gap.json')).json;
+    if (!trends.reading && page.site.objective !== 'band') page.gap = (await get('/gap.json')).json;
     await views.show_trends();
     again = trends.reading;
     if (again) await pause(500);

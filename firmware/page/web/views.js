@@ -10,7 +10,7 @@ const number = (v, digits, unit) => (known(v) ? `${v.toFixed(digits)}${unit}` : 
 export const moment = (text) => (text ?? '').replace('T', ' ').slice(0, 16);
 
 const short = (text) => moment(text).slice(5);
-const silent_ms = 60000, stale_s = 900, late_ms = 600000;
+const silent_ms = 60000, stale_s = 900, late_ms = 600000, zones_apart_ms = 3600000;
 
 const age = () => page.age + (Date.now() - page.answered) / 1000;
 /** As `airside status` has it: a status that is old says what was, not what is. So does one that the page's program has
@@ -131,13 +131,34 @@ function show_alarms() {
   $('seen-all').hidden = !page.session.operate || open.filter((a) => !a.seen_at).length < 2;
 }
 
-/** A point on a scale, with marks; for the eye alone, since the value is beside it. */
-function track(value, from, to, marks) {
+/** A point on a scale, with marks and a band; for the eye alone, since the value is beside it. */
+function track(value, from, to, marks, band = null) {
   const at = (v) => `${Math.max(0, Math.min(100, (100 * (v - from)) / (to - from)))}%`;
   const e = el('span', '', { class: 'track', 'aria-hidden': 'true' });
+  if (band) { const i = el('i', '', { class: 'band' }); i.style.left = at(band[0]); i.style.right = `calc(100% - ${at(band[1])})`; e.append(i); }
   for (const m of marks.filter(known)) { const i = el('i'); i.style.left = at(m); e.append(i); }
   if (known(value)) { const b = el('b'); b.style.left = at(value); e.append(b); }
   return e;
+}
+/** The zones' own setpoints and bands, where the log has them of about the time of the status. */
+function zone_bands() {
+  const z = page.trends?.zones, apart_ms = z ? Math.abs(Date.parse(z.time) - Date.parse(page.status.time)) : Infinity;
+  if (apart_ms > zones_apart_ms) return null;
+  return z.cooling_degc.map((cool, i) => {
+    const heat = z.heating_degc?.[i];
+    return known(cool) ? { cool, low: known(heat) && heat <= cool ? heat - page.site.band_k : null, high: cool + page.site.band_k } : null;
+  });
+}
+function show_zones() {
+  const s = page.status, zones = zone_bands() ?? [], seen = zones.filter(Boolean);
+  const all = [...s.room_temp_degc, ...seen.flatMap((z) => [z.low, z.high])].filter(known);
+  const from = Math.min(...all) - 0.5, to = Math.max(...all) + 0.5;
+  $('rooms').replaceChildren(...s.room_temp_degc.map((v, i) => {
+    const z = zones[i], value = el('span', known(v) ? deg(v) : t('no-value'), { class: 'value' });
+    if (z) value.append(el('small', t('zone-setpoint', { at: deg(z.cool) })));
+    return el('li', '', {}, el('span', t('room', { n: i + 1 })), track(v, from, to, z ? [z.cool] : [], z && [z.low ?? from, z.high]), value);
+  }));
+  say('zones-said', seen.length === 0 ? t('zones-unknown') : t(seen.every((z) => known(z.low)) ? 'zones-band' : 'zones-band-open', { k: page.site.band_k }));
 }
 function show_rooms() {
   const s = page.status, band = s.objective === 'band';
@@ -152,11 +173,14 @@ function show_rooms() {
     said = t(`held-${place}`, { rule: t(`hold.${s.hold}`), held: deg(s.held_degc), k: Math.abs(off).toFixed(2), target: deg(s.target_degc) });
   }
   say('rooms-said', said);
-  const middle = known(s.target_degc) && !band ? s.target_degc : 24;
+  $('rooms').classList.toggle('zones', band);
+  if (band) return show_zones();
+  say('zones-said', '');
+  const middle = known(s.target_degc) ? s.target_degc : 24;
   const values = s.room_temp_degc.filter(known);
   const reach = Math.max(1.5, ...values.map((v) => Math.abs(v - middle))) * 1.1;
   $('rooms').replaceChildren(...s.room_temp_degc.map((v, i) => el('li', '', {}, el('span', t('room', { n: i + 1 })),
-    track(v, middle - reach, middle + reach, band ? [] : [s.target_degc]), el('span', known(v) ? deg(v) : t('no-value'), { class: 'value' }))));
+    track(v, middle - reach, middle + reach, [s.target_degc]), el('span', known(v) ? deg(v) : t('no-value'), { class: 'value' }))));
 }
 
 function show_setpoint() {
@@ -182,7 +206,7 @@ function show_setpoint() {
   if (writes && known(site.setpoint_min_degc)) why.push(t('why-limits', { min: deg(site.setpoint_min_degc, 1), max: deg(site.setpoint_max_degc, 1) }));
   say('why', sentences(why));
   const c = s.candidates, decided = writes && (c?.network_held_degc ?? c?.cost_kw ?? []).length > 0;
-  $('confidence-line').hidden = !decided || !known(s.confidence);
+  $('confidence-line').hidden = !decided || !known(s.confidence) || s.objective === 'band';  // band forecasts no held value
   if (known(s.confidence)) { $('confidence').value = s.confidence; say('confidence-said', `${Math.round(100 * s.confidence)}\u00a0%`); }
 }
 
@@ -224,9 +248,15 @@ function show_box() {
   say('version', `airside ${page.site.version ?? ''}`);
 }
 
+/** The objective of the site file: without a target, and without forecasts of a held value. */
+const of_band = () => page.site.objective === 'band';
+/** The columns of comfort: a head, the member of the sums, digits. */
+const comfort = () => (of_band() ? [['zones-warm-kh', 'zones_too_warm_kh', 2], ['zones-cold-kh', 'zones_too_cold_kh', 2]].filter(([, of]) => Object.values(page.trends.by_control).some((c) => known(c[of])))
+  : [['degree-hours', 'degree_hours_kh', 2], ['distance-k', 'mean_distance_k', 3]]);
 /** A section is there when what it shows is known. */
 function show_sections() {
-  const there = { see: page.session.see, status: page.session.see && page.status, log: page.session.see && page.trends?.points > 0 };
+  const log = page.session.see && page.trends?.points > 0;
+  const there = { see: page.session.see, status: page.session.see && page.status, log, forecasts: log && !of_band() };
   for (const e of document.querySelectorAll('[data-needs]')) e.hidden = !there[e.dataset.needs];
 }
 export function show() {
@@ -254,12 +284,13 @@ export function forget() {
 function show_balance() {
   const d = page.trends, s = page.status;
   const said = [];
-  if (s && known(s.mean_error_k) && known(s.schedule_mean_error_k)) said.push(t('balance-day', { ours: s.mean_error_k.toFixed(2), theirs: s.schedule_mean_error_k.toFixed(2) }));
+  if (s && !of_band() && known(s.mean_error_k) && known(s.schedule_mean_error_k)) said.push(t('balance-day', { ours: s.mean_error_k.toFixed(2), theirs: s.schedule_mean_error_k.toFixed(2) }));
   if (!d.has_meters) said.push(t('no-meters'));
+  if (of_band() && comfort().length === 0) said.push(t('zones-no-hours'));
   say('balance-said', said.join(' '));
   const rows = ['airside', 'schedule', 'released'].map((who) => [who, d.by_control?.[who]]).filter(([, c]) => c && c.hours > 0);
-  table('balance', t('balance-caption', { span: t(page.span) }), [t('control'), t('hours-h'), t('energy-kwh'), t('power-kw'), t('degree-hours'), t('distance-k')],
-    rows.map(([who, c]) => [t(`control.${who}`), number(c.hours, 1, ''), number(c.energy_kwh, 1, ''), number(c.mean_power_kw, 2, ''), number(c.degree_hours_kh, 2, ''), number(c.mean_distance_k, 3, '')]));
+  table('balance', t(of_band() ? 'balance-caption-band' : 'balance-caption', { span: t(page.span) }), [t('control'), t('hours-h'), t('energy-kwh'), t('power-kw'), ...comfort().map(([head]) => t(head))],
+    rows.map(([who, c]) => [t(`control.${who}`), number(c.hours, 1, ''), number(c.energy_kwh, 1, ''), number(c.mean_power_kw, 2, ''), ...comfort().map(([, of, digits]) => number(c[of], digits, ''))]));
 }
 /** Stretches without a row, as [from, to] in s. */
 function gaps_of(d) {
@@ -279,9 +310,10 @@ export async function show_trends() {
   show_sections();
   if (!d.points) return;
   show_balance();
+  if (page.status?.objective === 'band') show_rooms();  // with the zones' setpoints, which the log has
   show_gap();
-  table('days', t('days-caption'), [t('date'), t('energy-kwh'), t('degree-hours'), t('distance-k'), t('badge.learn'), t('badge.run'), t('badge.expert'), t('badge.release')],
-    [...d.days].reverse().map((x) => [x.date, number(x.energy_kwh, 1, ''), number(x.degree_hours_kh, 2, ''), number(x.mean_distance_k, 3, ''), ...['learn_h', 'run_h', 'expert_h', 'release_h'].map((k) => number(x[k], 1, ' h'))]));
+  table('days', t('days-caption'), [t('date'), t('energy-kwh'), ...comfort().map(([head]) => t(head)), t('badge.learn'), t('badge.run'), t('badge.expert'), t('badge.release')],
+    [...d.days].reverse().map((x) => [x.date, number(x.energy_kwh, 1, ''), ...comfort().map(([, of, digits]) => number(x[of], digits, '')), ...['learn_h', 'run_h', 'expert_h', 'release_h'].map((k) => number(x[k], 1, ' h'))]));
   table('spells', t('spells-caption'), [t('from'), t('to'), t('mode'), t('reason')],
     [...d.spells].reverse().slice(0, 100).map((x) => [short(x.from), short(x.to), t(`badge.${x.mode}`), reason_text(x.reason, 'name', x.reason)]));
   say('trends-span', t('trends-span', { from: moment(d.from), to: moment(d.to) }));

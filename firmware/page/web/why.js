@@ -1,6 +1,6 @@
 // Why this setpoint: what the last decision weighed, as a chart and a table; and how far forecasts were from the rooms.
 
-import { el, page, say, t } from '/app.js';
+import { el, page, say, sentences, t } from '/app.js';
 
 const $ = (id) => document.getElementById(id);
 const known = (v) => typeof v === 'number' && Number.isFinite(v);
@@ -147,6 +147,9 @@ export function show_gap() {
   say('gap-said', said);
   const installer = page.session.role === 'installer';
   $('gap-do').hidden = growing.length === 0 || !installer;
+  const commands = g.commands.join('\n');
+  say('gap-commands', $('gap-do').hidden ? '' : commands);
+  say('gap-do-said', $('gap-do').hidden ? '' : sentences([t('gap-do'), g.commands.length > 1 && t('gap-do-fit'), commands.includes('STATION.epw') && t('gap-do-weather')]));
   $('gap-tell').hidden = growing.length === 0 || installer;
   if (g.n === 0) return;
   table('gap', t('gap-caption', { n: g.n, days: g.days.length, min: g.cycle_min }), [t('gap-of'), t('bias'), t('rms'), t('rms-recent', { d: g.recent_days }), t('rms-before', { n: g.before_days }), t('rms-by-day')],

@@ -145,6 +145,32 @@ TEST(GapNext, NamesWithTheProposedTestWhatThePassiveDaysCouldNotTellApart) {
   EXPECT_EQ(desk.read("first/gap.json"), before) << "the earlier report is left as it was";
 }
 
+/// The words behind `airside gap next` in a text, up to the end of its line.
+std::string next_command_in(const std::string& text) {
+  const std::string begin = "airside gap next ";
+  const std::size_t at = text.find(begin);
+  return at == std::string::npos ? "" : text.substr(at + begin.size(), text.find('\n', at) - at - begin.size());
+}
+
+TEST(GapNext, PrintsCommandsThatCanBeCopiedWhereFoldersHaveABlank) {
+  const LeakyDesk desk;
+  const TemporaryFolder scratch;
+  const auto shell = [&](const std::string& line) {
+    return run_program("/bin/sh", {"-c", "exec '" AIRSIDE_BIN_DIR "/airside' gap " + line}, desk.path(""),
+                       scratch.path(), 120);
+  };
+  const Outcome first = shell(std::string(next_words) + " --out 'my gap'");
+  ASSERT_EQ(first.code, 0) << first.err;
+  EXPECT_EQ(desk.read("my gap/gap.json")["command"], "airside gap run " + std::string(next_words) + " --out 'my gap'");
+  std::string words = next_command_in(first.out);
+  ASSERT_TRUE(words.starts_with("'my gap' --measured LOG --test ")) << first.out;
+  desk.do_test(words.substr(words.rfind(' ') + 1), "test log.csv");
+  words.replace(words.find("LOG"), 3, "'test log.csv'");
+  const Outcome second = shell("next " + words + " --out 'my next' --json");
+  ASSERT_EQ(second.code, 0) << words << "\n" << second.err;
+  EXPECT_EQ(json::parse(second.out)["command"], "airside gap next " + words + " --out 'my next'");
+}
+
 TEST(GapNext, GoesOnWithPassiveDaysThatFollowAndWithDaysAfterAPause) {
   const LeakyDesk desk;
   const json before = first_verdict(desk);

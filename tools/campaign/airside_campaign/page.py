@@ -13,15 +13,15 @@ MOST_FAILURES = 200
 STYLE = Path(__file__).parent / "style"  # links to the files of tools/report
 # Name, unit and decimals, as the table "All methods" of a run's report has them.
 WORDS = {
-    "dae_degc": ("DAE", "°C", 3),
-    "darv_degc": ("DARV", "°C", 3),
-    "me_degc": ("ME", "°C", 3),
+    "dae_degc": ("DAE", "K", 3),
+    "darv_degc": ("DARV", "K", 3),
+    "me_degc": ("ME", "K", 3),
     "hvac_kwh_per_day": ("energy", "kWh a day", 1),
-    "day1_dae_degc": ("day 1", "°C", 3),
-    "degree_hours_per_day_degch": ("degree-hours", "°C h a day", 2),
-    "degree_hours_above_per_day_degch": ("above target", "°C h a day", 2),
-    "cdh_degch": ("CDH", "°C h", 1),
-    "hdh_degch": ("HDH", "°C h", 1),
+    "day1_dae_degc": ("day 1", "K", 3),
+    "degree_hours_per_day_degch": ("degree-hours", "K h a day", 2),
+    "degree_hours_above_per_day_degch": ("above target", "K h a day", 2),
+    "cdh_degch": ("CDH", "K h", 1),
+    "hdh_degch": ("HDH", "K h", 1),
 }
 FIRST = tuple(WORDS)[:4]
 esc = html.escape

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "hal/text/input_error.hpp"
+#include "hal/text/shell_word.hpp"
 #include "sim/json/json_file.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/gap/gap.hpp"
@@ -102,7 +103,7 @@ struct BlindCommand : GapOptions {
     fmt::print(
         "{} cases in {}, the key in {}\nnext: airside gap run-cases {} -o verdicts.json; airside gap score "
         "verdicts.json {}\n",
-        plan.total(), folder, key, folder, key);
+        plan.total(), folder, key, hal::shell_word(folder), hal::shell_word(key));
   }
 };
 

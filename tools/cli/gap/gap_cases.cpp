@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "hal/text/input_error.hpp"
+#include "hal/text/shell_word.hpp"
 #include "sim/json/json_file.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/gap/gap.hpp"
@@ -210,7 +211,8 @@ struct TestCasesCommand : GapOptions {
     }
     for (const auto& [test, n] : done) fmt::print("{:>5} {}\n", n, test);
     for (const auto& [why, n] : left) fmt::print("{:>5} none: {}\n", n, why);
-    fmt::print("next: airside gap run-cases {} -o {} --after-tests\n", folder, verdicts);
+    fmt::print("next: airside gap run-cases {} -o {} --after-tests\n", hal::shell_word(folder),
+               hal::shell_word(verdicts));
   }
 };
 

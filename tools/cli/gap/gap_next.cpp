@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "hal/text/input_error.hpp"
+#include "hal/text/shell_word.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/gap/gap.hpp"
 #include "tools/cli/gap/gap_output.hpp"
@@ -30,10 +31,11 @@ struct NextCommand : GapOptions {
   }
 
   std::string again() const {
-    std::string text = fmt::format("airside gap next {} --measured {}", earlier, measured);
-    if (!effects_dir.empty()) text += " --effects " + effects_dir;
-    if (!test.empty()) text += " --test " + test;
-    return text + " --out " + out;
+    std::string text =
+        fmt::format("airside gap next {} --measured {}", hal::shell_word(earlier), hal::shell_word(measured));
+    if (!effects_dir.empty()) text += " --effects " + hal::shell_word(effects_dir);
+    if (!test.empty()) text += " --test " + hal::shell_word(test);
+    return text + " --out " + hal::shell_word(out);
   }
 
   gap::GapRun judged(const gap::GapRequest& request, const std::vector<sim::Effect>& list) const {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "hal/text/shell_word.hpp"
 #include "hal/text/staged_folder.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/gap/map/mapping.hpp"
@@ -43,8 +44,8 @@ void say(const gap::GapRun& run, const nlohmann::json& j, const RunFacts& facts)
   fmt::print("{}", gap::suspicions_text(run));
   if (!run.experiments.empty()) {
     const fs::path folder = fs::path(j["report"].get<std::string>()).parent_path();
-    fmt::print("when that test is done: airside gap next {} --measured LOG --test {}\n", folder.string(),
-               run.experiments.front().name);
+    fmt::print("when that test is done: airside gap next {} --measured LOG --test {}\n",
+               hal::shell_word(folder.string()), hal::shell_word(run.experiments.front().name));
   }
   const auto& days = j["locked_days"];
   const auto figure = [&days](const char* when, const char* what) { return days[when][what].get<double>(); };

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "hal/text/input_error.hpp"
+#include "hal/text/shell_word.hpp"
 #include "tools/gap/map/mapped_model.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/run/log_weather.hpp"
@@ -55,7 +56,7 @@ void require_writable(const std::string& option, const fs::path& path, bool fold
 std::string SiteGap::again() const {
   std::string text = "airside gap run";
   const auto add = [&text](const char* name, const std::string& value) {
-    if (!value.empty()) text += fmt::format(" {} {}", name, value);
+    if (!value.empty()) text += fmt::format(" {} {}", name, hal::shell_word(value));
   };
   add("--site", site_path);
   add("--map", map);

@@ -19,7 +19,7 @@ namespace airside::tools {
 
 namespace {
 
-constexpr int connect_ms = 3000;
+constexpr int connect_ms = 3000, usual_port = 502;
 constexpr std::array gateway_units = {"/etc/systemd/system/airside-bacnet.service",
                                       "/usr/local/lib/systemd/system/airside-bacnet.service",
                                       "/usr/lib/systemd/system/airside-bacnet.service"};
@@ -53,10 +53,12 @@ NoConnection refused_connection(const hal::SiteFile& site, const std::string& ad
                          "more"
                        : "install the gateway airside-bacnet on this machine, then start it (docs/bacnet.md, Install)"};
   }
-  return {found,
-          fmt::format("see whether port {} is the device's (most have 502), whether Modbus TCP is switched on in "
-                      "it, and whether a firewall refuses; nc -vz {} {} tries again",
-                      m.port, hal::shell_word(m.host), m.port)};
+  return {
+      found,
+      fmt::format("see whether Modbus TCP is switched on in the device, whether it listens on port {}{}, and whether "
+                  "a firewall refuses; nc -vz {} {} tries again",
+                  m.port, m.port == usual_port ? ", as most do" : " (most listen on 502)", hal::shell_word(m.host),
+                  m.port)};
 }
 
 std::optional<NoConnection> why_no_tcp(const hal::SiteFile& site) {

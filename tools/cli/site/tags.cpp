@@ -50,7 +50,7 @@ void add_tags(CLI::App& app) {
       "tags",
       "describe a site's AHU, boxes, zones, fan coils, meters and points in the words of building software:\n"
       "brick: Turtle for Brick 1.3 and 1.4 with QUDT units; haystack: a grid of Project Haystack 4 as JSON.\n"
-      "Each point carries its column of the log and, where the site has [modbus], its register.");
+      "Each point carries its column of the log and, where the site has [modbus], its register, or its BACnet object.");
   c->add_option("site", self->site, "site file")->required();
   c->add_option("--format", self->format, "brick or haystack")
       ->check(CLI::IsMember({"brick", "haystack"}))

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "hal/text/input_error.hpp"
+#include "hal/text/shell_word.hpp"
 #include "hal/text/staged_file.hpp"
 #include "sim/learned/environment_file.hpp"
 #include "tools/cli/command.hpp"
@@ -93,8 +94,8 @@ struct MethodCommand {
   /// What repeats the page.
   std::string command() const {
     std::string text = fmt::format("airside study {} --plant {} --seeds {} -o {}", always_reports ? "all" : "method",
-                                   study.kind, seeds, study.folder);
-    if (!peer_files.empty()) text += fmt::format(" --peers {}", fmt::join(peer_files, ","));
+                                   study.kind, seeds, hal::shell_word(study.folder));
+    if (!peer_files.empty()) text += " --peers " + hal::shell_word(fmt::format("{}", fmt::join(peer_files, ",")));
     return text;
   }
 

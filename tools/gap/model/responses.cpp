@@ -6,6 +6,8 @@
 #include <optional>
 #include <span>
 
+#include "sim/effects/effect_text.hpp"
+
 namespace airside::tools::gap {
 
 namespace {
@@ -58,20 +60,33 @@ Window evidence_of(Window window, const sim::Channels& channels) {
   return window;
 }
 
+namespace {
+
+/// The title of an effect at no place in particular: "flow of box n is not what its controller believes".
+std::string title_anywhere(const sim::Effect& effect) {
+  std::string title = effect.title;
+  sim::effect_text::replace_all(title, "the {facade}", "any");
+  sim::effect_text::replace_all(title, "{n}", "n");
+  return title;
+}
+
+}  // namespace
+
 Library library_of(const Engine& engine, const std::vector<sim::Effect>& effects) {
   Library library;
   const std::array<bool, sim::facades> facades = engine.has_facade();
   for (const sim::Effect& effect : effects) {
     if (!engine.can(effect)) {
-      if (!engine.plays_commands()) library.not_applicable.push_back({effect.name, engine.why_not({&effect, 0})});
+      if (!engine.plays_commands())
+        library.not_applicable.push_back({effect.name, title_anywhere(effect), engine.why_not({&effect, 0})});
       continue;
     }
     const std::vector<sim::EffectAt> places = sim::places_of(effect, engine.channels(), facades);
     if (places.empty() && !engine.plays_commands())
-      library.not_applicable.push_back({effect.name, "the model has no such place"});
+      library.not_applicable.push_back({effect.name, title_anywhere(effect), "the model has no such place"});
     for (const sim::EffectAt& at : places) {
       if (std::string why = engine.why_not(at); !why.empty()) {
-        library.not_applicable.push_back({at.id(), std::move(why)});
+        library.not_applicable.push_back({at.id(), at.text(), std::move(why)});
         continue;
       }
       if (engine.doubts(effect)) library.parameters.push_back(at);

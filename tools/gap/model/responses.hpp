@@ -57,6 +57,7 @@ struct WindowResponses {
 /// An effect that a model cannot have, and why not.
 struct NotApplicable {
   std::string id;
+  std::string title;  ///< in words, for people
   std::string why;
 };
 

@@ -12,7 +12,7 @@ namespace airside::tools {
 namespace {
 
 constexpr double map_width = 480, map_left = 92, row_height = 15, unit_gap = 7, head_height = 44;
-constexpr double rank_width = 760, rank_left = 190, rank_line = 24, rank_top = 26;
+constexpr double rank_width = 820, rank_least_left = 190, rank_most_left = 430, rank_line = 24, rank_top = 26;
 
 /// About as many names as fit, the first always.
 std::size_t name_every(std::size_t count, double cell, std::size_t letters) {
@@ -35,6 +35,16 @@ std::string cell_svg(const HeatMap& map, std::size_t row, std::size_t column, do
   return svg + fmt::format(" class=\"{}\" fill-opacity=\"{:.2f}\"><title>{}: {} {}</title></rect>",
                            v < 0 ? "cold" : "hot", 0.04 + 0.96 * depth, escape_markup(where), number_text(v, 2),
                            escape_markup(r.unit));
+}
+
+/// As much of a name as stands left of the bars.
+std::string fitting(const std::string& name) {
+  constexpr std::size_t most_letters = 60;
+  std::string whole = valid_utf8(name);
+  if (whole.size() <= most_letters) return whole;
+  std::size_t end = whole.rfind(' ', most_letters);
+  if (end == std::string::npos) end = most_letters;
+  return valid_utf8(whole.substr(0, end)) + " …";
 }
 
 }  // namespace
@@ -77,6 +87,9 @@ std::string heat_map_svg(const HeatMap& map) {
 }
 
 std::string rank_svg(const std::vector<RankBar>& bars, const std::string& limit_name) {
+  std::size_t letters = 0;
+  for (const RankBar& bar : bars) letters = std::max(letters, valid_utf8(bar.name).size());
+  const double rank_left = std::clamp(18 + 6.9 * static_cast<double>(letters), rank_least_left, rank_most_left);
   double most = 0;
   for (const RankBar& bar : bars) most = std::max({most, std::isfinite(bar.value) ? bar.value : 0, bar.limit});
   const double per_gain = (rank_width - rank_left - 80) / std::max(1e-9, most);
@@ -89,8 +102,8 @@ std::string rank_svg(const std::vector<RankBar>& bars, const std::string& limit_
   for (const RankBar& bar : bars) {
     const double length = std::isfinite(bar.value) ? std::max(0.0, bar.value) * per_gain : 0;
     const double limit = bar.limit * per_gain;
-    svg += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\" style=\"font-size:13px\">{}</text>",
-                       rank_left - 10, y + rank_line / 2 + 4, escape_markup(bar.name));
+    svg += fmt::format("<text x=\"{:.0f}\" y=\"{:.1f}\" text-anchor=\"end\" style=\"font-size:13px\">{}</text>",
+                       rank_left - 10, y + rank_line / 2 + 4, escape_markup(fitting(bar.name)));
     svg += fmt::format("<rect class=\"{}\" x=\"{}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{}\"/>",
                        bar.found ? "found" : "other", rank_left, y + 4, std::max(1.0, length), rank_line - 8);
     svg += fmt::format("<line class=\"limit\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1:.1f}\" y2=\"{2:.1f}\"/>",

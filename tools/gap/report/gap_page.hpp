@@ -6,6 +6,7 @@
 
 #include "tools/gap/run/gap_run.hpp"
 #include "tools/report/charts/report_input.hpp"
+#include "tools/report/charts/report_text.hpp"
 
 namespace airside::tools {
 
@@ -27,12 +28,15 @@ struct GapPage {
 
 inline TableCell number_cell(double value) { return {value, std::nullopt, ""}; }
 inline TableCell text_cell(std::string text) { return {std::nullopt, std::nullopt, std::move(text)}; }
-/// "2021-07-01".
-std::string date_text(CivilTime t);
 /// With a full stop.
 std::string as_sentence(std::string text);
 /// "room 1", "FCU room 2", "power 1": what people call a channel.
 std::string channel_title(const sim::Channels& at, int c);
+/// What people call the effect of an id, in the words of the verdict: "flow of box 2 is not what its controller
+/// believes" for `vav_flow@2`; the id where no effect of the run has it.
+std::string effect_title(const GapPage& page, const std::string& id);
+/// The same for every id in a text such as "vav_flow@2 or infiltration".
+std::string with_titles(const GapPage& page, const std::string& text);
 /// "K", "kW", "share": the unit of a channel as a chart says it.
 std::string channel_unit(const sim::Channels& at, int c);
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "hal/text/civil_text.hpp"
 #include "tools/gap/model/stretches.hpp"
 #include "tools/gap/report/gap_page.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
@@ -30,8 +29,8 @@ void add_facts(const GapPage& page, ReportInput& input) {
   const auto period = [](const gap::Window& window, const gap::CleanLog& log) -> std::string {
     if (window.measured.rows() == 0) return "none: the twin's parameters are what their priors have";
     const gap::Span span = gap::span_of(window.recording);
-    return fmt::format("{}: {} to {}, {} days", log.place, date_text(span.from), date_text({span.to.seconds - 1}),
-                       window.measured.rows() / gap::bins_per_day);
+    return fmt::format("{}: {} to {}, {}", log.place, date_text(span.from), date_text({span.to.seconds - 1}),
+                       days_text(window.measured.rows() / gap::bins_per_day));
   };
   input.command = page.run.request.command;
   input.facts = {{"site", page.run.request.site},
@@ -61,8 +60,6 @@ std::string as_sentence(std::string text) {
   return text;
 }
 
-std::string date_text(CivilTime t) { return hal::civil_text(t).substr(0, 10); }
-
 /// "room 1", "FCU room 2", "power 1": what people call a channel.
 std::string channel_title(const sim::Channels& at, int c) {
   if (!at.grain.empty() && !at.grain[static_cast<std::size_t>(c)].title.empty())
@@ -74,6 +71,24 @@ std::string channel_title(const sim::Channels& at, int c) {
   if (c < at.fcu_duty()) return fmt::format("power {}", c - at.power() + 1);
   if (c < at.damper()) return fmt::format("FCU duty {}", c - at.fcu_duty() + 1);
   return fmt::format("damper {}", c - at.damper() + 1);
+}
+
+std::string effect_title(const GapPage& page, const std::string& id) {
+  for (const gap::Candidate& candidate : page.run.responses.test.candidates) {
+    if (candidate.at.id() == id) return candidate.at.text();
+  }
+  return id == "other" ? "something that no effect is" : id;
+}
+
+std::string with_titles(const GapPage& page, const std::string& text) {
+  std::string shown;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    shown += effect_title(page, text.substr(at, end - at));
+    if (end < text.size()) shown += ' ';
+    at = end + 1;
+  }
+  return shown;
 }
 
 std::string channel_unit(const sim::Channels& at, int c) {

@@ -20,7 +20,7 @@ void add_continued(const GapPage& page, ReportInput& input) {
   table.columns = {{"gain before", "", 0, false}, {"gain now", "", 0, false}, {"limit", "", 0, false}};
   for (const gap::CandidateBeforeAfter& c : candidates) {
     const bool found = page.found() && page.run.verdict.findings.front().at.id() == c.id;
-    table.rows.push_back({c.id,
+    table.rows.push_back({effect_title(page, c.id),
                           {number_cell(c.before), number_cell(c.after), number_cell(c.limit)},
                           found ? SeriesRole::main : SeriesRole::plain,
                           false});

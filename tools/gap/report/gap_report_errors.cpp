@@ -105,9 +105,9 @@ void add_meters(const GapPage& page, ReportInput& input) {
   ReportTable table;
   table.title = "The same, meter by meter";
   table.note = fmt::format(
-      "Hourly means of the locked days, and energies of the months of which they hold {} days or more, if there are "
+      "Hourly means of the locked days, and energies of the months of which they hold {} or more, if there are "
       "two; monthly limits are {:.0f} % CV(RMSE) and {:.0f} % NMBE.",
-      gap::MeterFigures::least_days, Guideline14::monthly_cv_rmse_limit_percent,
+      days_text(gap::MeterFigures::least_days), Guideline14::monthly_cv_rmse_limit_percent,
       Guideline14::monthly_nmbe_limit_percent);
   table.row_header = "meter and model";
   table.columns = {{"hourly, CV(RMSE)", "%", 1, false},
@@ -201,7 +201,7 @@ void add_ranking(const GapPage& page, ReportInput& input) {
     const std::string id = page.run.responses.test.candidates[score.candidate].at.id();
     const bool is_found = std::any_of(page.run.verdict.findings.begin(), page.run.verdict.findings.end(),
                                       [&id](const gap::Finding& f) { return f.at.id() == id; });
-    bars.push_back({id, score.log_likelihood_ratio,
+    bars.push_back({effect_title(page, id), score.log_likelihood_ratio,
                     gap::log_likelihood_limit(page.run.rules, page.run.verdict.nulls, score.candidate), is_found});
   }
   if (bars.empty()) return;
@@ -211,7 +211,8 @@ void add_ranking(const GapPage& page, ReportInput& input) {
 
 void add_locked_days(const GapPage& page, ReportInput& input) {
   ReportTable table;
-  table.title = fmt::format("The {} days that were locked away", page.locked_days());
+  table.title = page.locked_days() == 1 ? "The day that was locked away"
+                                        : fmt::format("The {} that were locked away", days_text(page.locked_days()));
   table.note =
       "The last days of the log, which nothing was fitted to. Root mean square error of the model alone, and mean of "
       "measured minus simulated: what anyone gets who runs it.";

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "hal/text/civil_text.hpp"
 #include "tools/gap/report/gap_page.hpp"
 #include "tools/gap/verdict/verdict_json.hpp"
 #include "tools/report/charts/report_text.hpp"
@@ -112,14 +111,20 @@ void add_posteriors(const GapPage& page, ReportInput& input) {
   for (std::size_t i = 0; i < v.posteriors.size(); ++i) {
     const gap::Posterior& p = v.posteriors[i];
     const gap::Alternatives& tried = v.alternatives[i];
+    std::vector<std::string> titles;
+    for (const std::string& id : tried.beside) titles.push_back(effect_title(page, id));
     ReportTable table;
     table.title = tried.beside.empty() ? "How probable each explanation is"
-                                       : fmt::format("How probable each is beside {}", fmt::join(tried.beside, ", "));
-    table.note = "Bold: the fewest that together hold 90 %. A name needs 95 %.";
+                                       : fmt::format("How probable each is beside {}", fmt::join(titles, ", "));
+    table.note =
+        "Bold: the fewest that together hold 90 %. A name needs 95 %. Gain: twice the logarithm of the likelihood that "
+        "an "
+        "explanation adds; on days that nothing was fitted to, what the fitted days let expect and what came.";
     table.row_header = "explanation";
     table.prose = true;
-    for (const char* name : {"probability", "size, 95 % interval", "locked days: predicted, came"})
-      table.columns.push_back({name, "", 0, false});
+    table.columns = {{"probability", "", 0, false},
+                     {"size, 95 % interval", "", 0, false},
+                     {"gain on the locked days: predicted, came", "2 ln likelihood ratio", 0, false}};
     std::vector<std::pair<double, TableRow>> rows;
     const auto add = [&](const std::string& id, const std::string& what, double probability, const std::string& size,
                          const std::string& locked) {
@@ -162,13 +167,13 @@ void add_experiments(const GapPage& page, ReportInput& input) {
     table.columns.push_back({name, "", 0, false});
   for (std::size_t i = 0; i < page.run.experiments.size() && i < 5; ++i) {
     const gap::ExperimentProposal& e = page.run.experiments[i];
-    table.rows.push_back(
-        {e.text,
-         {text_cell(e.name), text_cell(number_text(e.hours, 0)),
-          text_cell((e.upper_bound ? "at most " : "") + number_text(100 * e.power, 0) + " %"),
-          text_cell(fmt::format("{:.1f} to {:.1f} °C", e.lowest_room_degc, e.highest_room_degc)), text_cell(e.hardest)},
-         i == 0 && e.separates ? SeriesRole::main : SeriesRole::plain,
-         false});
+    table.rows.push_back({e.text,
+                          {text_cell(e.name), text_cell(number_text(e.hours, 0)),
+                           text_cell((e.upper_bound ? "at most " : "") + number_text(100 * e.power, 0) + " %"),
+                           text_cell(fmt::format("{:.1f} to {:.1f} °C", e.lowest_room_degc, e.highest_room_degc)),
+                           text_cell(with_titles(page, e.hardest))},
+                          i == 0 && e.separates ? SeriesRole::main : SeriesRole::plain,
+                          false});
   }
   input.blocks.push_back(table);
 }
@@ -212,13 +217,12 @@ void add_clean_up(const GapPage& page, ReportInput& input) {
   }
   for (const gap::CleanLog* log : gap::logs_of(page.run)) {
     for (const gap::Remark& r : gap::shown_remarks(*log)) {
-      table.rows.push_back(
-          {gap::text_of(r.defect),
-           {text_cell(gap::text_of(r.action)), text_cell(log->place), text_cell(r.column.empty() ? "all" : r.column),
-            text_cell(hal::civil_text(r.from).substr(0, 16)), text_cell(hal::civil_text(r.to).substr(0, 16)),
-            text_cell(std::to_string(r.count)), text_cell(r.text)},
-           r.action == gap::Action::warned ? SeriesRole::main : SeriesRole::plain,
-           false});
+      table.rows.push_back({gap::text_of(r.defect),
+                            {text_cell(gap::text_of(r.action)), text_cell(log->place),
+                             text_cell(r.column.empty() ? "all" : r.column), text_cell(minute_text(r.from)),
+                             text_cell(minute_text(r.to)), text_cell(std::to_string(r.count)), text_cell(r.text)},
+                            r.action == gap::Action::warned ? SeriesRole::main : SeriesRole::plain,
+                            false});
     }
   }
   if (table.rows.empty()) {

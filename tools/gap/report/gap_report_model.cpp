@@ -39,14 +39,14 @@ void add_model(const GapPage& page, ReportInput& input) {
     const auto number = [&](double x) {
       return text_cell(std::isfinite(x) ? fmt::format("{:.3g} {}", x, d.at.effect->unit) : "no size");
     };
-    table.rows.push_back({d.at.id(),
+    table.rows.push_back({d.at.text(),
                           {number(d.size), number(d.bound), text_cell(d.visible ? "" : "not visible")},
                           SeriesRole::plain,
                           false});
   }
   for (const gap::NotApplicable& n : page.run.not_applicable)
     table.rows.push_back(
-        {n.id, {text_cell("not applicable"), text_cell(""), text_cell(n.why)}, SeriesRole::plain, false});
+        {n.title, {text_cell("not applicable"), text_cell(""), text_cell(n.why)}, SeriesRole::plain, false});
   input.blocks.push_back(table);
 }
 

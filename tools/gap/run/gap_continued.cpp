@@ -78,7 +78,8 @@ std::string continued_text(const GapRun& run) {
   if (run.request.earlier.is_null() || run.added.empty()) return "";
   const AddedDays& last = run.added.back();
   const std::string test = last.test.empty() ? "" : fmt::format(", in which the test {} was done", last.test);
-  return fmt::format("with {} more days{}: {} -> {}", days_of(last.window), test,
+  const long days = days_of(last.window);
+  return fmt::format("with {} more day{}{}: {} -> {}", days, days == 1 ? "" : "s", test,
                      run.request.earlier.at("verdict").get<std::string>(), text_of(run.verdict.kind));
 }
 

@@ -30,6 +30,15 @@ struct ChartBand {
   double to = 0;
 };
 
+/// A stretch of x in which something holds, such as a control mode: shaded behind the curves, with an edge at the top.
+struct ChartStretch {
+  double from = 0;
+  double to = 0;
+  std::string kind;  ///< run, expert, release or alarm: a colour band-* of palette.css
+  std::string name;  ///< one a kind, for people
+  std::string why;
+};
+
 /// Lines over a shared x. Units: x in seconds of civil time when x_is_time, else as x_label says.
 /// Charts over time in one report zoom and move their cursors together.
 struct LineChart {
@@ -40,7 +49,10 @@ struct LineChart {
   std::vector<ChartSeries> series;
   std::vector<ChartBand> bands;
   std::string band_name;  ///< what the shading means
-  std::string x_label;    ///< when x is not a time
+  std::vector<ChartStretch> stretches;
+  std::string stretches_name;  ///< what they are: "mode"; beside the cursor stands which one holds
+  std::string otherwise;       ///< what holds between them
+  std::string x_label;         ///< when x is not a time
   bool x_is_time = true;
   bool log_axis = false;        ///< values at or below zero become gaps
   int decimals = 2;             ///< of the values beside the cursor

@@ -117,11 +117,17 @@ std::vector<double> round_ticks(double low, double high, int count) {
   return ticks;
 }
 
-std::string day_text(CivilTime time) {
-  constexpr const char* months[] = {"Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
-  const std::string text = hal::civil_text(time);
-  return fmt::format("{} {}", std::stoi(text.substr(8, 2)), months[std::stoi(text.substr(5, 2)) - 1]);
+std::string date_text(CivilTime time) { return hal::civil_text(time).substr(0, hal::date_text_size); }
+
+std::string minute_text(CivilTime time) {
+  std::string text = hal::civil_text(time).substr(0, 16);
+  text[hal::date_text_size] = ' ';
+  return text;
 }
+
+std::string day_text(CivilTime time) { return date_text(time).substr(5); }
+
+std::string days_text(long days) { return fmt::format("{} day{}", days, days == 1 ? "" : "s"); }
 
 std::string tick_text(double value, double step) {
   const int decimals = step > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6) : 2;

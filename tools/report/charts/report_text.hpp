@@ -28,8 +28,13 @@ std::string number_text(double value, int decimals);
 /// Round numbers that cover [low, high], about `count` of them, in steps of 1, 2 or 5 times a power of ten.
 std::vector<double> round_ticks(double low, double high, int count);
 
-/// `6 Aug`, as everywhere in a page.
-std::string day_text(CivilTime time);
+// Times as the operator's page has them, in every report:
+std::string date_text(CivilTime time);    ///< `2021-08-06`
+std::string minute_text(CivilTime time);  ///< `2021-08-06 14:30`
+std::string day_text(CivilTime time);     ///< `08-06`, on axes
+
+/// `1 day`, `3 days`.
+std::string days_text(long days);
 
 /// A tick with no more decimals than its step needs.
 std::string tick_text(double value, double step);

@@ -8,71 +8,96 @@
 
 #include "hal/text/civil_text.hpp"
 #include "tools/report/charts/report_text.hpp"
+#include "tools/report/charts/series_look.hpp"
 
 namespace airside::tools {
 namespace {
 
 constexpr double width = 960, left_px = 62, right_px = 14;
-constexpr double plot_width = width - left_px - right_px;
 
-constexpr const char* own_colours = R"(<style>
-text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,"Noto Sans",sans-serif;font-size:12px;fill:#3d4754}
-.title{font-size:16px;font-weight:600;fill:#161c24}.paper{fill:#fff}
-.grid{stroke:#e3e7ec;stroke-width:1}.axis{stroke:#8a94a0;stroke-width:1}.band{fill:#0b62b4;opacity:.06}
-.line{fill:none;stroke-width:1.5;stroke-linejoin:round}.line.main{stroke-width:2.6}.line.muted{stroke-width:1;opacity:.6}
-.line.ref{stroke-dasharray:6 4}.bar.ref{opacity:.75}.whisker{stroke:#161c24;stroke-width:1}.cut{fill:#fff}
-.main{--c:#0b62b4}.ref{--c:#6b7684}.c0{--c:#d1570f}.c1{--c:#0b8f6a}.c2{--c:#b8478f}.c3{--c:#a97a00}.c4{--c:#3aa0d8}
-.c5{--c:#7a5cc7}.c6{--c:#8c5a3c}.c7{--c:#5b8c2a}.line{stroke:var(--c)}.bar,.key{fill:var(--c)}
-</style>
-<rect class="paper" width="100%" height="100%"/>
-)";
-
-struct Colour {
-  std::string name;
-  bool muted = false;
-  std::string classes() const { return muted ? name + " muted" : name; }
+/// Where the curves are, px.
+struct Frame {
+  double left = left_px, top = 0, bottom = 0;
+  double wide() const { return width - left - right_px; }
+  double x(double share) const { return left + share * wide(); }
 };
 
-template <class List>
-std::vector<Colour> colours_of(const List& list) {
-  std::vector<Colour> colours;
-  std::size_t next = 0;
-  for (const auto& item : list) {
-    const bool own = item.role == SeriesRole::main || item.role == SeriesRole::reference;
-    colours.push_back({colour_class(item.role, next), item.role == SeriesRole::muted});
-    if (!own) ++next;
-  }
-  return colours;
+/// Names stand left of the curves, whole.
+double left_of(const std::vector<std::string>& names) {
+  std::size_t longest = 0;
+  for (const std::string& name : names) longest = std::max(longest, valid_utf8(name).size());
+  return std::clamp(16 + 6.8 * static_cast<double>(longest), left_px, 260.0);
 }
+
+std::string classes_of(const SeriesLook& look) { return look.muted ? look.colour + " muted" : look.colour; }
 
 std::string open_svg(const std::string& title, double height, SvgUse use) {
   std::string svg =
       fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\"",
                   width, height, escape_markup(title));
   if (use == SvgUse::in_page) return svg + ">\n";
-  svg += fmt::format(" width=\"{}\" height=\"{}\">\n{}", width, height, own_colours);
+  svg += fmt::format(" width=\"{}\" height=\"{}\">\n{}", width, height, own_style);
   return svg + fmt::format("<text class=\"title\" x=\"{}\" y=\"24\">{}</text>\n", left_px, escape_markup(title));
 }
 
-/// A row of keys; wraps, and returns how many lines it took.
-template <class List>
-int legend(std::string& svg, const List& list, const std::vector<Colour>& colours, double y) {
-  double x = left_px;
-  int lines = 1;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const double advance = 34 + 7.2 * static_cast<double>(valid_utf8(list[i].name).size());
-    if (x > left_px && x + advance > width - right_px) {
-      x = left_px;
-      ++lines;
-    }
-    const double base = y + 17 * (lines - 1);
-    svg += fmt::format("<rect class=\"key {}\" x=\"{:.0f}\" y=\"{:.0f}\" width=\"12\" height=\"{}\"/>",
-                       colours[i].classes(), x, base - 8, colours[i].muted ? 3 : 8);
-    svg += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n", x + 17, base, escape_markup(list[i].name));
-    x += advance;
-  }
-  return lines;
+/// The edge at the top of a stretch, px: the less the controller has the say, the thicker. As band_edge of
+/// chart_parts.js.
+double edge_of(const std::string& kind) {
+  return kind == "release" ? 10 : kind == "expert" ? 6 : kind == "run" ? 3 : 2;
 }
+
+/// A row of keys that wraps.
+class Legend {
+ public:
+  Legend(std::string& svg, double y) : svg_(svg), y_(y) {}
+  double height() const { return 17.0 * lines_; }
+
+  void add_lines(const std::vector<SeriesLook>& looks) {
+    for (const SeriesLook& look : looks) {
+      const auto [x, y] = place(40, look.name);
+      svg_ +=
+          fmt::format("<path class=\"dash {} {}\" d=\"M{:.0f} {:.0f}h30\"/>", classes_of(look), look.dash, x, y - 4);
+      name(x + 35, y, look.name);
+    }
+  }
+  void add_bars(const std::vector<SeriesLook>& looks) {
+    for (const SeriesLook& look : looks) {
+      const auto [x, y] = place(17, look.name);
+      svg_ += fmt::format("<rect class=\"key {}\" x=\"{:.0f}\" y=\"{:.0f}\" width=\"12\" height=\"{}\"/>",
+                          classes_of(look), x, y - 8, look.muted ? 3 : 8);
+      name(x + 17, y, look.name);
+    }
+  }
+  void add_stretches(const std::vector<ChartStretch>& kinds) {
+    for (const ChartStretch& kind : kinds) {
+      const auto [x, y] = place(24, kind.name);
+      for (const auto& [cls, high] : {std::pair{"stretch ", 14.0}, {"", edge_of(kind.kind) / 2}}) {
+        svg_ += fmt::format("<rect class=\"{}{}\" x=\"{:.0f}\" y=\"{:.0f}\" width=\"18\" height=\"{}\"/>", cls,
+                            kind.kind, x, y - 11, high);
+      }
+      name(x + 23, y, kind.name);
+    }
+  }
+
+ private:
+  std::pair<double, double> place(double mark, const std::string& text) {
+    const double advance = mark + 17 + 7.2 * static_cast<double>(valid_utf8(text).size());
+    if (x_ > left_px && x_ + advance > width - right_px) {
+      x_ = left_px;
+      ++lines_;
+    }
+    const double x = x_;
+    x_ += advance;
+    return {x, y_ + 17 * (lines_ - 1)};
+  }
+  void name(double x, double y, const std::string& text) {
+    svg_ += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n", x, y, escape_markup(text));
+  }
+
+  std::string& svg_;
+  double y_, x_ = left_px;
+  int lines_ = 1;
+};
 
 struct Axis {
   double low = 0, high = 1;
@@ -113,7 +138,7 @@ Axis y_axis_of(const LineChart& chart) {
 }
 
 /// `names`: of y = 0, 1, ..; none: numbers.
-void y_grid(std::string& svg, const Axis& axis, const std::string& unit, double top, double bottom,
+void y_grid(std::string& svg, const Axis& axis, const std::string& unit, const Frame& frame,
             const std::vector<std::string>& names = {}) {
   std::vector<double> ticks;
   if (!names.empty()) {
@@ -129,19 +154,19 @@ void y_grid(std::string& svg, const Axis& axis, const std::string& unit, double 
   }
   const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 1;
   for (const double v : ticks) {
-    const double y = bottom - axis.place(v) * (bottom - top);
-    svg += fmt::format("<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>", left_px,
+    const double y = frame.bottom - axis.place(v) * (frame.bottom - frame.top);
+    svg += fmt::format("<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>", frame.left,
                        width - right_px, y, y);
-    svg += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", left_px - 7, y + 4,
+    svg += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", frame.left - 7, y + 4,
                        !names.empty() ? escape_markup(names[static_cast<std::size_t>(v)])
                        : axis.log     ? fmt::format("{:g}", v)
                                       : tick_text(v, step));
   }
   svg += fmt::format("<text transform=\"translate(15 {:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-                     (top + bottom) / 2, escape_markup(unit));
+                     (frame.top + frame.bottom) / 2, escape_markup(unit));
 }
 
-void time_ticks(std::string& svg, const Axis& x_axis, double top, double bottom) {
+void time_ticks(std::string& svg, const Axis& x_axis, const Frame& frame) {
   const double span_s = x_axis.high - x_axis.low;
   double step_s = 86400;
   for (const double s :
@@ -152,17 +177,18 @@ void time_ticks(std::string& svg, const Axis& x_axis, double top, double bottom)
   const auto step = static_cast<std::int64_t>(step_s);
   const auto last = static_cast<std::int64_t>(std::floor(x_axis.high));
   for (std::int64_t t = static_cast<std::int64_t>(std::ceil(x_axis.low / step_s)) * step; t <= last; t += step) {
-    const double x = left_px + x_axis.place(static_cast<double>(t)) * plot_width;
+    const double x = frame.x(x_axis.place(static_cast<double>(t)));
     const std::string text = hal::civil_text(CivilTime{t});
     const bool midnight = CivilTime{t}.second_of_day() == 0;
-    svg += fmt::format("<line class=\"grid\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\"/>", x, top, bottom);
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", x, bottom + 17,
+    svg += fmt::format("<line class=\"grid\" x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\"/>", x, frame.top,
+                       frame.bottom);
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", x, frame.bottom + 17,
                        midnight ? day_text(CivilTime{t}) : text.substr(11, 5));
   }
 }
 
-std::string path_of(const LineChart& chart, const ChartSeries& s, const Axis& x_axis, const Axis& y_axis, double top,
-                    double bottom) {
+std::string path_of(const LineChart& chart, const ChartSeries& s, const Axis& x_axis, const Axis& y_axis,
+                    const Frame& frame) {
   std::string path;
   bool pen_down = false;
   const bool level = s.y.size() == 1;
@@ -174,8 +200,8 @@ std::string path_of(const LineChart& chart, const ChartSeries& s, const Axis& x_
       continue;
     }
     const double at = level && i == 1 ? chart.x.back() : chart.x[i];
-    const double x = left_px + x_axis.place(at) * plot_width;
-    const double y = bottom - y_axis.place(v) * (bottom - top);
+    const double x = frame.x(x_axis.place(at));
+    const double y = frame.bottom - y_axis.place(v) * (frame.bottom - frame.top);
     if (pen_down && s.stepped) path += fmt::format("H{:.1f}", x);
     path += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", x, y);
     pen_down = true;
@@ -201,68 +227,75 @@ double bar_top(const BarChart& chart) {
 
 }  // namespace
 
-std::string colour_class(SeriesRole role, std::size_t index_of_plain) {
-  if (role == SeriesRole::main) return "main";
-  if (role == SeriesRole::reference) return "ref";
-  return fmt::format("c{}", index_of_plain % 8);
-}
-
 std::string line_chart_svg(const LineChart& chart, SvgUse use) {
-  const auto colours = colours_of(chart.series);
+  const auto looks = looks_of(chart);
   std::string keys;
-  const double key_y = use == SvgUse::own_file ? 46 : 14;
-  const double top = key_y + 17.0 * legend(keys, chart.series, colours, key_y) - 4;
-  const double bottom = top + 290, height = bottom + 44;
+  Legend legend(keys, use == SvgUse::own_file ? 46 : 14);
+  legend.add_lines(looks);
+  legend.add_stretches(kinds_of(chart.stretches));
+  Frame frame{left_of(chart.y_names), (use == SvgUse::own_file ? 46 : 14) + legend.height() - 4};
+  frame.bottom = frame.top + 290;
+  const double high = frame.bottom - frame.top;
   Axis x_axis{0, 1, false};
   if (!chart.x.empty()) x_axis = {chart.x.front(), chart.x.back(), false};
   if (!(x_axis.high > x_axis.low)) x_axis.high = x_axis.low + 1;
   const Axis y_axis = y_axis_of(chart);
 
-  std::string svg = open_svg(chart.title, height, use) + keys;
-  svg += fmt::format("<clipPath id=\"plot\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>\n", left_px,
-                     top, plot_width, bottom - top);
+  std::string svg = open_svg(chart.title, frame.bottom + 44, use) + keys;
+  svg += fmt::format("<clipPath id=\"plot\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>\n",
+                     frame.left, frame.top, frame.wide(), high);
   svg += "<g clip-path=\"url(#plot)\">\n";
-  for (const ChartBand& b : chart.bands) {
-    const double x0 = x_axis.place(b.from), x1 = x_axis.place(b.to);
-    svg += fmt::format("<rect class=\"band\" x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"{}\"/>\n",
-                       left_px + x0 * plot_width, top, std::max(0.0, x1 - x0) * plot_width, bottom - top);
+  const auto shade = [&](const std::string& classes, double from, double to, double height, const std::string& said) {
+    const double x0 = frame.x(x_axis.place(from)), x1 = frame.x(x_axis.place(to));
+    svg += fmt::format("<rect class=\"{}\" x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"{}\">{}</rect>\n", classes,
+                       x0, frame.top, std::max(0.0, x1 - x0), height, said);
+  };
+  for (const ChartBand& b : chart.bands) shade("band", b.from, b.to, high, "");
+  for (const ChartStretch& s : chart.stretches) {
+    const std::string why = s.why.empty() ? "" : ": " + s.why;
+    shade("stretch " + s.kind, s.from, s.to, high, "<title>" + escape_markup(s.name + why) + "</title>");
+    shade(s.kind, s.from, s.to, edge_of(s.kind), "");
   }
   svg += "</g>\n";
-  y_grid(svg, y_axis, chart.unit, top, bottom, chart.y_names);
+  y_grid(svg, y_axis, chart.unit, frame, chart.y_names);
   if (chart.x_is_time) {
-    time_ticks(svg, x_axis, top, bottom);
+    time_ticks(svg, x_axis, frame);
   } else {
     const auto ticks = round_ticks(x_axis.low, x_axis.high, 8);
     for (const double v : ticks) {
-      svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                         left_px + x_axis.place(v) * plot_width, bottom + 17,
-                         tick_text(v, ticks.size() > 1 ? ticks[1] - ticks[0] : 1));
+      svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", frame.x(x_axis.place(v)),
+                         frame.bottom + 17, tick_text(v, ticks.size() > 1 ? ticks[1] - ticks[0] : 1));
     }
   }
-  svg += fmt::format("<text x=\"{:.0f}\" y=\"{}\" text-anchor=\"middle\">{}{}</text>\n", left_px + plot_width / 2,
-                     bottom + 36, escape_markup(chart.x_is_time ? "local time" : chart.x_label),
+  svg += fmt::format("<text x=\"{:.0f}\" y=\"{}\" text-anchor=\"middle\">{}{}</text>\n", frame.x(0.5),
+                     frame.bottom + 36, escape_markup(chart.x_is_time ? "local time" : chart.x_label),
                      chart.band_name.empty() ? "" : escape_markup("; shaded: " + chart.band_name));
   svg +=
       fmt::format("<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2}\" y2=\"{2}\"/>\n<g clip-path=\"url(#plot)\">\n",
-                  left_px, width - right_px, bottom);
+                  frame.left, width - right_px, frame.bottom);
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
-    svg += fmt::format("<path class=\"line {}\" d=\"{}\"/>\n", colours[i].classes(),
-                       path_of(chart, chart.series[i], x_axis, y_axis, top, bottom));
+    svg += fmt::format("<path class=\"line {} {}\" d=\"{}\"/>\n", classes_of(looks[i]), looks[i].dash,
+                       path_of(chart, chart.series[i], x_axis, y_axis, frame));
   }
   return svg + "</g>\n</svg>\n";
 }
 
 std::string bar_chart_svg(const BarChart& chart, SvgUse use) {
-  const auto colours = colours_of(chart.groups);
+  const auto looks = looks_of(chart);
   std::string keys;
-  double top = 14;
-  if (use == SvgUse::own_file) top = 46 + 17.0 * legend(keys, chart.groups, colours, 46) + 4;
-  const double bottom = top + 290, height = bottom + 26;
+  Frame frame{left_px, 14};
+  if (use == SvgUse::own_file) {
+    Legend legend(keys, 46);
+    legend.add_bars(looks);
+    frame.top = 46 + legend.height() + 4;
+  }
+  frame.bottom = frame.top + 290;
+  const double top = frame.top, bottom = frame.bottom, height = bottom + 26;
   const Axis axis{0, bar_top(chart), false};
   std::string svg = open_svg(chart.title, height, use) + keys;
-  y_grid(svg, axis, chart.unit, top, bottom);
+  y_grid(svg, axis, chart.unit, frame);
 
-  const double slot = plot_width / static_cast<double>(std::max<std::size_t>(1, chart.categories.size()));
+  const double slot = frame.wide() / static_cast<double>(std::max<std::size_t>(1, chart.categories.size()));
   const double gap = std::min(14.0, slot * 0.22);
   const double bar = std::min(26.0, (slot - gap) / static_cast<double>(std::max<std::size_t>(1, chart.groups.size())));
   const double used = bar * static_cast<double>(chart.groups.size());
@@ -279,7 +312,7 @@ std::string bar_chart_svg(const BarChart& chart, SvgUse use) {
       const double h = std::min(v / axis.high, 1.0) * (bottom - top);
       svg += fmt::format(
           "<g class=\"g{}\"><rect class=\"bar {}\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\">", g,
-          colours[g].classes(), x, bottom - h, std::max(1.0, bar - std::min(1.0, bar * 0.15)), h);
+          classes_of(looks[g]), x, bottom - h, std::max(1.0, bar - std::min(1.0, bar * 0.15)), h);
       const bool spread = c < group.spread.size() && std::isfinite(group.spread[c]) && group.spread[c] > 0;
       svg += fmt::format("<title>{}, {}: {}{} {}</title></rect>", escape_markup(group.name),
                          escape_markup(chart.categories[c]), number_text(v, chart.decimals),

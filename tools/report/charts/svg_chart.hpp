@@ -16,7 +16,4 @@ std::string line_chart_svg(const LineChart& chart, SvgUse use = SvgUse::own_file
 /// Shape: 960 x 380 user units. Every bar has a tooltip.
 std::string bar_chart_svg(const BarChart& chart, SvgUse use = SvgUse::own_file);
 
-/// Class of the colour of series `index` in `roles`: "main", "ref" or "c0".."c7" in order of appearance.
-std::string colour_class(SeriesRole role, std::size_t index_of_plain);
-
 }  // namespace airside::tools

@@ -26,7 +26,7 @@ class DayChart {
   DayChart(std::string title, std::string note) {
     chart_.title = std::move(title);
     chart_.note = std::move(note);
-    chart_.unit = "°C";
+    chart_.unit = "K";
     chart_.x_label = "day";
     chart_.x_is_time = false;
     chart_.y_min = 0;
@@ -65,7 +65,7 @@ struct Bars {
 
 std::optional<ReportBlock> bars_of(const std::string& title, const std::string& note, const Bars& bars) {
   if (bars.categories.empty()) return {};
-  BarChart chart{title, note, "°C", bars.categories, {}, 3};
+  BarChart chart{title, note, "K", bars.categories, {}, 3};
   chart.groups = {{"DAE", bars.first, bars.first_spread, SeriesRole::main},
                   {"DARV", bars.second, bars.second_spread, SeriesRole::plain}};
   return chart;
@@ -156,7 +156,7 @@ std::optional<ReportBlock> figure_of_saved_area(const MethodResults& results) {
   BarChart chart;
   chart.title = "Area saved against the historical setpoint (printed figure 11)";
   chart.note = "Mean over days of the setpoint's distance above 20.5 °C, times hours. It is no energy.";
-  chart.unit = "°C h/day";
+  chart.unit = "K h/day";
   chart.categories = {"701-real", "702-real"};
   chart.decimals = 1;
   constexpr auto starts = std::to_array<std::pair<const char*, const char*>>(
@@ -197,9 +197,9 @@ std::optional<ReportBlock> peers_table(const PeerRows& peers) {
   table.note =
       "One room, five schedule days, the same budget of learning for all. Mean ± standard deviation over "
       "seeds. What is printed: docs/peers.md.";
-  table.columns = {table_column("runs", "", 0, false),          table_column("DAE", "°C", 3, true),
-                   table_column("ME", "°C", 3, true),           table_column("DARV", "°C", 3, true),
-                   table_column("first 3 days", "°C", 3, true), table_column("CDH", "°C h", 0, false),
+  table.columns = {table_column("runs", "", 0, false),         table_column("DAE", "K", 3, true),
+                   table_column("ME", "K", 3, true),           table_column("DARV", "K", 3, true),
+                   table_column("first 3 days", "K", 3, true), table_column("CDH", "K h", 0, false),
                    table_column("a decision", "ms", 2, true)};
   for (const PeerRow& row : peers.control) {
     table.rows.push_back(

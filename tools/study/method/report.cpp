@@ -60,6 +60,14 @@ ReportTable claims_table(const std::vector<ClaimVerdict>& claims) {
   return table;
 }
 
+/// A column of the study's tables, whose titles end with the unit: on a page a difference of temperatures is in K.
+TableColumn page_column(const nlohmann::json& column) {
+  const std::string title = column["title"], degrees = " °C";
+  const std::size_t at = title.find(degrees);
+  if (at == std::string::npos) return table_column(title, "", column["decimals"], false);
+  return table_column(title.substr(0, at), "K" + title.substr(at + degrees.size()), column["decimals"], false);
+}
+
 /// A table of the study as one of the page, each column followed by the published figure where there is one.
 ReportTable page_table(const nlohmann::json& from, const char* published_as) {
   ReportTable table;
@@ -77,7 +85,7 @@ ReportTable page_table(const nlohmann::json& from, const char* published_as) {
   for (const nlohmann::json& column : from["columns"]) {
     const std::string key = column["key"];
     if (!any(key, "figures")) continue;
-    table.columns.push_back(table_column(column["title"].get<std::string>(), "", column["decimals"], false));
+    table.columns.push_back(page_column(column));
     shown.push_back({key, any(key, "published")});
     if (shown.back().published) table.columns.push_back(table_column("published", "", 3, false));
   }
