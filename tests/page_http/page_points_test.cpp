@@ -120,20 +120,20 @@ TEST_F(PagePoints, TheReferenceIsOfDaysBeforeTheNewestThree) {
 }
 
 TEST_F(PagePoints, TheCommandsOfTheGapFitTheSite) {
-  using Lines = std::vector<std::string>;
+  using Commands = std::vector<std::string>;
   const auto commands = [&](const std::string& name, const std::string& more) {
     write(name, "[site]\nname = \"Room 301\"\ntopology = \"5vav-5fcu-2power\"\n" + more);
     return GapHint(hal::read_site_file(folder / name, hal::site_rules())).commands(6);
   };
   EXPECT_EQ(commands("site.toml", ""),
-            (Lines{"airside gap fit --site site.toml --measured log --weather STATION.epw --out room.json",
+            (Commands{"airside gap fit --site site.toml --measured log --weather STATION.epw --out room.json",
                    "airside gap --site site.toml --measured log --reference-days 6 --plant rc --room room.json "
                    "--weather STATION.epw --out gap-report"}));
   EXPECT_EQ(commands("it's 3.toml", "[log]\ndir = \"my logs/\"\n[twin]\nmodel = \"rc\"\n"),
-            (Lines{"airside gap --site 'it'\\''s 3.toml' --measured 'my logs' --reference-days 6 "
+            (Commands{"airside gap --site 'it'\\''s 3.toml' --measured 'my logs' --reference-days 6 "
                    "--weather STATION.epw --out gap-report"}));
   EXPECT_EQ(commands("site.toml", "[twin]\nmodel = \"m.epJSON\"\nweather = \"a.epw\"\n"),
-            (Lines{"airside gap --site site.toml --measured log --reference-days 6 --out gap-report"}));
+            (Commands{"airside gap --site site.toml --measured log --reference-days 6 --out gap-report"}));
 }
 
 TEST_F(PagePoints, ALogWithoutForecastsHasNoGap) {

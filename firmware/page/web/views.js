@@ -33,8 +33,12 @@ const unreached = () => page.status.reason === 'no reading';
 const active_alarms = () => (page.alarms?.alarms ? page.alarms.alarms.filter((a) => !a.ended) : page.status?.alarms ?? []);
 const reason_text = (name, part, otherwise) => (has(`reason.${name}.${part}`) ? t(`reason.${name}.${part}`) : otherwise);
 
-const ending = (reason, otherwise) => (reason === 'released by hand' && page.status?.release_ends
-  ? t('release-ends', { at: moment(page.status.release_ends) }) : reason_text(reason, 'out', otherwise));
+/** What of a failing storage to mend the box knows better than the table of reasons, in English. */
+function ending(reason, otherwise) {
+  if (reason === 'released by hand' && page.status?.release_ends) return t('release-ends', { at: moment(page.status.release_ends) });
+  const box_knows = reason === 'storage failed' && page.status?.reason === reason && page.texts.lang === 'en';
+  return box_knows ? page.status.way_out : reason_text(reason, 'out', otherwise);
+}
 function sentence() {
   if (!page.status) return t('nothing-known');
   const s = page.status, c = condition(), runs = c === 'running';
