@@ -79,6 +79,17 @@ TEST(SeriesLook, GivesNoTwoLinesOfManyOneColourAndPattern) {
   EXPECT_EQ(looks.size(), chart.series.size());
 }
 
+TEST(SeriesLook, OfARoomIsTheSameInEveryChart) {
+  LineChart with_mean = rooms_of(5), alone = with_mean;
+  alone.series.resize(5);
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(looks_of(with_mean)[i].dash, looks_of(alone)[i].dash);
+    EXPECT_EQ(looks_of(with_mean)[i].colour, looks_of(alone)[i].colour);
+  }
+  alone.series.resize(1);
+  EXPECT_EQ(looks_of(alone)[0].dash, "d0") << "nothing to be told apart from";
+}
+
 TEST(SeriesLook, OfPicturesIsThatOfThePalette) {
   const auto values = palette();
   const std::string style = own_style;

@@ -11,7 +11,7 @@ constexpr std::size_t colour_count = 8, pattern_count = 12;
 
 template <class List>
 std::vector<SeriesLook> looks_of_list(const List& list) {
-  const bool whole_taken = std::ranges::any_of(list, [](const auto& s) { return s.role == SeriesRole::main; });
+  const bool is_alone = list.size() == 1;
   std::vector<SeriesLook> looks;
   std::size_t next = 0;
   for (const auto& item : list) {
@@ -20,7 +20,7 @@ std::vector<SeriesLook> looks_of_list(const List& list) {
     } else if (item.role == SeriesRole::reference) {
       looks.push_back({item.name, "ref", "dref"});
     } else {
-      const std::size_t pattern = whole_taken ? 1 + next % (pattern_count - 1) : next % pattern_count;
+      const std::size_t pattern = is_alone ? 0 : 1 + next % (pattern_count - 1);
       looks.push_back({item.name, fmt::format("c{}", next % colour_count), fmt::format("d{}", pattern),
                        item.role == SeriesRole::muted});
       ++next;

@@ -9,11 +9,11 @@
 namespace airside::tools {
 
 /// Names of palette.css without their dashes. No two lines of a chart have one pattern, as long as there are no more
-/// than patterns: eleven beside a line that is `main`, twelve without one, and the reference.
+/// than patterns: eleven, beside one that is `main` and the reference. So the first room has one look in every chart.
 struct SeriesLook {
   std::string name;
   std::string colour;  ///< "main", "ref" or "c0".."c7" in order of appearance
-  std::string dash;    ///< "dref" or "d0".."d11"; d0 is a whole line, that of `main` where there is one
+  std::string dash;    ///< "dref" or "d0".."d11"; d0 is a whole line: `main`, or the only one of its chart
   bool muted = false;
 };
 
