@@ -84,19 +84,17 @@ void read_site(TomlSection root, SiteFile& out, const SiteRules& rules) {
                      "start from the file that `airside init` writes");
   }
   out.name = root.required_text("name", "Room 301");
-  for (const char c : out.name) {
-    const auto u = static_cast<unsigned char>(c);
-    if (u < 0x20 || c == '<' || c == '>' || c == '&' || c == '"') {
-      throw InputError(root.place("name"), root.found("name"), "a name without control characters, <, >, & and quotes",
-                       "use letters, digits, spaces and - . , _ / ( )");
-    }
-  }
-  if (out.name.size() > 64) {
-    throw InputError(root.place("name"), std::to_string(out.name.size()) + " bytes", "at most 64", "shorten the name");
-  }
+  root.refuse_unfit_name("name", out.name);
   out.topology = root.required_text("topology", rules.topologies.empty() ? "5vav-5fcu-2power" : rules.topologies[0]);
   const bool known = parse_shape(out.topology.c_str()).valid() && (!rules.holds || rules.holds(out.topology));
   if (!known) refuse_topology(root, out.topology, rules);
+  out.meters = root.text_list("meters");
+  for (const std::string& meter : out.meters) root.refuse_unfit_name("meters", meter);
+  const auto powers = static_cast<std::size_t>(parse_shape(out.topology.c_str()).powers);
+  if (root.has("meters") && out.meters.size() != powers) {
+    root.refuse("meters", fmt::format("{} names, one a power meter of {}", powers, out.topology),
+                "list one in the order of power_1, power_2, such as meters = [\"fans\", \"chiller\"], or leave it out");
+  }
   constexpr std::size_t scope_bytes = 32;  // as a blob's header has them
   out.scope = root.text("scope", short_scope(out.name, scope_bytes));
   if (out.scope.size() > scope_bytes) {

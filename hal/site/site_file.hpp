@@ -64,9 +64,10 @@ struct PageSection {
 struct SiteFile {
   std::string path;
 
-  std::string name;      ///< [site]
-  std::string topology;  ///< one of SiteRules::topologies
-  std::string scope;     ///< which weight blobs this room takes; the name unless given
+  std::string name;                 ///< [site]
+  std::string topology;             ///< one of SiteRules::topologies
+  std::string scope;                ///< which weight blobs this room takes; the name unless given
+  std::vector<std::string> meters;  ///< names of the power meters, in reports; or none
 
   double room_temp_degc = 25.25;  ///< [target]
   HeldRooms held;                 ///< hold, weights: which value of the rooms is held there

@@ -122,6 +122,19 @@ std::string TomlSection::found(std::string_view key) const {
   return text.str();
 }
 
+void TomlSection::refuse_unfit_name(std::string_view key, const std::string& name) const {
+  const bool is_clean = std::ranges::none_of(name, [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == '<' || c == '>' || c == '&' || c == '"';
+  });
+  if (!is_clean || name.empty()) {
+    throw InputError(place(key), "the text \"" + name + "\"", "a name without control characters, <, >, & and quotes",
+                     "use letters, digits, spaces and - . , _ / ( )");
+  }
+  if (name.size() > 64) {
+    throw InputError(place(key), std::to_string(name.size()) + " bytes", "at most 64", "shorten the name");
+  }
+}
+
 void TomlSection::refuse(std::string_view key, const std::string& expected, const std::string& remedy) const {
   throw InputError(place(key), found(key), expected, remedy);
 }

@@ -55,6 +55,8 @@ class TomlSection {
   /// What stands at `key`, as a person would say it.
   std::string found(std::string_view key) const;
   [[noreturn]] void refuse(std::string_view key, const std::string& expected, const std::string& remedy) const;
+  /// Refuses a name that people are shown with control characters, <, >, & or quotes, or above 64 bytes.
+  void refuse_unfit_name(std::string_view key, const std::string& name) const;
   bool has(std::string_view key) const { return table_ != nullptr && table_->contains(key); }
 
  private:

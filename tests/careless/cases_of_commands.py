@@ -64,7 +64,7 @@ COMMANDS = [
          ("127.0.0.1:9", "no answer", "airside-page", "start airside-page")),
     Case("ProbeWithoutADevice", edit(SITE, "port = 502", "port = 9"), "airside probe site/site.toml",
          ("127.0.0.1:9 unit 1", "connection refused by 127.0.0.1:9: nothing listens", "a Modbus device",
-          "whether port 9 is the device's")),
+          "whether it listens on port 9")),
     Case("KeyOfTheSiteFileWhereNothingRuns", nothing, "airside status site/site.toml",
          ("status.json", "no such file", "airsided", "state folder")),
 ]

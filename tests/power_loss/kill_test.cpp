@@ -26,7 +26,7 @@ LogRow row_of_step(std::uint64_t step) {
   row.time = {1625097600 + static_cast<std::int64_t>(step) * row_s};
   for (std::size_t j = 0; j < row.value.size(); ++j) row.value[j] = j >= 3 && j < 6 ? 1.0 : 20.0;
   row.value.back() = 0;
-  row.setpoint_degc = 20 + 1e-4 * static_cast<double>(step % 60000);
+  row.setpoint_degc = static_cast<double>(200000 + step % 60000) / 1e4;
   row.controller.mode = "learn";
   return row;
 }

@@ -18,9 +18,9 @@ const CivilTime start = civil_time({2021, 7, 1, 0, 0, 0});
 LogRow row_at(int i) {
   LogRow row = make_log_row(counts);
   row.time = {start.seconds + std::int64_t{row_s} * i};
-  for (std::size_t j = 0; j < row.value.size(); ++j) row.value[j] = j >= 3 && j < 6 ? 1.0 : 20.0 + 0.01 * i;
+  for (std::size_t j = 0; j < row.value.size(); ++j) row.value[j] = j >= 3 && j < 6 ? 1.0 : (2000 + i) / 100.0;
   row.value.back() = 0;
-  row.setpoint_degc = 20 + 0.001 * i;
+  row.setpoint_degc = (20000 + i) / 1000.0;
   row.controller.mode = "learn";
   row.controller.fault = "none";
   return row;

@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
     LogRow row = make_log_row(counts);
     row.time = {1625097600 + static_cast<std::int64_t>(script.step) * row_s};
     for (std::size_t j = 0; j < row.value.size(); ++j) row.value[j] = 20.0;
-    row.setpoint_degc = 20 + 1e-4 * static_cast<double>(script.step % 60000);
+    row.setpoint_degc = static_cast<double>(200000 + script.step % 60000) / 1e4;
     const auto appended = log.append(row);
     if (!appended && !(script.step == 1 && appended.error().fault == StoreFault::out_of_order)) return 6;
     if (!log.sync()) return 7;

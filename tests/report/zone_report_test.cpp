@@ -80,6 +80,15 @@ constexpr const char* band_site =
     "supply_setpoint_schedule = \"s\"\nsupply_air_node = \"n\"\nzones = [\"Saal Nord\", \"Saal West\"]\n"
     "powers = [\"Cooling:Electricity\", \"Heating:NaturalGas\"]\n";
 
+TEST_F(LoggedSite, HasItsMetersNamedByTheSiteFile) {
+  make(box_points, band_site);
+  EXPECT_TRUE(shows(page(), "Cooling:Electricity"));
+  site_.file.meters = {"fans", "heat pump"};
+  const std::string drawn = page();
+  EXPECT_TRUE(shows(drawn, "heat pump")) << "before the twin's names";
+  EXPECT_FALSE(shows(drawn, "Cooling:Electricity"));
+}
+
 TEST_F(LoggedSite, IsJudgedByItsZonesWhereTheObjectiveIsTheBand) {
   make(box_points, band_site);
   const ZoneBand band = zone_band(site_, read_logged_methods(site_, group_logs({file("log.csv")}, {}))[0].run.rows);

@@ -47,12 +47,12 @@ std::vector<double> column(const std::vector<const hal::LogRow*>& cycles, Column
   return values;
 }
 
-/// As the twin's section of the site file names them, else by number.
+/// As [site], else the twin's section of the site file names them, else by number.
 std::vector<std::string> meter_names(const Site& site) {
   const auto powers = static_cast<std::size_t>(site.counts.powers);
   const auto& twin = site.file.twin;
-  std::vector<std::string> names;
-  if (twin && twin->control == hal::TwinControl::own && twin->names) names = twin->names->powers;
+  std::vector<std::string> names = site.file.meters;
+  if (names.empty() && twin && twin->control == hal::TwinControl::own && twin->names) names = twin->names->powers;
   names.resize(powers);
   for (std::size_t i = 0; i < powers; ++i) {
     if (names[i].empty()) names[i] = powers == 1 ? "power" : "meter " + std::to_string(i + 1);
