@@ -26,20 +26,18 @@ class Cursor {
     else
       *at_++ = c;
   }
-  /// To the millionth, as a person would write it: 23.87 and not 23.869999999999997. Small numbers, such as losses, by
-  /// four digits.
+  /// To the millionth, as a person would write it: 23.87 and not 23.869999999999997. Small numbers by four digits.
   void put(double value) {
     if (std::isnan(value)) return;
     constexpr double millionths = 1e6;
     const double size = std::abs(value);
     const bool is_small = size > 0 && size < 1e-3;
     const double rounded = size < 1e9 ? std::round(value * millionths) / millionths : value;
-    const auto result =
-        is_small ? std::to_chars(at_, end_, value, std::chars_format::general, 4) : std::to_chars(at_, end_, rounded);
-    if (result.ec != std::errc{})
-      full_ = true;
-    else
-      at_ = result.ptr;
+    end(is_small ? std::to_chars(at_, end_, value, std::chars_format::general, 4) : std::to_chars(at_, end_, rounded));
+  }
+  /// With every digit: in a loss of each cycle all bits of the weights show.
+  void put_whole(double value) {
+    if (!std::isnan(value)) end(std::to_chars(at_, end_, value));
   }
   void put(const std::string& text) {
     for (const char c : text) put(c == ',' || c == '\n' || c == '\r' || c == '"' ? ' ' : c);
@@ -53,6 +51,13 @@ class Cursor {
   std::size_t size_from(const char* begin) const { return full_ ? 0 : static_cast<std::size_t>(at_ - begin); }
 
  private:
+  void end(const std::to_chars_result& result) {
+    if (result.ec != std::errc{})
+      full_ = true;
+    else
+      at_ = result.ptr;
+  }
+
   char* at_;
   char* end_;
   bool full_ = false;
@@ -159,7 +164,9 @@ std::size_t format_log_row(std::span<char> out, const LogRow& row, bool controll
   if (controller) {
     for (const ControllerColumn& column : controller_columns) {
       cursor.put(',');
-      if (column.number != nullptr)
+      if (column.number != nullptr && std::string_view(column.name).starts_with("loss_"))
+        cursor.put_whole(row.controller.*column.number);
+      else if (column.number != nullptr)
         cursor.put(row.controller.*column.number);
       else
         cursor.put(row.controller.*column.text);
