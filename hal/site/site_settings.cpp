@@ -174,7 +174,8 @@ std::string warning_of(const PointMap& points) {
   if (beat->object.empty() || setpoint == nullptr || (!is_own && device_of(*beat) == device_of(*setpoint))) return {};
   return fmt::format(
       "line {}: the heartbeat is {}: where this box loses power the AHU keeps the last setpoint; name a commandable "
-      "object of the AHU whose program takes over when the value stands still (docs/bacnet.md, Priorities and hand-back)",
+      "object of the AHU whose program takes over when the value stands still (docs/bacnet.md, Priorities and "
+      "hand-back)",
       beat->line,
       is_own ? "the gateway's own"
              : fmt::format("of device {}, the setpoint of device {}", device_of(*beat), device_of(*setpoint)));

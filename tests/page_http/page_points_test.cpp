@@ -127,11 +127,11 @@ TEST_F(PagePoints, TheCommandsOfTheGapFitTheSite) {
   };
   EXPECT_EQ(commands("site.toml", ""),
             (Commands{"airside gap fit --site site.toml --measured log --weather STATION.epw --out room.json",
-                   "airside gap --site site.toml --measured log --reference-days 6 --plant rc --room room.json "
-                   "--weather STATION.epw --out gap-report"}));
+                      "airside gap --site site.toml --measured log --reference-days 6 --plant rc --room room.json "
+                      "--weather STATION.epw --out gap-report"}));
   EXPECT_EQ(commands("it's 3.toml", "[log]\ndir = \"my logs/\"\n[twin]\nmodel = \"rc\"\n"),
             (Commands{"airside gap --site 'it'\\''s 3.toml' --measured 'my logs' --reference-days 6 "
-                   "--weather STATION.epw --out gap-report"}));
+                      "--weather STATION.epw --out gap-report"}));
   EXPECT_EQ(commands("site.toml", "[twin]\nmodel = \"m.epJSON\"\nweather = \"a.epw\"\n"),
             (Commands{"airside gap --site site.toml --measured log --reference-days 6 --out gap-report"}));
 }
