@@ -15,6 +15,7 @@ struct Alternative {
   sim::EffectAt at;
   std::size_t candidate = 0;  ///< its index in Responses::candidates, in the direction of its magnitude
   double magnitude = 0, sd = 0;
+  double share = 0;                 ///< of the way from null: the part of sd that the twin's other errors are
   double log_likelihood_ratio = 0;  ///< 2 ln likelihood that it gains over the model without it
   double of_reference = 0;          ///< the most that it gains in the reference's own blocks
   double residual_ratio = 0;        ///< what it leaves, over the reference's

@@ -138,8 +138,7 @@ void add_posteriors(const GapPage& page, ReportInput& input) {
     for (const gap::EffectProbability& e : p.effects) {
       if (e.probability < 0.01) break;
       const gap::Alternative& a = tried.list[e.from];
-      add(a.at.id(), a.at.text(), e.probability,
-          fmt::format("{:.3g} ± {:.2g}{}", a.magnitude, 1.96 * a.sd, gap::unit_suffix(*a.at.effect)),
+      add(a.at.id(), a.at.text(), e.probability, gap::magnitude_text(a),
           a.locked ? fmt::format("{:.0f}, {:.0f}{}", a.locked_expected, a.locked_log_likelihood_ratio,
                                  e.vetoed ? ": contradicted" : "")
                    : "–");

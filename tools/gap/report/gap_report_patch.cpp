@@ -47,13 +47,14 @@ void add_ledger(const GapPage& page, ReportInput& input) {
   for (std::size_t k = page.run.patched->changes.size(); k-- > 0;) {  // findings first
     const gap::PatchedChange& change = page.run.patched->changes[k];
     const bool parameter = k < page.run.before.size();
-    const double sd = parameter ? page.run.parameters[k].sd : page.run.verdict.findings[k - page.run.before.size()].sd;
+    const std::string size =
+        parameter ? fmt::format("{:.3g}{} ± {:.2g}", change.change.magnitude,
+                                gap::unit_suffix(*change.change.at.effect), 1.96 * page.run.parameters[k].sd)
+                  : gap::magnitude_text(page.run.verdict.findings[k - page.run.before.size()]);
     std::string beside;
     for (const std::string& line : change.beside) beside += (beside.empty() ? "" : "; ") + line;
     table.rows.push_back({change.change.at.text(),
-                          {text_cell(parameter ? "the reference period asks for it" : "found"),
-                           text_cell(fmt::format("{:.3g}{} ± {:.2g}", change.change.magnitude,
-                                                 gap::unit_suffix(*change.change.at.effect), 1.96 * sd)),
+                          {text_cell(parameter ? "the reference period asks for it" : "found"), text_cell(size),
                            text_cell(edits_text(change.edits)), text_cell(beside.empty() ? "–" : beside)},
                           parameter ? SeriesRole::plain : SeriesRole::main,
                           false});

@@ -25,13 +25,6 @@ std::string capitalised(std::string text) {
 
 std::string percent_text(double probability) { return number_text(100 * probability, 0) + " %"; }
 
-/// "factor 1.09 ± 0.06".
-std::string size_text(const gap::Finding& f) {
-  constexpr double z95 = 1.96;
-  return fmt::format("{}{:.3g} ± {:.2g}{}", f.at.effect->unit == "1" ? "factor " : "", f.magnitude, z95 * f.sd,
-                     gap::unit_suffix(*f.at.effect));
-}
-
 /// "power of the supply fan (13 %), nothing (5 %)": members of the set but `itself`.
 std::string others_text(const gap::Posterior& posterior, const std::string& itself) {
   std::vector<std::string> parts;
@@ -53,7 +46,8 @@ std::string others_text(const gap::Posterior& posterior, const std::string& itse
 std::string finding_text(const GapPage& page, const gap::Finding& f) {
   const double probability = probability_of(page, f);
   const bool in_title = f.at.id() == page.run.verdict.findings.front().at.id();
-  std::string text = in_title ? capitalised(size_text(f)) : capitalised(f.at.text()) + ": " + size_text(f);
+  std::string text =
+      in_title ? capitalised(gap::magnitude_text(f)) : capitalised(f.at.text()) + ": " + gap::magnitude_text(f);
   if (std::isfinite(probability)) text += ", with a probability of " + percent_text(probability);
   return text + ".";
 }

@@ -110,8 +110,9 @@ class Trial {
     t_.best.log_likelihood_ratio = rest_.cost - best.cost;
     t_.best.log_likelihood_limit = t_.log_likelihood_limit;
     const double norm = selection.dot(best.chosen.back().candidate, best.chosen.back().candidate);
+    t_.best.share = c_.rules.magnitude_share;
     t_.best.sd = std::hypot((candidate.probe - effect.null_value) / std::sqrt(std::max(1e-12, norm)),
-                            c_.rules.magnitude_share * (t_.best.magnitude - effect.null_value));
+                            t_.best.share * (t_.best.magnitude - effect.null_value));
   }
 
   void add_rivals() {
@@ -160,9 +161,7 @@ class Trial {
       t_.why = std::move(because);
     };
     if (another_size()) {
-      const Finding& f = t_.best;
-      say(TriedAnswer::refused, fmt::format("not at this size: if it is this effect, it is {:.3g}{} ± {:.2g}",
-                                            f.magnitude, unit_suffix(*f.at.effect), 1.96 * f.sd));
+      say(TriedAnswer::refused, "not at this size: if it is this effect, it is " + magnitude_text(t_.best));
     } else if (shows && !t_.cannot_tell_from.empty()) {
       say(TriedAnswer::cannot_tell, "it explains much, but so does: " + t_.cannot_tell_from.front().text());
     } else if (shows && locked_days_contradict()) {

@@ -20,6 +20,7 @@ class FindingJudge {
     f.at = c_.candidate(c).at;
     f.magnitude = c_.refitter.magnitude(c);
     f.sd = sd_of(c, f.magnitude, selection);
+    f.share = c_.rules.magnitude_share;
     const Refit& others = search_.without(now, i);
     f.log_likelihood_ratio = others.cost - now.cost;
     f.same_sign = same_sign(others.chosen, c.candidate);
@@ -114,6 +115,7 @@ class FindingJudge {
     a.candidate = t.chosen.candidate;
     a.magnitude = c_.refitter.magnitude(t.chosen);
     a.sd = sd_of(t.chosen, a.magnitude, selection);
+    a.share = c_.rules.magnitude_share;
     a.log_likelihood_ratio = others.cost - t.refit.cost;
     a.of_reference = c_.nulls.log_likelihood_ratio[t.chosen.candidate];
     a.residual_ratio = ratio_of(t.refit);

@@ -17,7 +17,7 @@ struct Rules {
   double residual_ratio_limit = 1.5;  ///< mean square left over that of the reference: more is no chance,
   double residual_ratio_days = 9;     ///< from this number of fitted days on; in fewer the excess over 1 may be larger
                                       ///< as 1/sqrt
-  double magnitude_share = 0.30;      ///< sd of a magnitude from the twin's other errors, of the way from its null
+  double magnitude_share = 0.30;      ///< Alternative::share of what was simulated
   double locked_share = 0.3;          ///< of days locked away at the start
   double affected_share = 0.5;        ///< of how far the findings move the channel that they move most, in its noise:
                                       ///< channels that move as far count on the locked days

@@ -16,6 +16,7 @@ const char* text_of(VerdictKind kind);
 struct Finding {
   sim::EffectAt at;
   double magnitude = 0, sd = 0;
+  double share = 0;                             ///< as Alternative::share
   double log_likelihood_ratio = 0;              ///< 2 ln likelihood, by real simulation
   double log_likelihood_limit = 0;              ///< below which it is noise: each effect has its own
   double margin = 0;                            ///< gain over that of the best other effect that was simulated

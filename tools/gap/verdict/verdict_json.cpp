@@ -13,7 +13,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double z95 = 1.96;
 constexpr const char* place_kinds[] = {"floor", "facade", "zone", "vav", "fcu", "vav_pair"};
 
 json place_json(const sim::EffectAt& at) {
@@ -119,11 +118,6 @@ json posterior_json(const Posterior& p, const Alternatives& tried) {
 
 json finite_json(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
 
-MagnitudeInterval interval_of(const Finding& f) {
-  const sim::Effect& effect = *f.at.effect;
-  return {std::max(effect.low, f.magnitude - z95 * f.sd), std::min(effect.high, f.magnitude + z95 * f.sd)};
-}
-
 json json_of(const Verdict& v, const std::string& name, const Responses& responses, const sim::Channels& channels,
              const Rules& rules) {
   json effects = json::array(), unsure = json::array(), ranking = json::array(), ratios = json::array(),
@@ -196,14 +190,8 @@ json json_of(const CleanLog& log) {
   return j;
 }
 
-std::string unit_suffix(const sim::Effect& effect) {
-  return effect.unit == "1" || effect.unit == "share" ? "" : " " + effect.unit;
-}
-
 std::string sentence_of(const Finding& f) {
-  const sim::Effect& effect = *f.at.effect;
-  std::string text = fmt::format("{}: {}{:.3g}{} ± {:.2g}", f.at.text(), effect.unit == "1" ? "factor " : "",
-                                 f.magnitude, unit_suffix(effect), z95 * f.sd);
+  std::string text = fmt::format("{}: {}", f.at.text(), magnitude_text(f));
   if (!f.cannot_tell_from.empty()) {
     std::string alike;
     for (const sim::EffectAt& at : f.cannot_tell_from) alike += (alike.empty() ? "" : "; or ") + at.text();
@@ -222,8 +210,8 @@ std::string text_of(const Posterior& p, const Alternatives& tried) {
   for (const EffectProbability& e : p.effects) {
     if (e.probability < 0.01 || ++rows > 6) break;
     const Alternative& a = tried.list[e.from];
-    row(e.probability, fmt::format("{}: {:.3g} ± {:.2g}{}{}", a.at.id(), a.magnitude, z95 * a.sd,
-                                   unit_suffix(*a.at.effect), e.vetoed ? ", which the locked days contradict" : ""));
+    row(e.probability,
+        fmt::format("{}: {}{}", a.at.id(), magnitude_text(a), e.vetoed ? ", which the locked days contradict" : ""));
   }
   row(p.nothing, "nothing");
   row(p.other, "something that no effect is");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/gap/clean_up/clean_up.hpp"
+#include "tools/gap/verdict/magnitude.hpp"
 #include "tools/gap/verdict/verdict.hpp"
 
 namespace airside::tools::gap {
@@ -23,7 +24,8 @@ nlohmann::json json_of(const CleanLog& log);
 /// A number, or null where it is not finite.
 nlohmann::json finite_json(double value);
 
-/// One sentence a finding, for people: "flow of box 3 is not what its controller believes: 0.71 ± 0.02; ..".
+/// One sentence a finding, for people: "flow of box 3 is not what its controller believes: factor 0.71 (0.57 to 0.86);
+/// ..".
 std::string sentence_of(const Finding& finding);
 
 /// A row for each effect of at least 1 %, six at most, then nothing and something else.
@@ -36,16 +38,7 @@ std::string sentence_of(const Verdict& verdict);
 /// The clean-up table for people: a few values that never came, in many columns, are one row.
 std::vector<Remark> shown_remarks(const CleanLog& log);
 
-/// " K", "" where a magnitude is a mere number.
-std::string unit_suffix(const sim::Effect& effect);
-
 /// The clean-up table for a terminal: one line a remark, none for a clean log.
 std::string text_of(const CleanLog& log);
-
-/// The 95 % interval of a magnitude, within the effect's bounds.
-struct MagnitudeInterval {
-  double low = 0, high = 0;
-};
-MagnitudeInterval interval_of(const Finding& finding);
 
 }  // namespace airside::tools::gap
