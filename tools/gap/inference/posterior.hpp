@@ -78,8 +78,9 @@ struct Posterior {
   std::vector<EffectProbability> effects;  ///< best first
   double nothing = 0, other = 0;
   std::vector<std::string> set;  ///< ids, "nothing", "other": the fewest that hold PosteriorModel::set_probability
-  /// Its first effect is more probable than PosteriorModel::name_probability of what is not something else, which is
-  /// less probable than PosteriorModel::name_other, no locked day contradicts it, and it is as large as it is at least.
+  double name_needs = 1;         ///< PosteriorModel::name_probability
+  /// Its first effect is more probable than `name_needs` of what is not something else, which is less probable than
+  /// PosteriorModel::name_other, no locked day contradicts it, and it is as large as it is at least.
   bool sure = false;
   double likeliest() const { return effects.empty() ? 0 : effects.front().probability; }
 };

@@ -145,7 +145,8 @@ void add_verdict_figure(const GapPage& page, ReportInput& input) {
     of = "probability of the first explanation";
   }
   input.figures.push_back({number_text(100 * probability, 0), "%", of,
-                           fmt::format("verdict: {}; a name needs 95 %", gap::text_of(v.kind))});
+                           fmt::format("verdict: {}; a name needs {} of what is not something else",
+                                       gap::text_of(v.kind), percent_text(first.name_needs))});
 }
 
 }  // namespace airside::tools

@@ -110,6 +110,7 @@ json posterior_json(const Posterior& p, const Alternatives& tried) {
           {"other", p.other},
           {"set", p.set},
           {"sure", p.sure},
+          {"name_needs", p.name_needs},
           {"residual_ratio", finite_json(tried.residual_ratio)},
           {"residual_ratio_chance", finite_json(tried.residual_ratio_chance)}};
 }
