@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tools/gap/report/reliability_svg.hpp"
 #include "tools/gap/score/score.hpp"
 
@@ -45,6 +47,33 @@ Json posterior(const std::string& id, double probability, double nothing, double
                   {"nothing", nothing},
                   {"other", other},
                   {"set", set}}});
+}
+
+TEST(Score, MeasuresTheGapClosedToARightModelBesideTheGapClosedToNoise) {
+  PosteriorCases b;
+  const auto named = [&b](double after, const Json& right) {
+    b.single(3, posterior("vav_flow@3", 0.98, 0.01, 0.01, {"vav_flow@3"}));
+    Json& verdict = b.verdicts["verdicts"].back();
+    verdict["verdict"] = "named";
+    verdict["effects"] = listed({{{"id", "vav_flow@3"}, {"magnitude", 0.7}}});
+    verdict["locked"] = {{"score_before", 5}, {"score_after", after}, {"score_floor", 1}, {"score_right", right}};
+    verdict["locked"]["temp_rmse_after_k"] = nullptr;
+  };
+  named(3, 2);        // of 4 down to noise 2 are gone, of 3 down to a right model 2
+  named(1.5, 2);      // better than a right model: all
+  named(3, 6);        // no gap above a right model
+  named(3, nullptr);  // no buildings were drawn
+  const ScoreTable table = b.table();
+  const auto row = [&table](const std::string& measure) {
+    return *std::ranges::find_if(table.spreads,
+                                 [&](const SpreadRow& r) { return r.measure == measure && r.slice == "all"; });
+  };
+  EXPECT_EQ(row("gap closed").n, 4);
+  EXPECT_DOUBLE_EQ(row("gap closed").median, 0.5);
+  EXPECT_EQ(row("closed to a right model").n, 2);
+  EXPECT_DOUBLE_EQ(row("closed to a right model").quartile_1, 0.75);
+  EXPECT_DOUBLE_EQ(row("closed to a right model").quartile_3, 11.0 / 12);
+  for (const CountRow& r : table.counts) EXPECT_FALSE(r.measure.empty());
 }
 
 TEST(Score, HoldsPosteriorsToWhatIsHidden) {

@@ -102,6 +102,7 @@ struct ScoreTable {
 /// right; "both in class", "one in class": covered by different effects, named
 ///   or ambiguous; "extra name": named, an effect covers neither.
 /// named: "gap closed" = 1 - (after - floor)/(before - floor) within -1 .. 1, left out where before <= floor;
+///   "closed to a right model": the same, with what such a model would leave as floor, where verdicts have it;
 ///   "harm": after > before. An after that is not finite harms and closes -1.
 /// Where tests on site were done: each measure of single, null, outside and pair again as "<measure>, N tests", of the
 /// verdicts after at most N executed tests, a case without any counting by its first.

@@ -176,7 +176,9 @@ void read_verdict(ScoredCase& c, const Field& field, const std::map<std::string,
   if (field.has("locked")) {
     const Field locked = field.at("locked");
     c.locked = SaidLocked{locked.at("score_before").number_or_null(), locked.at("score_after").number_or_null(),
-                          locked.at("score_floor").number_or_null(), locked.at("temp_rmse_after_k").number_or_null()};
+                          locked.at("score_floor").number_or_null(),
+                          locked.has("score_right") ? locked.at("score_right").number_or_null() : not_known,
+                          locked.at("temp_rmse_after_k").number_or_null()};
   }
 }
 

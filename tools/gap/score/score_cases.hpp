@@ -31,7 +31,7 @@ struct SaidEffect {
 };
 
 struct SaidLocked {
-  double before = not_known, after = not_known, floor = not_known, temp_after_k = not_known;
+  double before = not_known, after = not_known, floor = not_known, right = not_known, temp_after_k = not_known;
 };
 
 /// How probable each explanation is beside the other findings.

@@ -250,7 +250,7 @@ void count_sets(ScoreTable& table, const std::vector<ScoredCase>& cases) {
 }
 
 void measure_shrink(ScoreTable& table, const std::vector<ScoredCase>& cases) {
-  std::vector<Figure> figures;
+  std::vector<Figure> figures, to_right_model;
   std::vector<std::string> unlocked, gapless;
   for (const ScoredCase& c : cases) {
     if (!is_named(c)) continue;
@@ -258,16 +258,22 @@ void measure_shrink(ScoreTable& table, const std::vector<ScoredCase>& cases) {
       unlocked.push_back(c.id);
       continue;
     }
-    const auto [before, after, floor, unused] = *c.locked;
+    const auto [before, after, floor, right, unused] = *c.locked;
+    const auto closed = [before = before, after = after](double down_to) {
+      return std::isfinite(after) ? std::clamp(1 - (after - down_to) / (before - down_to), -1.0, 1.0) : -1;
+    };
     Figure f{&c, std::nullopt, !(after <= before)};
     if (before > floor) {
-      f.value = std::isfinite(after) ? std::clamp(1 - (after - floor) / (before - floor), -1.0, 1.0) : -1;
+      f.value = closed(floor);
     } else {
       gapless.push_back(c.id);
     }
     figures.push_back(f);
+    if (before > right) to_right_model.push_back({&c, closed(right), std::nullopt});
   }
   spread(table, figures, "named", "gap closed", at_least(0.90), "harm", at_most(0.02));
+  if (!to_right_model.empty())
+    spread(table, to_right_model, "named", "closed to a right model", at_least(0.90), "", std::nullopt);
   warn(table, unlocked, "named without figures of locked days, left out of gap closed and harm");
   warn(table, gapless, "named without a gap above the floor on locked days, left out of gap closed");
 }

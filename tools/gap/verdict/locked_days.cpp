@@ -37,6 +37,19 @@ Eigen::VectorXd moved_share(const Eigen::MatrixXd& moved, const Eigen::VectorXd&
   return share;
 }
 
+/// Mean square of how drawn buildings differ in a channel, where it was measured.
+double square_of_buildings(const StructureEnsemble& ensemble, const Eigen::MatrixXd& measured, Index first,
+                           Index channel) {
+  double sum = 0;
+  int count = 0;
+  for (Index t = first; t < measured.rows(); ++t) {
+    if (!std::isfinite(measured(t, channel))) continue;
+    for (const Eigen::MatrixXd& one : ensemble.directions) sum += one(t, channel) * one(t, channel);
+    ++count;
+  }
+  return sum / std::max(1, count);
+}
+
 }  // namespace
 
 LockedDays locked_days(const FittedCase& c, const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {
@@ -55,16 +68,18 @@ LockedDays locked_days(const FittedCase& c, const Eigen::MatrixXd& before, const
   // Where the findings act: the channel that they move most, and those moved nearly as much.
   const Eigen::VectorXd& noise = c.fit.noise.spread();
   const Eigen::VectorXd share = moved_share((before - after).bottomRows(before.rows() - first), noise);
-  double sum_before = 0, sum_after = 0, affected = 0;
+  double sum_before = 0, sum_after = 0, affected = 0, buildings = 0;
   for (Index channel = 0; channel < before.cols(); ++channel) {
     if (share(channel) < c.rules.affected_share * share.maxCoeff()) continue;
     sum_before += std::pow(locked.rmse_before(channel) / noise(channel), 2);
     sum_after += std::pow(locked.rmse_after(channel) / noise(channel), 2);
     affected += 1;
+    buildings += square_of_buildings(c.ensemble, before, first, channel) / std::pow(noise(channel), 2);
   }
   locked.score_before = std::sqrt(sum_before);
   locked.score_after = std::sqrt(sum_after);
   locked.score_floor = std::sqrt(affected);
+  locked.score_right = std::sqrt(affected + buildings);
   return locked;
 }
 

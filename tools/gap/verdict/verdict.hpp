@@ -33,6 +33,7 @@ struct LockedDays {
   double power_rmse_before_kw = 0, power_rmse_after_kw = 0;
   double score_before = 0, score_after = 0;   ///< root sum of squares over affected channels, each by its noise
   double score_floor = 0;                     ///< what noise alone would give
+  double score_right = 0;                     ///< what a right model would: noise, and how drawn buildings differ
   double log_likelihood_ratio = 0;            ///< 2 ln likelihood, parameters as free as the other days leave them
   double predicted_log_likelihood_ratio = 0;  ///< the same, were the findings the whole truth
 };

@@ -69,6 +69,7 @@ json locked_json(const LockedDays& locked, const sim::Channels& channels) {
   return {{"score_before", locked.score_before},
           {"score_after", locked.score_after},
           {"score_floor", locked.score_floor},
+          {"score_right", locked.score_right},
           {"gain", locked.log_likelihood_ratio},
           {"predicted_gain", locked.predicted_log_likelihood_ratio},
           {"temp_rmse_before_k", locked.temp_rmse_before_k},
