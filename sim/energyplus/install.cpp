@@ -97,10 +97,14 @@ std::optional<fs::path> engine_folder() {
 EnergyPlusInstall find_energyplus() {
   const auto folder = engine_folder();
   if (!folder) {
-    throw hal::InputError("EnergyPlus engine", "no libenergyplusapi.so in " + list_of(engine_folders()),
-                          "the engine of EnergyPlus 25.2 in one of them",
-                          "run tools/setup, or name its folder in AIRSIDE_ENERGYPLUS or a Python environment "
-                          "that has it in AIRSIDE_VENV; the rc plant needs no engine");
+    const std::vector<fs::path> looked = engine_folders();
+    throw hal::InputError(
+        "EnergyPlus engine",
+        looked.empty() ? "no Python environment venv above " + program_folder().string()
+                       : "no libenergyplusapi.so in " + list_of(looked),
+        looked.empty() ? "one with the engine of EnergyPlus 25.2" : "the engine of EnergyPlus 25.2 in one of them",
+        "run tools/setup, or name its folder in AIRSIDE_ENERGYPLUS or a Python environment "
+        "that has it in AIRSIDE_VENV; the rc plant needs no engine");
   }
   EnergyPlusInstall install{*folder, *folder / "libenergyplusapi.so", *folder / "Energy+.schema.epJSON"};
   if (!present(install.schema)) {
