@@ -96,7 +96,7 @@ TEST(EngineOfAProgramElsewhere, IsSaidToBeLookedForAboveIt) {
                                " exec away/bin/airside pretrain --plant energyplus --days 2 --updates 1 -o x.blob");
   if (o.code == 0) GTEST_SKIP() << "NOT CHECKED: this build has the path of its sources in the program";
   EXPECT_EQ(o.code, 1);
-  expect_said({"EnergyPlus engine", "no Python environment venv above", "away/bin", "run tools/setup"},
+  expect_said({"EnergyPlus engine", "away/bin", "the engine of EnergyPlus 25.2", "run tools/setup"},
               complaint_in(o.err), o.err);
 }
 
