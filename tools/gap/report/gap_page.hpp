@@ -17,6 +17,9 @@ struct GapPage {
   sim::Channels at;
   Eigen::Index first;      ///< bin after the first day
   std::vector<int> shown;  ///< channels that were ever measured
+  /// As the verdict sees them: without what reference days showed already and all drawn buildings have. Channels that
+  /// are no evidence are as measured less simulated. Shape: bins x channels.
+  Eigen::MatrixXd news_before, news_after;
 
   bool found() const { return !run.verdict.findings.empty(); }
   Eigen::Index bins() const { return run.residual_given.rows(); }

@@ -53,6 +53,15 @@ GapPage::GapPage(const gap::GapRun& of)
   for (int c = 0; c < at.count(); ++c) {
     if (ever_measured(of.residual_given, c)) shown.push_back(c);
   }
+  const auto news = [](const Eigen::MatrixXd& of_verdict, const Eigen::MatrixXd& plain) {
+    Eigen::MatrixXd all = plain;
+    if (of_verdict.rows() != plain.rows() || of_verdict.cols() != plain.cols()) return all;
+    for (Eigen::Index c = 0; c < all.cols(); ++c)
+      if (of_verdict.col(c).array().isFinite().any()) all.col(c) = of_verdict.col(c);
+    return all;
+  };
+  news_before = news(of.verdict.residual_before, of.residual_before);
+  news_after = news(of.verdict.residual_after, of.residual_after);
 }
 
 std::string as_sentence(std::string text) {

@@ -57,7 +57,7 @@ std::string scale_text(const std::map<std::string, double>& scale) {
 template <class Grouped>
 void add_map(const GapPage& page, ReportInput& input, const std::string& title, const std::string& note, bool mean,
              const Grouped& grouped, const std::function<void(HeatMap&)>& finish) {
-  const gap::ErrorMap before = grouped(page.run.residual_before), after = grouped(page.run.residual_after);
+  const gap::ErrorMap before = grouped(page.news_before), after = grouped(page.news_after);
   const Eigen::MatrixXd &b = mean ? before.mean : before.rmse, &a = mean ? after.mean : after.rmse;
   const auto scale = scales(page, {&b, &a});
   PictureRow pictures;
@@ -82,13 +82,12 @@ std::vector<int> telling_channels(const GapPage& page) {
     double square = 0;
     int count = 0;
     for (Eigen::Index t = page.first; t < page.bins(); ++t) {
-      const double x = page.found() ? page.run.residual_before(t, c) - page.run.residual_after(t, c)
-                                    : page.run.residual_before(t, c);
+      const double x = page.found() ? page.news_before(t, c) - page.news_after(t, c) : page.news_before(t, c);
       if (!std::isfinite(x)) continue;
       square += x * x;
       ++count;
     }
-    const double left = page.found() ? gap::errors_of(page.run.residual_after, page.first, page.bins()).rmse(c) : 0;
+    const double left = page.found() ? gap::errors_of(page.news_after, page.first, page.bins()).rmse(c) : 0;
     order.emplace_back(-std::sqrt(square / std::max(1, count)) / (left + floor), c);
   }
   std::sort(order.begin(), order.end());
@@ -146,7 +145,8 @@ void add_maps(const GapPage& page, ReportInput& input) {
   const auto hours = [](HeatMap& map) { map.column_unit = " h"; };
   add_map(page, input, "When the twin is wrong, and in which direction",
           "Mean of measured minus simulated by hour of day, all measured days but the first. Orange: measured more "
-          "than the twin says; blue: less.",
+          "than the twin says; blue: less. What the reference days showed already, and what all drawn "
+          "buildings have, is taken off in pictures and curves; the tables below have the whole difference.",
           true, by_hour, hours);
   add_map(page, input, "How far the twin is off",
           "Root mean square error by hour of day, all measured days but the first.", false, by_hour, hours);
@@ -173,15 +173,15 @@ void add_curves(const GapPage& page, ReportInput& input) {
   for (const int c : telling_channels(page)) {
     LineChart chart;
     chart.title = channel_title(page.at, c) + ": measured minus simulated";
-    chart.note = page.found() ? "One of the channels that what was found moves most; half-hour means."
-                              : "One of the channels that are off most; half-hour means.";
+    chart.note =
+        page.found() ? "One of the channels that what was found moves most" : "One of the channels that are off most";
+    chart.note += "; half-hour means, without what the reference days showed already and all drawn buildings have.";
     chart.unit = channel_unit(page.at, c);
     chart.x = x;
     chart.series.push_back({"no error", {0.0}, SeriesRole::reference});
-    chart.series.push_back({page.run.before.empty() ? "twin" : "twin, fitted", curve(page.run.residual_before, c),
+    chart.series.push_back({page.run.before.empty() ? "twin" : "twin, fitted", curve(page.news_before, c),
                             page.found() ? SeriesRole::plain : SeriesRole::main});
-    if (page.found())
-      chart.series.push_back({"with what was found", curve(page.run.residual_after, c), SeriesRole::main});
+    if (page.found()) chart.series.push_back({"with what was found", curve(page.news_after, c), SeriesRole::main});
     chart.bands.push_back({static_cast<double>(from.seconds) + bin_s * static_cast<double>(page.run.locked_from()),
                            static_cast<double>(from.seconds) + bin_s * static_cast<double>(page.bins())});
     chart.band_name = "days locked away";

@@ -57,7 +57,7 @@ void add_meter_offsets(const GapPage& page, ReportInput& input) {
 }  // namespace
 
 void add_figures(const GapPage& page, ReportInput& input) {
-  const gap::ChannelErrors before = page.locked(page.run.residual_before), after = page.locked(page.run.residual_after);
+  const gap::ChannelErrors before = page.locked(page.news_before), after = page.locked(page.news_after);
   const auto change = [&](const char* label, int from, int to, const char* unit) {
     const double now = gap::joint_rmse(after, from, to), then = gap::joint_rmse(before, from, to);
     input.figures.push_back({number_text(now, 2), unit, label,
