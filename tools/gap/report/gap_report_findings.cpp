@@ -117,11 +117,9 @@ void add_posteriors(const GapPage& page, ReportInput& input) {
     table.title = tried.beside.empty() ? "How probable each explanation is"
                                        : fmt::format("How probable each is beside {}", fmt::join(titles, ", "));
     table.note = fmt::format(
-        "Bold: the fewest that together hold 90 %. A name needs {:.0f} % of what is not something else. Gain: twice "
-        "the "
-        "logarithm of the likelihood that an explanation adds; on days that nothing was fitted to, what the fitted "
-        "days "
-        "let expect and what came.",
+        "Bold: the fewest that together hold 90 %. A name needs {:.0f} % of what is not something else. Gain: "
+        "twice the logarithm of the likelihood that an explanation adds; on days that nothing was fitted to, what "
+        "the fitted days let expect and what came.",
         100 * p.name_needs);
     table.row_header = "explanation";
     table.prose = true;
