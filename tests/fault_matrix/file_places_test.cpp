@@ -30,23 +30,13 @@ class FilePlaces : public ::testing::Test {
       fs::create_directories(at / "full");
     }
   }
-  nlohmann::json status_now() const {
-    std::ifstream in(bench.file("state") / "status.json");
-    return nlohmann::json::parse(in, nullptr, false);
-  }
-  /// Its two files change places: a look that lasts over two rows sees the next one being written.
-  nlohmann::json status() const {
-    nlohmann::json s = status_now();
-    for (int look = 0; look < 1000 && !s.is_object(); ++look, s = status_now()) closed_loop::sleep_s(0.01);
-    return s;
-  }
   /// Waits until the status tells of `rows` more rows. False: the daemon hangs, or is gone.
   bool goes_on(Child& daemon, int rows) const {
     const double until_s = closed_loop::now_s() + 60;
     std::string seen;
     for (int row = -1; row < rows;) {
       if (closed_loop::now_s() > until_s || !daemon.running()) return false;
-      const nlohmann::json s = status_now();
+      const nlohmann::json s = bench.status();
       if (s.is_object() && s["time"] != seen) seen = s["time"], ++row;
       closed_loop::sleep_s(0.001);
     }
@@ -59,12 +49,12 @@ class FilePlaces : public ::testing::Test {
     const auto daemon = bench.start_daemon(false, {"--crash-limit", "8"});  // it keeps its starts
     ASSERT_TRUE(goes_on(*daemon, 3)) << what << daemon->said();
     if (alarms) {
-      EXPECT_NE(status()["storage"], "ok") << what;
-      EXPECT_NE(status()["alarms"].dump().find("storage failed"), std::string::npos) << what << status();
+      EXPECT_NE(bench.status()["storage"], "ok") << what;
+      EXPECT_NE(bench.status()["alarms"].dump().find("storage failed"), std::string::npos) << what << bench.status();
     }
     for (const fs::path& at : places) fs::remove_all(at);
     ASSERT_TRUE(goes_on(*daemon, 5)) << what << daemon->said();
-    EXPECT_EQ(status()["storage"], "ok") << what << daemon->said();
+    EXPECT_EQ(bench.status()["storage"], "ok") << what << daemon->said();
     daemon->signal(SIGTERM);
     EXPECT_EQ(daemon->wait(30), 0) << what << daemon->said();
   }

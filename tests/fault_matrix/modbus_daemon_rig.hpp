@@ -104,7 +104,7 @@ class ChaosLoop {
 
   std::string said() const { return text_of("daemon.txt"); }
   bool has_said(const std::string& what) const { return said().find(what) != std::string::npos; }
-  nlohmann::json status() const { return nlohmann::json::parse(text_of("state/status.json"), nullptr, false); }
+  nlohmann::json status() const { return bench.status(); }
   bool has_alarm(const std::string& reason) const {
     const nlohmann::json s = status();
     if (!s.contains("alarms")) return false;

@@ -126,13 +126,13 @@ TEST_F(StatusOfDaemon, AlarmsWhereAFolderKeepsTheNextStatusFromItsName) {
   fs::create_directories(next / "full");
   start();
   rows(5);
-  const nlohmann::json s = json_in(status);
+  const nlohmann::json s = bench.status();
   EXPECT_EQ(s["storage"], "status cannot be written") << s;
   EXPECT_EQ(s["alarms"].dump().find("storage failed") != std::string::npos, true) << s;
   fs::remove_all(next);
   rows(10);
-  EXPECT_EQ(json_in(status)["storage"], "ok");
-  EXPECT_EQ(json_in(status)["alarms"], nlohmann::json::array());
+  EXPECT_EQ(bench.status()["storage"], "ok");
+  EXPECT_EQ(bench.status()["alarms"], nlohmann::json::array());
   EXPECT_EQ(times_said("status cannot be written"), 1u) << daemon->said();
 }
 
@@ -145,7 +145,7 @@ TEST_F(StatusOfDaemon, SaysOnceThatAFolderStandsInItsPlaceAndGoesOn) {
       << daemon->said();
   fs::remove_all(status);
   rows(10);
-  EXPECT_EQ(json_in(status)["storage"], "ok");
+  EXPECT_EQ(bench.status()["storage"], "ok");
 }
 
 TEST_F(StatusOfDaemon, IsNotHungByAPipeNorLedAwayByALink) {
@@ -155,7 +155,7 @@ TEST_F(StatusOfDaemon, IsNotHungByAPipeNorLedAwayByALink) {
   fs::remove(next);
   fs::create_symlink(bench.file("victim"), next);
   rows(5);
-  EXPECT_EQ(json_in(status)["storage"], "ok");
+  EXPECT_EQ(bench.status()["storage"], "ok");
   EXPECT_EQ(fs::file_size(bench.file("victim")), 4u);
   EXPECT_EQ(times_said("it was taken away"), 2u) << daemon->said();
 }

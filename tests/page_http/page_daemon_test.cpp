@@ -46,7 +46,7 @@ class Box {
     return nlohmann::json::parse(said(), nullptr, false);
   }
   std::string said() const { return read("said.txt"); }
-  nlohmann::json status() const { return nlohmann::json::parse(read("state/status.json"), nullptr, false); }
+  nlohmann::json status() const { return bench.status(); }
 
   Bench bench;
   std::unique_ptr<Child> page;

@@ -208,6 +208,17 @@ LogText Bench::log() const {
   return text;
 }
 
+nlohmann::json Bench::status() const {
+  nlohmann::json status;
+  for (int look = 0; look < 1000; ++look) {
+    std::ifstream in(folder_ / "state" / "status.json");
+    status = nlohmann::json::parse(in, nullptr, false);
+    if (status.is_object()) break;
+    sleep_s(0.01);
+  }
+  return status;
+}
+
 std::size_t Bench::logged_rows() const {
   std::size_t files = 0;
   fs::path newest;

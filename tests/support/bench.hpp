@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,9 @@ class Bench {
 
   tools::Trial trial() const { return trial_; }
   std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+  /// The daemon's status.json, discarded where there is none within 10 s. Its two files change places, so that a look
+  /// that lasts over two rows sees the next one being written: it is taken again.
+  nlohmann::json status() const;
   /// Of this build; airsided is that of $AIRSIDE_DAEMON where it is set, such as the one of an unpacked package.
   std::filesystem::path program(const std::string& name) const;
   const tools::ControlRun& run() const { return run_; }

@@ -53,10 +53,7 @@ class PushBench {
     site.replace(at, 12, blob);
     std::ofstream(bench.file("site.toml"), std::ios::trunc) << site;
   }
-  nlohmann::json status() const {
-    std::ifstream in(bench.file("state") / "status.json");
-    return nlohmann::json::parse(in, nullptr, false);
-  }
+  nlohmann::json status() const { return bench.status(); }
 
   Bench bench;
 };

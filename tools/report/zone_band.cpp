@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/log/side_places.hpp"
 #include "tools/report/charts/report_text.hpp"
 #include "tools/run/metrics.hpp"
 
@@ -13,16 +14,6 @@ namespace airside::tools {
 namespace {
 
 constexpr double hours_a_row = row_s / 3600.0;
-
-/// Places in LogRow::side of a signal, by room; empty where one of the rooms has none.
-std::vector<std::size_t> places_of(const hal::TopologyCounts& counts, hal::SideSignal signal) {
-  std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < counts.sides.size(); ++i) {
-    if (counts.sides[i].signal == signal) places.push_back(i);
-  }
-  if (places.size() != static_cast<std::size_t>(counts.vavs)) places.clear();
-  return places;
-}
 
 /// People in and air on, as far as the row says.
 bool counts_here(const hal::TopologyCounts& counts, const hal::LogRow& row) {
@@ -71,9 +62,9 @@ std::vector<std::string> room_names(const Site& site) {
 
 ZoneBand zone_band(const Site& site, const std::vector<hal::LogRow>& rows) {
   ZoneBand band;
-  const auto setpoints = places_of(site.counts, hal::SideSignal::zone_setpoint);
-  const auto heating = places_of(site.counts, hal::SideSignal::zone_heating_setpoint);
-  const auto dampers = places_of(site.counts, hal::SideSignal::damper);
+  const auto setpoints = hal::side_places(site.counts, hal::SideSignal::zone_setpoint);
+  const auto heating = hal::side_places(site.counts, hal::SideSignal::zone_heating_setpoint);
+  const auto dampers = hal::side_places(site.counts, hal::SideSignal::damper);
   if (setpoints.empty() || rows.empty()) return band;
   for (std::string& name : room_names(site)) band.zones.push_back({std::move(name)});
   band.shows_heating = !heating.empty();

@@ -9,6 +9,7 @@
 #include "airside/supervision/mode_table.hpp"
 #include "airside/supervision/schedule.hpp"
 #include "firmware/page/data/state_folder.hpp"
+#include "hal/log/side_places.hpp"
 #include "hal/points/point_map.hpp"
 #include "hal/site/site_log.hpp"
 #include "hal/site/site_settings.hpp"
@@ -39,16 +40,6 @@ std::uint8_t reason_of(std::string_view name) {
   return 0;
 }
 
-/// Places in LogRow::side of a signal, by room; empty where one of the rooms has none.
-std::vector<std::size_t> sides_by_room(const hal::TopologyCounts& counts, hal::SideSignal signal) {
-  std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < counts.sides.size(); ++i) {
-    if (counts.sides[i].signal == signal) places.push_back(i);
-  }
-  if (places.size() != static_cast<std::size_t>(counts.vavs)) places.clear();
-  return places;
-}
-
 }  // namespace
 
 TrendStore::TrendStore(const hal::SiteFile& site)
@@ -64,8 +55,8 @@ TrendStore::TrendStore(const hal::SiteFile& site)
       trouble_ = unread.what();
     }
   }
-  cooling_ = sides_by_room(counts_, hal::SideSignal::zone_setpoint);
-  heating_ = sides_by_room(counts_, hal::SideSignal::zone_heating_setpoint);
+  cooling_ = hal::side_places(counts_, hal::SideSignal::zone_setpoint);
+  heating_ = hal::side_places(counts_, hal::SideSignal::zone_heating_setpoint);
   zones_.cooling_degc.resize(cooling_.size());
   zones_.heating_degc.resize(heating_.size());
   const int first_power = 2 * counts_.vavs + 2 * counts_.fcus;

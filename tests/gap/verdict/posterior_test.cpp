@@ -75,6 +75,25 @@ TEST(Posterior, HoldsBothOfTwoThatGainAsMuchHoweverMuchThatIs) {
   }
 }
 
+TEST(Posterior, DrawnBuildingsNameAtNinetyPercentAndNothingElseDoes) {
+  const auto share_of_sun = [](const Posterior& p) { return p.likeliest() / (1 - p.other); };
+  int between = 0;
+  for (double rival = 0; rival < 400; rival += 0.5) {
+    const Alternatives all = tried(rival, 400, 10);
+    const double share = share_of_sun(posterior_of(all));
+    if (share <= 0.90 || share >= 0.95) continue;
+    ++between;
+    EXPECT_TRUE(posterior_of(all).sure) << share;
+    EXPECT_EQ(posterior_of(all).name_needs, 0.90);
+    PosteriorModel strict = PosteriorModel::learned();
+    strict.name_probability = PosteriorModel::learned_without_buildings().name_probability;
+    EXPECT_FALSE(posterior_of(all, strict).sure) << share;
+    EXPECT_EQ(posterior_of(all, strict).name_needs, 0.95);
+  }
+  EXPECT_GT(between, 3);
+  EXPECT_EQ(PosteriorModel::learned_by_surrogate().name_probability, 0.95);
+}
+
 TEST(Posterior, GivesWhatIsLeftToSomethingElse) {
   Alternatives right = tried(20, 400, 30), strange = right;
   for (Alternative& a : strange.list) a.residual_ratio = 4;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <limits>
 
 #include "sim/rc/rc_room_file.hpp"
 #include "sim/weather/synthetic_weather.hpp"
@@ -13,6 +15,7 @@
 #include "tools/gap/model/log_window.hpp"
 #include "tools/gap/model/stretches.hpp"
 #include "tools/gap/verdict/fitted_case.hpp"
+#include "tools/gap/verdict/locked_days.hpp"
 
 namespace airside::tools::gap {
 namespace {
@@ -154,6 +157,36 @@ TEST(StructureEnsemble, IsEmptyWhereNoBuildingIsDrawn) {
   c.draw_buildings();
   EXPECT_EQ(c.ensemble.rooms, 0);
   EXPECT_TRUE(c.ensemble.directions.empty());
+}
+
+TEST(LockedDays, ARightModelLeavesNoiseAndHowBuildingsDiffer) {
+  const OtherRoom room(10);
+  const Rules rules;
+  FittedCase c(room.engine, room.data, room.responses, rules, 2);
+  const Eigen::Index bins = room.data.test.measured.rows(), channels = room.data.test.measured.cols();
+  const Eigen::Index first = locked_from(rules, bins), half = first + (bins - first) / 2;
+  const double noise = c.fit.noise.spread()(0);
+  Eigen::MatrixXd before = Eigen::MatrixXd::Zero(bins, channels), after = before;
+  before.col(0).setConstant(3 * noise);
+  after.col(0).setConstant(-noise);
+  before.col(0).tail(bins - half).setConstant(std::numeric_limits<double>::quiet_NaN());
+  after.col(0).tail(bins - half).setConstant(std::numeric_limits<double>::quiet_NaN());
+  const LockedDays alone = locked_days(c, before, after);
+  EXPECT_NEAR(alone.score_before, 3, 1e-9);
+  EXPECT_NEAR(alone.score_after, 1, 1e-9);
+  EXPECT_EQ(alone.score_floor, 1) << "the effect moves one channel";
+  EXPECT_EQ(alone.score_right, 1) << "no buildings are drawn";
+
+  // Two drawn buildings differ by 2 and by 1 of the noise where there was a measurement, elsewhere by much more; how
+  // they differ in other channels or earlier days does not count.
+  for (const double size : {2.0, 1.0}) {
+    Eigen::MatrixXd one = Eigen::MatrixXd::Constant(bins, channels, 50 * noise);
+    one.col(0).segment(first, half - first).setConstant(size * noise);
+    c.ensemble.directions.push_back(one);
+  }
+  const LockedDays drawn = locked_days(c, before, after);
+  EXPECT_NEAR(drawn.score_right, std::sqrt(1.0 + 4.0 + 1.0), 1e-9);
+  EXPECT_EQ(drawn.score_floor, 1);
 }
 
 TEST(StructureEnsemble, LivesThroughEachStretchOnItsOwn) {

@@ -53,6 +53,12 @@ std::string scale_text(const std::map<std::string, double>& scale) {
                      scale.at("-"));
 }
 
+/// What news_before and news_after do not have.
+std::string without_known(const GapPage& page) {
+  return std::string("without what the reference days showed already") +
+         (page.run.verdict.buildings > 0 ? " and all drawn buildings have" : "");
+}
+
 /// One figure: before and after, by one grouping, the mean or the RMSE.
 template <class Grouped>
 void add_map(const GapPage& page, ReportInput& input, const std::string& title, const std::string& note, bool mean,
@@ -145,8 +151,8 @@ void add_maps(const GapPage& page, ReportInput& input) {
   const auto hours = [](HeatMap& map) { map.column_unit = " h"; };
   add_map(page, input, "When the twin is wrong, and in which direction",
           "Mean of measured minus simulated by hour of day, all measured days but the first. Orange: measured more "
-          "than the twin says; blue: less. What the reference days showed already, and what all drawn "
-          "buildings have, is taken off in pictures and curves; the tables below have the whole difference.",
+          "than the twin says; blue: less. Pictures and curves are " +
+              without_known(page) + "; the tables below have the whole difference.",
           true, by_hour, hours);
   add_map(page, input, "How far the twin is off",
           "Root mean square error by hour of day, all measured days but the first.", false, by_hour, hours);
@@ -175,7 +181,7 @@ void add_curves(const GapPage& page, ReportInput& input) {
     chart.title = channel_title(page.at, c) + ": measured minus simulated";
     chart.note =
         page.found() ? "One of the channels that what was found moves most" : "One of the channels that are off most";
-    chart.note += "; half-hour means, without what the reference days showed already and all drawn buildings have.";
+    chart.note += "; half-hour means, " + without_known(page) + ".";
     chart.unit = channel_unit(page.at, c);
     chart.x = x;
     chart.series.push_back({"no error", {0.0}, SeriesRole::reference});
