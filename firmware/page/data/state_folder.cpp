@@ -42,7 +42,10 @@ bool StatusReader::refresh() {
   changed_ns_ = changed_ns;
   text_ = std::move(text);
   object_ = nlohmann::json::parse(text_, nullptr, false);
-  if (!object_.is_object()) object_ = nullptr;
+  if (!object_.is_object()) {
+    object_ = nullptr;
+    inode_ = 0;  // a file that was just being replaced: the next look reads it again
+  }
   return true;
 }
 
