@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "firmware/edge/report/say.hpp"
+#include "hal/storage/etc_folder.hpp"
 #include "hal/text/civil_text.hpp"
 #include "hal/text/input_error.hpp"
 
@@ -22,6 +25,17 @@ class RowText {
 };
 
 }  // namespace
+
+void BoxFolders::refuse_unwritable() const {
+  for (const auto& [table, folder] :
+       {std::pair("state", &site_.state_dir), std::pair("log", &site_.log_dir), std::pair("inbox", &site_.inbox_dir)}) {
+    if (!hal::is_below_etc(*folder)) continue;
+    const std::string wanted = hal::folder_of_box(table);
+    throw hal::InputError(std::string("[") + table + "] dir", *folder,
+                          "a folder that airsided.service may write, which none below /etc is",
+                          "write dir = \"" + wanted + "\"");
+  }
+}
 
 void BoxFolders::open_log(const hal::TopologyCounts& counts) {
   if (site_.log_dir.empty()) return;

@@ -20,6 +20,9 @@ class BoxFolders {
   void open_log(const hal::TopologyCounts& counts);
   void open_store(const hal::StoreLayout& layout);
 
+  /// Errors: hal::InputError for a folder below /etc, where the unit may not write.
+  void refuse_unwritable() const;
+
   std::optional<hal::DurableStore>& store() { return store_; }
   const std::optional<hal::DurableStore>& store() const { return store_; }
   std::optional<hal::RowLog>& log() { return log_; }

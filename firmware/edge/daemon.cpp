@@ -49,6 +49,7 @@ void Daemon<T>::start() {
   crash_loop_.start();
   const CivilTime last = state_.resume();
   next_ = {last.seconds == 0 ? 0 : last.seconds + row_s};
+  clock_report_.begin(std::max(next_, state_.believed()), plant_clock_.has_value());
   system_clock_.go_on_from(last);
   plant_.follow(system_clock_);
 }
@@ -65,7 +66,6 @@ int Daemon<T>::run() {
     say("the state is {} s ahead of the clock; going on from the clock", t.seconds - present.seconds);
     t = present;
   }
-  clock_report_.begin(next_, plant_clock_.has_value());
   begin_control(t);
   while (!stop_.raised() && t < end) t = run_until_disturbed(t, end);
   next_ = t;
@@ -160,6 +160,7 @@ void Daemon<T>::beat_between_rows() {
   // A whole map on a slow line takes seconds; the row is not to wait for them.
   if (left_s > 30 + link_.failure_costs_s() && readings_.wanted()) read_points(now(), plant_.in_touch());
   if (!beats_ || state_.release_waits() || left_s < link_.failure_costs_s()) return;
+  plant_.keep_alive();
   if (plant_.beat() || plant_.in_touch()) return;
   (void)plant_.sense();
   (void)plant_.beat();

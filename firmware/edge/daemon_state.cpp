@@ -67,6 +67,7 @@ CivilTime DaemonState<T>::resume() {
 
 template <Topology T>
 std::string DaemonState<T>::check() {
+  folders_.refuse_unwritable();
   (void)load_blob();
   if (!site_.history_log.empty()) (void)hal::read_log(site_.history_log, columns_);
   return hal::describe(hal::KeyRing::load(site_.keys_dir));
@@ -74,6 +75,7 @@ std::string DaemonState<T>::check() {
 
 template <Topology T>
 void DaemonState<T>::row(CivilTime t, const Expected<Reading<T>>& sensed, bool has_date) {
+  if (has_date) record_.believed_day = static_cast<std::uint32_t>(std::max<std::int64_t>(t.day(), 0));
   hal::fill_log_row<T>(log_row_, shape_, t, sensed, controller_.decision(), controller_.cycle().last_setpoint_degc);
   hal::fill_sides<T>(log_row_, columns_.sides, sensed);
   auto& log = folders_.log();
@@ -230,10 +232,12 @@ void DaemonState<T>::archive_foreign_state() {
 template <Topology T>
 void DaemonState<T>::resume_late(CivilTime t) {
   const bool known = state_lost_;
+  const StoredSetpoint stored = controller_.cycle().stored;
   const ModeArbiter since_start = controller_.cycle().mode_arbiter;
   const Found found = load_state(true);
   trial_.join_counters(record_.trial, record_was_whole_);
   if (found == Found::nothing) begin_from_blob();
+  controller_.take_stored(stored);  // of this process, which has written since
   controller_.join_releases(since_start, t);
   const bool waits_for_person = found == Found::nothing && since_start.active(Reason::state_lost, t);
   if (state_lost_ && (!known || waits_for_person)) controller_.hold(Reason::state_lost, t, 0);
@@ -266,9 +270,13 @@ typename DaemonState<T>::Found DaemonState<T>::forget_weights() {
   const auto counters = record_.trial.counter;
   ModeArbiter mode_arbiter = record_.cycle.mode_arbiter;
   mode_arbiter.keep_only_releases();
+  const StoredSetpoint stored = record_.cycle.stored;
+  const std::uint32_t believed_day = record_.believed_day;
   const Found nothing = forget();
   record_.trial.counter = counters;
+  record_.believed_day = believed_day;
   controller_.take_reasons(mode_arbiter);
+  controller_.take_stored(stored);
   return nothing;
 }
 

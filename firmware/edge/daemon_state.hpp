@@ -24,7 +24,7 @@ struct RowRecord {
   Decision decision;
   CivilTime row_time;
   std::uint32_t blob_crc = 0;  ///< of the site's weights that this state grew from
-  std::uint32_t reserved = 0;
+  std::uint32_t believed_day = 0;  ///< of the last row by a clock that could be right, CivilTime::day(); 0: unknown
   TrialRecord trial;  ///< of weights that were pushed since
 };
 
@@ -48,6 +48,8 @@ class DaemonState {
   /// Loads the newest good state, else begins from the blob, else leaves the controller as it is. Returns the time of
   /// the last row, 0 where there was no state.
   CivilTime resume();
+  /// The last day on which a clock that could be right was read; 0: unknown.
+  CivilTime believed() const { return {record_.believed_day * seconds_per_day}; }
   /// Reads what open() would read and leaves everything as it is. Returns the keys, for people. Errors: as of open(),
   /// but for the state folder; and for a bad history without weights or bad key files, which a start leaves out.
   std::string check();

@@ -1,6 +1,7 @@
 #include "hal/modbus/plant_clock.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
 
@@ -17,10 +18,29 @@ std::int64_t utc_ns() {
   return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
 }
 
-/// Of standard time, also while daylight saving is in force.
+/// Of standard time, also while daylight saving is in force: the smallest that holds for three months of this year. The
+/// zone's own word for it will not do, since Ireland's standard time is that of summer. A clock that is not set asks
+/// for the rules of 2024.
 int machine_utc_offset_s() {
-  tzset();
-  return static_cast<int>(-timezone);
+  constexpr int least_months = 3, least_year = 2024;
+  const std::time_t now = ::time(nullptr);
+  std::tm today{};
+  gmtime_r(&now, &today);
+  std::array<int, 12> offsets{};
+  for (std::size_t month = 0; month < offsets.size(); ++month) {
+    std::tm day{};
+    day.tm_year = std::max(today.tm_year, least_year - 1900);
+    day.tm_mon = static_cast<int>(month);
+    day.tm_mday = 15;
+    const std::time_t at = timegm(&day);
+    localtime_r(&at, &day);
+    offsets[month] = static_cast<int>(day.tm_gmtoff);
+  }
+  std::sort(offsets.begin(), offsets.end());
+  for (const int offset : offsets) {
+    if (std::count(offsets.begin(), offsets.end(), offset) >= least_months) return offset;
+  }
+  return offsets.back();
 }
 
 }  // namespace

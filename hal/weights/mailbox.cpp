@@ -169,6 +169,8 @@ std::int64_t Mailbox::release_left_s() const {
   const int hours = got ? hours_of({text.data(), *got}).value_or(0) : 0;
   if (hours == 0) return 0;
   const std::int64_t asked_s = std::int64_t{hours} * 3600;
+  constexpr std::int64_t year_2024_s = 1'704'067'200;  // a file of before was written by a clock that was not set
+  if (status.st_mtim.tv_sec < year_2024_s) return asked_s;
   const std::int64_t left_s = asked_s - (std::int64_t{::time(nullptr)} - status.st_mtim.tv_sec);
   return left_s <= 0 ? -1 : std::min(left_s, asked_s);
 }

@@ -26,12 +26,13 @@ using Site = UpTo8;
 struct BoxPlant {
   sim::ModulatingPlant& model;
   bool blind = false;
+  std::int64_t poll_s = 0;  ///< the reading comes so long after its row began
 
   Expected<Reading<Site>> sense() const {
     const sim::Sensors& s = model.sensors();
     const sim::BoxSensors& boxes = model.boxes();
     Reading<Site> reading;
-    reading.time = model.time();
+    reading.time = {model.time().seconds + poll_s};
     const Shape shape{8, 0, 2};
     for (int i = 0; i < Layout<Site>::signals; ++i) {
       if (is_present<Site>(shape, i)) reading.value(i) = sim::sensor_value(s, signal_id<Site>(i));
@@ -114,6 +115,15 @@ TEST(BandController, LearnsUnderTheScheduleThenSavesWithoutAnyWeights) {
   EXPECT_GE(*std::min_element(rig.setpoints.begin(), rig.setpoints.end()), 12);
   EXPECT_LE(*std::max_element(rig.setpoints.begin(), rig.setpoints.end()), 18);
   EXPECT_EQ(rig.experts, 0);
+}
+
+TEST(BandController, APollThatTakesSecondsChangesNothing) {
+  Rig at_once("reheat", 4), slow("reheat", 4);
+  slow.plant.poll_s = 3;
+  (void)at_once.live(6);
+  (void)slow.live(6);
+  EXPECT_GT(slow.controller->cycle().band.learned(), 60);
+  EXPECT_EQ(slow.setpoints, at_once.setpoints);
 }
 
 TEST(BandController, ASetpointAtItsLimitIsAChoice) {

@@ -37,6 +37,17 @@ struct Night {
     cooling.watch(loads, at);
     time = {time.seconds + row_s};
   }
+  void held(double room_degc) {
+    const std::vector<double> room{room_degc}, set{28}, damper{0.3};
+    DemandReading at;
+    at.time = time;
+    at.zones = {room, set, damper};
+    at.outdoor_degc = outdoor_degc;
+    at.flows = false;
+    at.doubted = true;
+    cooling.watch(loads, at);
+    time = {time.seconds + row_s};
+  }
   void cycle(double room_degc) {
     row(false, room_degc);
     row(true, room_degc - 0.3);
@@ -58,6 +69,16 @@ TEST(NightCooling, AFanThatCyclesWhileRoomsAreSetBackIsExpectedForTwoDays) {
   EXPECT_TRUE(night.cooling.expects({night.time.seconds + 47 * hour_s}));
   EXPECT_FALSE(night.cooling.expects({night.time.seconds + 49 * hour_s}));
   EXPECT_FALSE(night.cooling.expects({night.time.seconds - 49 * hour_s})) << "a clock that was set back";
+}
+
+TEST(NightCooling, ARowThatIsHeldIsNoRest) {
+  Night night;
+  night.row(true, 25, 24);
+  for (int i = 0; i < 3; ++i) {
+    night.row(true, 27);
+    night.held(27);
+  }
+  EXPECT_FALSE(night.cooling.expects(night.time)) << "the fan ran on";
 }
 
 TEST(NightCooling, AStartBeforeWorkAndARunAfterItAreNone) {

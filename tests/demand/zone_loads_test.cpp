@@ -32,6 +32,15 @@ TEST(ZoneLoads, FindsLoadAndGainOfAZone) {
   EXPECT_NEAR(loads.gain(0), 0.2, 0.06);
 }
 
+TEST(ZoneLoads, AirThatIsWarmerThanTheRoomLeavesNoLoadBelowNothing) {
+  ZoneLoads loads;
+  loads.reset(settings);
+  for (const double u : {-1.5, -6.0, -0.2, -3.0}) {
+    loads.update(settings, 0, u, 0.3);
+    EXPECT_GE(loads.load_k(0), 0) << u;
+  }
+}
+
 TEST(ZoneLoads, AWarmerSupplyNeedsAWiderDamper) {
   const ZoneLoads loads = learned_zone(0.2, 5);
   const std::vector<double> room{24.0}, set{24.0}, damper{0.5};

@@ -28,6 +28,11 @@ class ClockDesk : public ::testing::Test {
  protected:
   ClockDesk() {
     bench.start_server();
+    begin();
+  }
+  /// A process, in the place of the one before.
+  void begin() {
+    daemon.reset();
     hal::SiteFile site = hal::read_site_file(bench.file("site.toml").string(), hal::site_rules());
     site.clock = hal::ClockSource::system;
     const hal::PointMap points = hal::PointMap::load(site.modbus->points);
@@ -60,6 +65,17 @@ TEST_F(ClockDesk, Row30AClockOf1970IsNotBelievedAndItsRowsAreNotLogged) {
 TEST_F(ClockDesk, Row30WithoutAClockThatIsRightIsNeverDoubted) {
   for (int row = 0; row < 300; ++row) EXPECT_TRUE(believed({now.seconds + row * row_s})) << row;
   EXPECT_EQ(bench.logged_rows(), 300u);
+}
+
+TEST_F(ClockDesk, Row30AClockThatIsNotBelievedIsNotBelievedAfterARestartEither) {
+  EXPECT_TRUE(believed(now));
+  const std::int64_t year_back_s = now.seconds - 365 * seconds_per_day;
+  for (int start = 0; start < 3; ++start) {
+    begin();
+    EXPECT_FALSE(believed({year_back_s + start * row_s})) << "start " << start;
+  }
+  begin();
+  EXPECT_TRUE(believed({now.seconds + row_s})) << "set again";
 }
 
 TEST_F(ClockDesk, Row28AnHourBackOrForthIsFollowed) {

@@ -252,6 +252,24 @@ TEST(ModbusPlant, BeatsUntilItStops) {
   EXPECT_FALSE(bench.plant.beat());
 }
 
+TEST(ModbusPlant, KeepsAConnectionWithoutAHeartbeatAlive) {
+  const auto reads_of = [](const PointMap& map) {
+    Bench bench(map);
+    bench.served.start();
+    bench.plant.keep_alive();
+    EXPECT_FALSE(bench.link.connected()) << "it opens none";
+    EXPECT_TRUE(bench.plant.sense());
+    const std::uint64_t before = bench.link.counters().exchanges;
+    bench.plant.keep_alive();
+    EXPECT_TRUE(bench.plant.in_touch());
+    return bench.link.counters().exchanges - before;
+  };
+  EXPECT_EQ(reads_of(five_zone_map()), 0U) << "the heartbeat does it";
+  const PointMap without = five_zone_map("heartbeat,,3,1,uint16,big,big,1,0,0,65535,,,,refresh,6,,self",
+                                         "heartbeat,,3,1,uint16,big,big,1,0,0,65535,,,,,,,");
+  EXPECT_EQ(reads_of(without), 1U);
+}
+
 TEST(ModbusPlant, MapThatDoesNotFitTheTopologyIsRefused) {
   ModbusLink link(tcp_settings(1));
   EXPECT_THROW((ModbusPlant<ThreeVav>{five_zone_map(), link}), InputError);

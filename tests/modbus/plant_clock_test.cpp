@@ -5,7 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdlib>
+#include <optional>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "airside/controller/cycle.hpp"
 #include "hal/modbus/wire.hpp"
@@ -45,6 +50,23 @@ TEST(SystemClock, CountsFromTheSitesStandardTime) {
   const SystemClock greenwich({}, 0);
   const SystemClock singapore({}, 8 * 3600);
   EXPECT_NEAR(static_cast<double>(singapore.now().seconds - greenwich.now().seconds), 8 * 3600, 1);
+}
+
+TEST(SystemClock, IsOfTheWinterTimeOfEveryZone) {
+  const char* before = std::getenv("TZ");
+  const std::string kept = before == nullptr ? "" : before;
+  // In Ireland's own words summer is standard, and winter is an hour less.
+  const std::vector<std::pair<const char*, int>> zones{
+      {"IST-1GMT0,M10.5.0,M3.5.0/1", 0}, {"GMT0BST,M3.5.0/1,M10.5.0", 0},      {"CET-1CEST,M3.5.0,M10.5.0/3", 1},
+      {"EST5EDT,M3.2.0,M11.1.0", -5},    {"AEST-10AEDT,M10.1.0,M4.1.0/3", 10}, {"CST-8", 8}};
+  for (const auto& [zone, hours] : zones) {
+    ::setenv("TZ", zone, 1);
+    ::tzset();
+    const std::int64_t apart_s = SystemClock({}, std::nullopt).now().seconds - SystemClock({}, 0).now().seconds;
+    EXPECT_NEAR(static_cast<double>(apart_s), 3600.0 * hours, 1.0) << zone;
+  }
+  before == nullptr ? ::unsetenv("TZ") : ::setenv("TZ", kept.c_str(), 1);
+  ::tzset();
 }
 
 TEST(SystemClock, HastensFromNowAndGoesOnWhereItWas) {

@@ -125,6 +125,26 @@ TEST(PersistentCondition, LastsOnlyWithoutABreakAndStartsAnewWhenTheClockIsSetBa
   EXPECT_TRUE(spell.lasts(true, {t.seconds - 4400}, 600));
 }
 
+TEST(PersistentCondition, DoesNotCountTimeInWhichNobodyLooked) {
+  constexpr std::int64_t wanted_s = 5400, gap_s = 3600;
+  PersistentCondition away;
+  CivilTime t{1'000'000};
+  const auto look_after = [&](std::int64_t passed_s) {
+    t.seconds += passed_s;
+    return away.lasts(true, t, wanted_s, gap_s);
+  };
+  EXPECT_FALSE(look_after(0));
+  EXPECT_FALSE(look_after(2 * gap_s)) << "two moments two hours apart are no two hours";
+  EXPECT_FALSE(look_after(gap_s));
+  EXPECT_TRUE(look_after(1800)) << "looked at often enough";
+  EXPECT_FALSE(look_after(200 * seconds_per_day)) << "a clock that was set";
+  PersistentCondition over_nights;
+  for (int day = 0; day < 2; ++day) {
+    const CivilTime morning{t.seconds + day * seconds_per_day};
+    EXPECT_EQ(over_nights.lasts(true, morning, seconds_per_day), day == 1) << "a fan that rests at night ends nothing";
+  }
+}
+
 TEST(WriteBudget, KeepsItsAverageWhateverIsWished) {
   for (const double largest_k : {0.1, 0.6, 3.0, 6.0}) {
     WriteBudget budget;

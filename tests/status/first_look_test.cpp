@@ -105,6 +105,25 @@ TEST_F(FirstLook, DoctorNamesWhatASiteLacks) {
   EXPECT_NE(doctor().out.find("nonsense"), std::string::npos) << doctor().out;
 }
 
+TEST_F(FirstLook, AFolderBelowEtcIsNoneThatAUnitMayWrite) {
+  bench.start_server();
+  const auto check = [&] {
+    return run_program("airsided", {"--check", "--site", "site.toml"}, bench.file(""), scratch.path());
+  };
+  ASSERT_EQ(check().code, 0) << check().err;
+  change_site(line_of("dir = \"log\""), "dir = \"/etc/airside/log\"");
+  const Outcome refused = check();
+  EXPECT_EQ(refused.code, 1);
+  for (const char* part :
+       {"[log] dir: found /etc/airside/log", "airsided.service may write", "dir = \"/var/lib/airside/log\""})
+    EXPECT_NE(refused.err.find(part), std::string::npos) << refused.err;
+  EXPECT_FALSE(fs::exists("/etc/airside/log"));
+  EXPECT_EQ(state_of("log"), "MISSING");
+  EXPECT_NE(doctor().out.find("write dir = \"/var/lib/airside/log\" in [log] of site.toml"), std::string::npos)
+      << doctor().out;
+  EXPECT_EQ(state_of("state"), "ok");
+}
+
 TEST_F(FirstLook, DoctorLooksAtASerialLine) {
   std::string text = text_of_file(site);
   const std::size_t at = text.find("[modbus]"), end = text.find("\n[", at + 1);

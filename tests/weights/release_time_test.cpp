@@ -1,6 +1,8 @@
 // A release that says for how long: it ends by itself, and a restart does not begin it anew.
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <array>
 #include <chrono>
@@ -41,6 +43,10 @@ TEST_F(TimedRelease, AReleaseMayHaveATimeWhichARestartDoesNotBeginAnew) {
   fs::last_write_time(folder.file("release"), fs::file_time_type::clock::now() - std::chrono::hours(5));
   box.tell_anew();
   EXPECT_EQ(box.collect(blob).release_s, -1) << "over while nobody looked";
+  const std::array<timespec, 2> of_1970{{{1000, 0}, {1000, 0}}};
+  ASSERT_EQ(::utimensat(AT_FDCWD, folder.file("release").c_str(), of_1970.data(), 0), 0);
+  box.tell_anew();
+  EXPECT_EQ(box.collect(blob).release_s, 4 * 3600) << "written before the clock was set";
   fs::last_write_time(folder.file("release"), fs::file_time_type::clock::now() + std::chrono::hours(50));
   box.tell_anew();
   EXPECT_EQ(box.collect(blob).release_s, 4 * 3600) << "never more than was asked for, whatever the clock says";
@@ -110,6 +116,20 @@ TEST_F(ReleasedTrial, EndsWithTheFirstRowAfterItsTimeAndTakesItsFileAway) {
   EXPECT_NE(reason(), Reason::released_by_hand);
   EXPECT_FALSE(asked());
   EXPECT_EQ(trial->release_ends().seconds, 0);
+}
+
+TEST_F(ReleasedTrial, LastsAsLongWhereTheClockIsSetMeanwhile) {
+  release("1");
+  rows(3);
+  for (const std::int64_t set_s : {std::int64_t{20'000} * seconds_per_day, std::int64_t{-6} * seconds_per_hour}) {
+    rig.now.seconds += set_s;
+    row();
+    EXPECT_EQ(reason(), Reason::released_by_hand) << set_s;
+    EXPECT_NEAR(static_cast<double>(trial->release_ends().seconds - last_row().seconds), 3600 - 3 * row_s, row_s + 30);
+  }
+  rows(9);
+  EXPECT_NE(reason(), Reason::released_by_hand);
+  EXPECT_FALSE(asked());
 }
 
 TEST_F(ReleasedTrial, IsNotBegunAnewByARestart) {

@@ -40,6 +40,17 @@ TEST_F(WayBack, AnotherPushDuringATrialKeepsTheWayBackThatWasProven) {
   EXPECT_TRUE(rig.same_weights(before));
 }
 
+TEST_F(WayBack, NothingIsLearnedFromACycleBegunInOtherUnits) {
+  while (starts_cycle(rig.now)) rig.row();
+  push(other(1));
+  ASSERT_TRUE(row());
+  rig.cycles(1);
+  ASSERT_NE(rig.controller->cycle().has_features, 0);
+  wish("rollback");
+  ASSERT_TRUE(row());
+  EXPECT_EQ(rig.controller->cycle().has_features, 0);
+}
+
 TEST_F(WayBack, AfterAWayBackTheBarIsThatOfTheWeightsInUse) {
   inside(*rig.controller).cycle.network_error_k2 = 0.04;
   push(other(1));

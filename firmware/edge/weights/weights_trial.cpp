@@ -80,6 +80,11 @@ bool WeightsTrial<T>::row(CivilTime t, Controller<T>& controller, TrialRecord& r
 /// A release holds until a hand-back, or until its time is over, which rows find out.
 template <Topology T>
 void WeightsTrial<T>::take_wishes(CivilTime t, const hal::Mail& mail, Controller<T>& controller) {
+  // A clock that is set, or set back, moves the end with it: nobody waited for so long.
+  const std::int64_t passed_s = last_row_.seconds == 0 ? row_s : t.seconds - last_row_.seconds;
+  const bool was_set = passed_s < 0 || passed_s > clock_leap_s;
+  if (release_ends_.seconds != 0 && was_set) release_ends_.seconds += passed_s - row_s;
+  last_row_ = t;
   if (mail.release) controller.hold(Reason::released_by_hand, t, 0);
   if (mail.hand_back) controller.hand_back();
   if (mail.hand_back) say("an operator asked: hand-back");

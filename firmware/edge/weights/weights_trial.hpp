@@ -88,6 +88,7 @@ class WeightsTrial {
   std::unique_ptr<Learning> before_ = std::make_unique<Learning>();
   hal::KeyId exchanged_key_{};
   CivilTime release_ends_;  ///< 0: no release, or one without an end of its own
+  CivilTime last_row_;
   bool finish_mail_ = false, accepted_ = false, exchange_waits_ = false;  ///< the last: for its commit
   std::uint64_t staged_copy_ = 0;  ///< digest of a copy that waits for the commit that names it
 };

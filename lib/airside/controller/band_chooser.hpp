@@ -28,17 +28,18 @@ class BandChooser {
  public:
   BandChooser(const ControllerSettings& settings, CycleState<T>& cycle) : settings_(settings), cycle_(cycle) {}
 
-  /// A row, decisions' rows included. `counts`: false where no air flows, or nothing may be learned from the row.
-  void observe(const Reading<T>& sensed, const ValidReading<T>& valid, bool counts) {
-    cycle_.band.observe(settings_.demand, DemandWatch<T>(settings_, cycle_, sensed, valid.value()).reading(counts));
+  /// A row, decisions' rows included. `flows`: air does; `counts`: it does, and the row may be learned from.
+  void observe(const Reading<T>& sensed, const ValidReading<T>& valid, bool flows, bool counts) {
+    cycle_.band.observe(settings_.demand, DemandWatch<T>(settings_, cycle_, sensed, valid).reading(counts, flows));
   }
 
   /// A row of a history: what would have been chosen is computed as well, since the fan's next start begins on it.
   void remember(const Reading<T>& sensed, const ValidReading<T>& valid, bool counts) {
-    observe(sensed, valid, counts);
-    if (!band_cycle.starts(sensed.time)) return;
-    (void)propose(sensed, valid, air_flows(settings_, sensed.time, sensed.flows),
-                  expert_setpoint_degc(settings_, sensed.time));
+    const CivilTime t = valid.time();
+    const bool flows = air_flows(settings_, t, sensed.flows);
+    observe(sensed, valid, flows, counts);
+    if (!band_cycle.starts(t)) return;
+    (void)propose(sensed, valid, flows, expert_setpoint_degc(settings_, t));
   }
 
   /// The setpoint of least cost; while the fan rests that of its last start; the schedule's while too little has been
@@ -47,8 +48,8 @@ class BandChooser {
   /// `record`: keeps what each candidate was expected to cost, where there is one.
   Proposal propose(const Reading<T>& sensed, const ValidReading<T>& valid, bool flows, double schedule_degc,
                    CandidateRecord* record = nullptr) {
-    const DemandWatch<T> watch(settings_, cycle_, sensed, valid.value());
-    const DemandReading at = watch.reading(flows);
+    const DemandWatch<T> watch(settings_, cycle_, sensed, valid);
+    const DemandReading at = watch.reading(flows, flows);
     const DemandChoice choice = watch.choice(schedule_degc);
     if (record != nullptr && flows && cycle_.band.is_ready(settings_.demand) && BandObjective::carries(at)) {
       note(at, choice, *record);

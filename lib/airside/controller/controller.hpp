@@ -144,8 +144,8 @@ class Controller : public ControllerMemory<T, Scalar> {
     if (!valid) return valid;
     decision_.g36_degc = supervisor.watch(t, *valid, flows);
     if (serves_band()) {
-      const bool counts = valid->learnable() && !supervisor.doubted(sensed.time, flows);
-      BandChooser<T>(settings_, cycle_).observe(sensed, *valid, counts);
+      const bool counts = valid->learnable() && !supervisor.doubted(t, flows);
+      BandChooser<T>(settings_, cycle_).observe(sensed, *valid, flows, counts);
     }
     return valid;
   }

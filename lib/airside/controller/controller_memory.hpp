@@ -29,6 +29,7 @@
 #include "airside/settings.hpp"
 #include "airside/splitmix64.hpp"
 #include "airside/supervision/control_mode.hpp"
+#include "airside/supervision/envelope.hpp"
 #include "airside/supervision/mode_arbiter.hpp"
 #include "airside/supervision/validation.hpp"
 #include "airside/topology.hpp"
@@ -195,6 +196,10 @@ class ControllerMemory {
   }
   /// Keeps the AHU released at least as long as `other` has it (ModeArbiter::join_releases).
   void join_releases(const ModeArbiter& other, CivilTime t) { cycle_.mode_arbiter.join_releases(other, t); }
+  /// What may be in the setpoint register, where that is known better than by this state: the next step begins there.
+  void take_stored(const StoredSetpoint& stored) {
+    if (std::isfinite(stored.low_degc)) cycle_.stored = stored;
+  }
   /// The reasons of a state whose weights were not taken.
   void take_reasons(const ModeArbiter& reasons) { cycle_.mode_arbiter = reasons; }
 

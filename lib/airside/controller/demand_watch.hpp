@@ -13,6 +13,7 @@
 #include "airside/learning/learning_state.hpp"
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
+#include "airside/supervision/validation.hpp"
 #include "airside/topology.hpp"
 
 namespace airside {
@@ -24,8 +25,10 @@ class DemandWatch {
   using L = Layout<T>;
   using Vector = typename Reading<T>::Vector;
 
-  DemandWatch(const ControllerSettings& s, const CycleState<T>& cycle, const Reading<T>& sensed, const Vector& valid)
+  DemandWatch(const ControllerSettings& s, const CycleState<T>& cycle, const Reading<T>& sensed,
+              const ValidReading<T>& checked)
       : settings_(s), cycle_(cycle) {
+    const Vector& valid = checked.value();
     rooms_ = std::min(static_cast<std::size_t>(rooms_of<T>(s.shape)), max_zones);
     for (std::size_t i = 0; i < rooms_; ++i) {
       const auto k = static_cast<Eigen::Index>(i);
@@ -36,7 +39,7 @@ class DemandWatch {
     }
     meters_ = static_cast<std::size_t>(shape_in<T>(s.shape).powers);
     for (std::size_t i = 0; i < meters_; ++i) power_[i] = valid(L::power + static_cast<Eigen::Index>(i));
-    reading_.time = sensed.time;
+    reading_.time = checked.time();  // of the row, by which cycles begin: a poll may end seconds later
     // A supply temperature that no sensor shows is its setpoint, once one is known.
     const double supply = within(sensed.supply_temp_degc, 0.0, 50.0);
     reading_.supply_degc = std::isfinite(supply) ? supply : cycle.last_setpoint_degc;
@@ -49,12 +52,13 @@ class DemandWatch {
   DemandWatch& operator=(const DemandWatch&) = delete;
 
   /// `counts`: false where no air flows, or nothing may be learned from the row.
-  DemandReading reading(bool counts) const {
+  DemandReading reading(bool counts, bool fan_runs) const {
     DemandReading at = reading_;
     at.zones = {
         {room_.data(), rooms_}, {setpoint_.data(), rooms_}, {damper_.data(), rooms_}, {heating_.data(), rooms_}};
     at.power_kw = {power_.data(), meters_};
     at.flows = counts;
+    at.doubted = fan_runs && !counts;
     return at;
   }
 

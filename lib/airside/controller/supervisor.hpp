@@ -54,6 +54,7 @@ class Supervisor {
   void begin_cycle(CivilTime t, const Expected<Reading<T>>& sensed, bool resumed, ControlMode last_mode) {
     cycle_.mode_arbiter.tick(t);
     if (settings_.objective == Objective::band) drop_forecast_reasons(t);
+    if (settings_.head == 0) cycle_.mode_arbiter.set(Reason::gain_reversed, false, t);  // nobody judges it any more
     cycle_.budget.earn(settings_.writes_per_day, control_cycle(settings_).per_day());
     if (!sensed) return;
     see_setpoint(sensed->setpoint_degc, resumed);
@@ -67,8 +68,9 @@ class Supervisor {
   bool watch_supply(CivilTime t, const Reading<T>& sensed) {
     const bool flows = air_flows(settings_, t, sensed.flows);
     const double away_k = std::abs(sensed.supply_temp_degc - cycle_.last_setpoint_degc);  // NaN: nothing to compare
-    const bool ignores = cycle_.supply_ignores.lasts(flows && away_k > settings_.supply_ignored_k, t,
-                                                     static_cast<std::int64_t>(settings_.supply_ignored_s));
+    const bool ignores =
+        cycle_.supply_ignores.lasts(flows && away_k > settings_.supply_ignored_k, t,
+                                    static_cast<std::int64_t>(settings_.supply_ignored_s), seconds_per_hour);
     cycle_.mode_arbiter.set(Reason::supply_ignores_setpoint, ignores, t);
     return flows;
   }
@@ -129,7 +131,12 @@ class Supervisor {
     }
     // A register that shows what no setpoint can be: control must not seem to go on.
     if (!applied && applied.error() == Fault::out_of_range) cycle_.mode_arbiter.set(Reason::setpoint_altered, true, t);
+    // The AHU can be read, and no write arrives: it is the second in a row.
+    if (!applied && applied.error() == Fault::not_applied && std::isfinite(decision.held_degc) &&
+        ++cycle_.lost_writes >= 2)
+      cycle_.mode_arbiter.set(Reason::setpoint_altered, true, t);
     if (!applied) return;
+    cycle_.lost_writes = 0;
     cycle_.refused_writes = 0;
     cycle_.mode_arbiter.set(Reason::write_refused, false, t);
     const double altered_k = std::abs(applied->setpoint_degc - decision.command.setpoint_degc());

@@ -77,6 +77,7 @@ class WeightExchange {
     const Scaler<T> present = learning_.scaler;
     learning_ = before;
     cycle_.has_weights = 1;
+    cycle_.has_features = 0;  // they are in the units of the scaler that goes
     rescale_memories(present, learning_.scaler);
     forget_comparison();
   }

@@ -20,7 +20,8 @@ struct DemandReading {
   double supply_degc = std::numeric_limits<double>::quiet_NaN();  ///< measured, else the setpoint
   double outdoor_degc = std::numeric_limits<double>::quiet_NaN();
   double flow_m3_s = std::numeric_limits<double>::quiet_NaN();  ///< of the supply fan
-  bool flows = true;
+  bool flows = true;     ///< air does; of a row that is learned from: and nothing in it is held or doubted
+  bool doubted = false;  ///< air flows, though `flows` is false
   bool coldest = false;  ///< the setpoint applied until now is the lowest that may be chosen
   bool warmest = false;  ///< and the highest
 };

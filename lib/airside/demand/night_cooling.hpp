@@ -34,7 +34,7 @@ class NightCooling {
     }
     if (2 * back <= seen) {
       phase_ = not_set_back;
-    } else if (!at.flows) {
+    } else if (!at.flows && !at.doubted) {
       if (phase_ == cools) seen_at_s_ = at.time.seconds;
       phase_ = rests;
     } else if (phase_ == rests) {

@@ -93,6 +93,7 @@ struct CycleState {
   std::int32_t usable_cycles = 0;    ///< successive cycles whose readings may be learned from, up to 3
   std::int32_t has_weights = 0;      ///< 0: schedule only
   std::int32_t has_features = 0;     ///< 1: `features` are good
+  std::int32_t lost_writes = 0;      ///< in a row, of an AHU that can be read
 };
 
 }  // namespace airside

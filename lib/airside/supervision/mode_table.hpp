@@ -30,9 +30,10 @@ constexpr auto mode_table = std::to_array<ModeRequest>({
     {.reason = Reason::setpoint_altered,
      .name = "setpoint altered",
      .mode = ControlMode::learn,
-     .why = "the AHU took another setpoint than the one written, or shows one that cannot be",
-     .way_out = "ends with the first setpoint that is taken as written; look for limits in the AHU, and for the "
-                "setpoint's scale and limits in the point map (airside probe)"},
+     .why = "the AHU took another setpoint than the one written, shows one that cannot be, or answers no write",
+     .way_out = "ends with the first setpoint that is taken as written; look for limits and local control in the AHU, "
+                "for what stops writes on the way, and for the setpoint's scale and limits in the point map (airside "
+                "probe)"},
     {.reason = Reason::storage_failed,
      .name = "storage failed",
      .mode = ControlMode::learn,

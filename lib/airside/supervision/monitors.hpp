@@ -18,20 +18,22 @@ namespace airside {
 /// How long something has been so without a break.
 class PersistentCondition {
  public:
-  /// Returns whether it has been so for at least `seconds`.
-  constexpr bool lasts(bool is_so, CivilTime t, std::int64_t seconds) {
+  /// Returns whether it has been so for at least `seconds`. Nobody knows of a longest gap between two looks, such as a
+  /// bus that was away or a clock that was set: it begins anew.
+  constexpr bool lasts(bool is_so, CivilTime t, std::int64_t seconds, std::int64_t longest_gap_s = seconds_per_day) {
     if (!is_so) {
-      begun_ = 0;
+      seen_s_ = 0;
       return false;
     }
-    if (begun_ == 0 || since_s_ > t.seconds) since_s_ = t.seconds;  // the second: the clock was set back
-    begun_ = 1;
+    const bool goes_on = seen_s_ != 0 && t.seconds >= seen_s_ && t.seconds - seen_s_ <= longest_gap_s;
+    if (!goes_on) since_s_ = t.seconds;
+    seen_s_ = t.seconds;
     return t.seconds - since_s_ >= seconds;
   }
 
  private:
   std::int64_t since_s_ = 0;
-  std::int64_t begun_ = 0;
+  std::int64_t seen_s_ = 0;  ///< 0: it was not so
 };
 
 /// How often somebody else sets what this controller has set. Source: docs/box-and-safety.md, row 25.
@@ -67,7 +69,7 @@ class AuthorityMonitor {
     const bool begins = is_stuck && off_k < begun_k_ - follows_k;
     if (begins) stuck_ = PersistentCondition();
     if (begins || !is_stuck) begun_k_ = is_stuck ? off_k : unknown_k;
-    return stuck_.lasts(is_stuck, t, static_cast<std::int64_t>(s.authority_s));
+    return stuck_.lasts(is_stuck, t, static_cast<std::int64_t>(s.authority_s), seconds_per_hour);
   }
 
  private:

@@ -13,6 +13,7 @@
 #include "hal/points/point_map.hpp"
 #include "hal/site/site_file.hpp"
 #include "hal/site/site_settings.hpp"
+#include "hal/storage/etc_folder.hpp"
 #include "hal/system/version.hpp"
 #include "hal/text/input_error.hpp"
 #include "hal/text/shell_word.hpp"
@@ -127,6 +128,11 @@ class Doctor {
     std::error_code ignored;
     if (fs::exists(dir, ignored) && !fs::is_directory(dir, ignored)) {
       miss(what, dir + " is no folder", fmt::format("mv {} {}.old", hal::shell_word(dir), hal::shell_word(dir)));
+      return;
+    }
+    if (hal::is_below_etc(dir)) {
+      miss(what, dir + " is below /etc, which airsided.service may not write",
+           fmt::format("write dir = \"{}\" in [{}] of {}", hal::folder_of_box(what), what, site_));
       return;
     }
     if (::access(at.c_str(), W_OK | X_OK) != 0) {
