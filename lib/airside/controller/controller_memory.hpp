@@ -69,12 +69,7 @@ class ControllerMemory {
     cycle_.confidence = settings.confidence_initial;
     cycle_.band.reset(settings_.demand);
     replay_.clear();
-    learner_settings_.loss.weights = {settings.weight_strb, settings.weight_tdb, settings.weight_gc, settings.weight_rc,
-                                      settings.weight_rec};
-    learner_settings_.loss.gamma = settings.gamma;
-    learner_settings_.loss.labels = relation_labels<T>(settings.label_vav);
-    learner_settings_.adam = {settings.learning_rate, settings.adam_beta1, settings.adam_beta2, settings.adam_epsilon};
-    learner_settings_.sync_every = settings.target_sync_steps;
+    learner_settings_ = learner_settings_of<T>(settings);
     proposer_.configure(settings_);
   }
 

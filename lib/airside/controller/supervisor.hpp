@@ -131,13 +131,10 @@ class Supervisor {
     }
     // A register that shows what no setpoint can be: control must not seem to go on.
     if (!applied && applied.error() == Fault::out_of_range) cycle_.mode_arbiter.set(Reason::setpoint_altered, true, t);
-    // The AHU can be read, and no write arrives: it is the second in a row.
-    if (!applied && applied.error() == Fault::not_applied && std::isfinite(decision.held_degc) &&
-        ++cycle_.lost_writes >= 2)
-      cycle_.mode_arbiter.set(Reason::setpoint_altered, true, t);
+    const bool lost = !applied && applied.error() == Fault::not_applied && std::isfinite(decision.held_degc);
+    if (lost && ++cycle_.lost_writes >= 2) cycle_.mode_arbiter.set(Reason::setpoint_altered, true, t);
     if (!applied) return;
-    cycle_.lost_writes = 0;
-    cycle_.refused_writes = 0;
+    cycle_.lost_writes = cycle_.refused_writes = 0;
     cycle_.mode_arbiter.set(Reason::write_refused, false, t);
     const double altered_k = std::abs(applied->setpoint_degc - decision.command.setpoint_degc());
     const bool altered = altered_k > std::max(foreign_k, 0.5 * settings_.readback_step_k + 1e-9);

@@ -48,7 +48,6 @@ class ZoneLoads {
     zone.model.update({-mean_u_k, 1.0}, moved_k, 0.1);
     zone.model.bound(0, 0.3 * s.cooling_gain_prior, 4 * s.cooling_gain_prior);
     const double b = zone.model.theta()[0];
-    // Warmer supply air than the room has no bound above.
     zone.load_k = std::clamp(zone.model.theta()[1] / b, 0.0, std::max(0.0, mean_u_k + credited_rise_k / b));
   }
 

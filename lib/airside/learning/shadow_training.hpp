@@ -22,6 +22,18 @@
 
 namespace airside {
 
+/// What a learner takes of a controller's settings. Shape: T.  Source: docs/method.md 6.5.
+template <Topology T>
+LearnerSettings<T> learner_settings_of(const ControllerSettings& s) {
+  LearnerSettings<T> of;
+  of.loss.weights = {s.weight_strb, s.weight_tdb, s.weight_gc, s.weight_rc, s.weight_rec};
+  of.loss.gamma = s.gamma;
+  of.loss.labels = relation_labels<T>(s.label_vav);
+  of.adam = {s.learning_rate, s.adam_beta1, s.adam_beta2, s.adam_epsilon};
+  of.sync_every = s.target_sync_steps;
+  return of;
+}
+
 /// Shape: T. Cost: updates_per_cycle optimiser steps, one evaluation and eight forecasts.
 /// Source: docs/method.md 16.3; docs/box-and-safety.md, rows 49, 51, 53.
 template <Topology T, class Scalar>
