@@ -22,18 +22,18 @@ class PersistentCondition {
   /// bus that was away or a clock that was set: it begins anew.
   constexpr bool lasts(bool is_so, CivilTime t, std::int64_t seconds, std::int64_t longest_gap_s = seconds_per_day) {
     if (!is_so) {
-      seen_s_ = 0;
+      looked_s_ = 0;
       return false;
     }
-    const bool goes_on = seen_s_ != 0 && t.seconds >= seen_s_ && t.seconds - seen_s_ <= longest_gap_s;
-    if (!goes_on) since_s_ = t.seconds;
-    seen_s_ = t.seconds;
+    const std::int64_t gap_s = t.seconds + 1 - looked_s_;
+    if (looked_s_ == 0 || gap_s < 0 || gap_s > longest_gap_s) since_s_ = t.seconds;
+    looked_s_ = t.seconds + 1;
     return t.seconds - since_s_ >= seconds;
   }
 
  private:
   std::int64_t since_s_ = 0;
-  std::int64_t seen_s_ = 0;  ///< 0: it was not so
+  std::int64_t looked_s_ = 0;  ///< a second after the last look; 0: it was not so then
 };
 
 /// How often somebody else sets what this controller has set. Source: docs/box-and-safety.md, row 25.
