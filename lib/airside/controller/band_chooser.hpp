@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "airside/civil_time.hpp"
 #include "airside/controller/demand_watch.hpp"
 #include "airside/controller/pending_cycle.hpp"
 #include "airside/demand/band_objective.hpp"
