@@ -135,11 +135,11 @@ TEST_F(ReleasedTrial, LastsAsLongWhereTheClockIsSetMeanwhile) {
 TEST_F(ReleasedTrial, IsNotBegunAnewByARestart) {
   release("1");
   rows(8);
-  fs::last_write_time(folder.file("inbox") / "release", fs::file_time_type::clock::now() - std::chrono::minutes(48));
+  fs::last_write_time(folder.file("inbox") / "release", fs::file_time_type::clock::now() - std::chrono::minutes(49));
   open();
   row();
   EXPECT_EQ(reason(), Reason::released_by_hand);
-  EXPECT_NEAR(static_cast<double>(trial->release_ends().seconds - last_row().seconds), 720, 30);
+  EXPECT_NEAR(static_cast<double>(trial->release_ends().seconds - last_row().seconds), 660, 30);
   rows(2);
   EXPECT_NE(reason(), Reason::released_by_hand);
   EXPECT_FALSE(asked());
