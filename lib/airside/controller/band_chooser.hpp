@@ -17,6 +17,7 @@
 #include "airside/reading.hpp"
 #include "airside/settings.hpp"
 #include "airside/supervision/control_mode.hpp"
+#include "airside/supervision/schedule.hpp"
 #include "airside/supervision/validation.hpp"
 #include "airside/topology.hpp"
 

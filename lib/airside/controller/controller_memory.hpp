@@ -21,6 +21,7 @@
 #include "airside/learning/replay_ring.hpp"
 #include "airside/learning/shadow_training.hpp"
 #include "airside/network/kernels/kernels.hpp"
+#include "airside/network/learner.hpp"
 #include "airside/network/losses.hpp"
 #include "airside/network/network.hpp"
 #include "airside/network/scaler.hpp"
@@ -192,9 +193,7 @@ class ControllerMemory {
   /// Keeps the AHU released at least as long as `other` has it (ModeArbiter::join_releases).
   void join_releases(const ModeArbiter& other, CivilTime t) { cycle_.mode_arbiter.join_releases(other, t); }
   /// What may be in the setpoint register, where that is known better than by this state: the next step begins there.
-  void take_stored(const StoredSetpoint& stored) {
-    if (std::isfinite(stored.low_degc)) cycle_.stored = stored;
-  }
+  void take_stored(const StoredSetpoint& s) { cycle_.stored = std::isfinite(s.low_degc) ? s : cycle_.stored; }
   /// The reasons of a state whose weights were not taken.
   void take_reasons(const ModeArbiter& reasons) { cycle_.mode_arbiter = reasons; }
 
