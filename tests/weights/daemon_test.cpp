@@ -4,11 +4,15 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "airside/splitmix64.hpp"
+#include "firmware/edge/daemon.hpp"
+#include "hal/points/point_map.hpp"
+#include "hal/site/site_settings.hpp"
 #include "support/bench.hpp"
 
 namespace airside::weights {
@@ -111,6 +115,26 @@ TEST(Released, AWishThatLiesThereIsKeptBeforeTheFirstWriteAndByWhateverComesAfte
   EXPECT_NE(daemon->said().find("other weights than the state grew from"), std::string::npos) << daemon->said();
   EXPECT_EQ(b.status()["setpoint_writes"], 0);
   EXPECT_EQ(b.status()["reason"], "released by hand") << b.status();
+}
+
+TEST(OtherWeights, OfTheSiteFileKeepWhatMayBeInTheRegister) {
+  PushBench b("stored");
+  {
+    const auto daemon = b.bench.start_daemon();
+    b.rows(*daemon, 30);
+    daemon->signal(SIGTERM);
+    ASSERT_EQ(daemon->wait(30), 0) << daemon->said();
+  }
+  b.name_in_site("signed.blob");
+  const hal::SiteFile site = hal::read_site_file(b.bench.file("site.toml").string(), hal::site_rules());
+  const hal::PointMap points = hal::PointMap::load(site.modbus->points);
+  edge::DaemonOptions options;
+  options.sync = hal::Sync::none;
+  const auto daemon = edge::make_daemon(site, points, options, {});
+  daemon->start();
+  const auto& controller = dynamic_cast<edge::Daemon<FiveZone>&>(*daemon).controller();
+  EXPECT_EQ(controller.cycle().last_time.seconds, 0) << "else these are the weights that the state grew from";
+  EXPECT_TRUE(std::isfinite(controller.cycle().stored.low_degc)) << "else the first step has no limit";
 }
 
 /// State of thirty rows that cannot be had at the next start, and then can.
