@@ -23,9 +23,9 @@ struct RowRecord {
   CycleState<T> cycle;
   Decision decision;
   CivilTime row_time;
-  std::uint32_t blob_crc = 0;  ///< of the site's weights that this state grew from
+  std::uint32_t blob_crc = 0;      ///< of the site's weights that this state grew from
   std::uint32_t believed_day = 0;  ///< of the last row by a clock that could be right, CivilTime::day(); 0: unknown
-  TrialRecord trial;  ///< of weights that were pushed since
+  TrialRecord trial;               ///< of weights that were pushed since
 };
 
 /// The folders of one box and the controller that they are for, which must outlive this.
