@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -139,12 +140,16 @@ std::string text_of_map(const std::string& path) {
     throw InputError(path, std::string("no readable file (") + std::strerror(errno) + ")", "a point map in CSV",
                      "check the path, or start from the one that `airside init` writes");
   }
-  std::string text(max_file_bytes + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  // In pieces: a buffer of the largest size would stay with the daemon for as long as it runs.
+  std::string text;
+  std::array<char, 4096> piece{};
+  while (text.size() <= max_file_bytes && in) {
+    in.read(piece.data(), static_cast<std::streamsize>(std::min(piece.size(), max_file_bytes + 1 - text.size())));
+    text.append(piece.data(), static_cast<std::size_t>(in.gcount()));
+  }
   if (in.bad() || (in.fail() && !in.eof())) {
     throw InputError(path, "a read error", "a regular file", "check the path and the disk");
   }
-  text.resize(static_cast<std::size_t>(in.gcount()));
   return text;
 }
 
