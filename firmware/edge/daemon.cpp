@@ -169,7 +169,7 @@ void Daemon<T>::beat_between_rows() {
 /// For whoever checks the points. A write is tried where the box is in control alone, and between what it may write.
 template <Topology T>
 void Daemon<T>::read_points(CivilTime now, bool answers) {
-  if (readings_.write_wanted()) {
+  if (readings_.take_write_wish()) {
     const ControllerSettings& s = controller_->settings();
     const bool may_write = beats_ && !state_.taken_over() && !state_.release_waits();
     const double step_k = std::min(0.5, s.limit_change_k);

@@ -26,10 +26,11 @@ struct Entity {
 };
 
 /// In degC; `member` is the path below value_json.
+/// Without any reading the status has no rooms: Home Assistant takes "None" as unknown, and nothing as no news.
 Entity temperature(std::string object, std::string name, const std::string& member) {
   return {"sensor", std::move(object),
           json{{"name", std::move(name)},
-               {"value_template", "{{ value_json." + member + " }}"},
+               {"value_template", "{{ value_json." + member + " | default(none) }}"},
                {"device_class", "temperature"},
                {"state_class", "measurement"},
                {"unit_of_measurement", "°C"},

@@ -115,13 +115,14 @@ class GatewayTest(GatewayCase):
         self.start_gateway()
         self.assertEqual(self.device.slots(), {})
 
-    def test_a_stop_while_the_device_is_silent_ends_and_says_what_is_left(self):
+    def test_a_stop_while_the_device_is_silent_ends_says_what_is_left_and_fails(self):
         self.write(SETPOINT, 19.5)
         self.device.do(mute=True)
         began = time.monotonic()
-        self.assertEqual(self.gateway.kill(signal.SIGTERM), 0)
+        self.assertEqual(self.gateway.kill(signal.SIGTERM), 1)
         self.assertLess(time.monotonic() - began, 10)
         self.assertTrue(self.gateway.has_said("its priority 10 is still to be relinquished"))
+        self.assertTrue(self.gateway.has_said("is left as it was commanded"))
         self.assertEqual(self.device.slots(), {10: 19.5})
 
     def test_a_silent_device_gives_no_old_values_and_is_relinquished_when_it_returns(self):
@@ -173,6 +174,19 @@ class GatewayTest(GatewayCase):
             local = [line.split()[1] for line in file if line.split()[3] == "0A"]
         self.assertIn(f"0100007F:{self.modbus_port:04X}", local)
         self.assertNotIn(f"00000000:{self.modbus_port:04X}", local)
+
+
+class DeviceIsAwayAtTheStop(GatewayCase):
+    speed = 1
+
+    def test_it_is_waited_for_and_relinquished(self):
+        self.assertEqual(self.write(SETPOINT, 19.5), 0)
+        self.device.do(mute=True)
+        self.gateway.process.send_signal(signal.SIGTERM)
+        until(lambda: self.gateway.has_said("its priority 10 is still to be relinquished"), 15)
+        self.device.do(mute=False)
+        self.assertEqual(self.gateway.process.wait(30), 0, self.gateway.said())
+        self.assertEqual(self.device.slots(), {})
 
 
 class ShortAnswers(GatewayCase):

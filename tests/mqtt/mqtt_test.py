@@ -174,6 +174,9 @@ class Discovery(Desk):
                          {"alarms": [{"reason": "sensor drifts", "since": "2021-08-02T09:00:00"}]})
         # "None" is how Home Assistant is shown that a sensor has no value.
         self.assertEqual(rendered(found["sensor/room_2_temperature"]["value_template"], text), "None")
+        silent = json.dumps({**json.loads(text), "room_temp_degc": []})  # the AHU does not answer
+        for room in (1, 2, 3):
+            self.assertEqual(rendered(found[f"sensor/room_{room}_temperature"]["value_template"], silent), "None")
 
     def test_it_subscribes_to_nothing(self):
         self.broker = self.start_broker()

@@ -58,6 +58,11 @@ async def property_or_none(client, device, identifier, prop, index=None):
         return None
 
 
+def one_line(text):
+    """A name with a line end in it would otherwise add a row of its own to the map."""
+    return re.sub(r"[\r\n\v\f\x85\u2028\u2029]+", " ", text)
+
+
 async def object_row(client, device, kind, instance, listing):
     """(comment, row) of one object."""
     name = ObjectName(device.instance, kind, instance)
@@ -88,7 +93,7 @@ async def object_row(client, device, kind, instance, listing):
             row[3:], usual = USUAL[known][:2], USUAL[known][2:]
         else:
             facts.append("wide limits: neither name nor description shows what it is")
-    comment = re.sub(r"[\r\n]+", " ", f"# {name.short_text} {', '.join(map(str, facts))}")
+    comment = one_line(f"# {name.short_text} {', '.join(map(str, facts))}")
     return comment, [ours or point_name(texts[0], listing.names), row[0], "bacnet", name.short_text, *row[1:], *usual]
 
 
@@ -167,7 +172,7 @@ async def list_device(client, device, listing, out):
     try:
         named = await property_or_none(client, device, identifier, "object-name")
         vendor = await property_or_none(client, device, identifier, "vendor-name")
-        print(f"# device {device.instance} \"{named}\" at {device.address}" + (f", {vendor}" if vendor else ""))
+        print(one_line(f"# device {device.instance} \"{named}\" at {device.address}" + (f", {vendor}" if vendor else "")))
         for kind, instance in await object_list(client, device):
             if str(kind) not in TYPES:
                 continue

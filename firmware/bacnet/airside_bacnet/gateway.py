@@ -16,6 +16,7 @@ from airside_bacnet.values import no_reading
 NO_VALUE = float_registers(math.nan)
 WATCH_S = 1.0
 NAMESAKE_S = 1.0  # a device answers Who-Is within a fraction of it
+LAST_S = 20.0  # that a stop waits for a device to acknowledge; with one more try below TimeoutStopSec of the unit
 
 
 def make_devices(points, fixed):
@@ -56,7 +57,7 @@ class Gateway:
         await asyncio.sleep(seconds / self.speed)
 
     async def run(self, stop):
-        """Until `stop`, an asyncio.Event, is set; then what was commanded is given back."""
+        """Until `stop`, an asyncio.Event, is set; then what was commanded is given back. Whether all of it was."""
         self.client = BacnetClient(self.section)
         for point in self.map.points:
             if point.written and point.object is not None:
@@ -83,8 +84,9 @@ class Gateway:
             await self.modbus.stop()
             for task in tasks:
                 task.cancel()
-            await self.hand_back_all()
+            given_back = await self.hand_back_at_last()
             self.client.close()
+        return given_back
 
     async def look_for_namesake(self):
         """Says where another device has the gateway's own number: to everybody else the two are one."""
@@ -212,6 +214,18 @@ class Gateway:
             return False
         last = max(slot.written_at, self.beat_at or -math.inf)
         return self.now() - last > self.section.heartbeat_timeout_s
+
+    async def hand_back_at_last(self):
+        """Nobody tries again after this program; so a device that is away for a moment is waited for."""
+        until = self.now() + LAST_S
+        await self.hand_back_all()
+        while (left := [s for s in self.slots.values() if s.may_hold and s.emptied_once]) and self.now() < until:
+            await self.sleep(WATCH_S)
+            await asyncio.gather(*(slot.hand_back() for slot in left))
+        for slot in left:
+            say(f"{slot.name.short_text}: priority {self.section.priority} of {slot.device.name} is left as it was "
+                "commanded; write Null to it there, or start this program once more")
+        return not left
 
     async def hand_back_all(self):
         await asyncio.gather(*(slot.hand_back() for slot in self.slots.values()))

@@ -65,7 +65,7 @@ async def serve(site, point_map, shown, speed):
     stop = asyncio.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(number, stop.set)
-    await Gateway(site, point_map, shown, speed).run(stop)
+    return await Gateway(site, point_map, shown, speed).run(stop)
 
 
 def run_discovery(chosen):
@@ -101,8 +101,7 @@ def run(chosen):
     check_card(site.bacnet, site.path)
     if chosen.read:
         return asyncio.run(read_points(site, point_map))
-    asyncio.run(serve(site, point_map, shown, chosen.clock_speed))
-    return 0
+    return 0 if asyncio.run(serve(site, point_map, shown, chosen.clock_speed)) else 1
 
 
 def main(arguments=None):

@@ -46,16 +46,28 @@ PointReadings::PointReadings(const hal::PointMap& map, std::string inbox_dir, st
       readings_(points_.size()),
       text_(most_bytes(points_)) {}
 
-bool PointReadings::lies_in_inbox(const char* name) const {
-  if (inbox_dir_.empty() || state_dir_.empty()) return false;
+PointReadings::Wish PointReadings::look(const char* name) const {
+  if (inbox_dir_.empty() || state_dir_.empty()) return {};
   const auto inbox = hal::StorageFile::open_existing_dir(inbox_dir_.c_str(), hal::FolderLink::refused);
   struct stat status {};
-  return inbox && ::fstatat(inbox->descriptor(), name, &status, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(status.st_mode);
+  if (!inbox || ::fstatat(inbox->descriptor(), name, &status, AT_SYMLINK_NOFOLLOW) != 0) return {};
+  return S_ISREG(status.st_mode) ? Wish{status.st_ino, status.st_ctim} : Wish{};
 }
 
-bool PointReadings::wanted() const { return lies_in_inbox(wish_name) || lies_in_inbox(write_wish_name); }
+/// A wish on a medium that has become read-only stays for ever; a setpoint must not be written for it at each
+/// heartbeat.
+bool PointReadings::waits(const char* name, const Wish& done) const {
+  const Wish seen = look(name);
+  return seen.inode != 0 && !(seen == done);
+}
 
-bool PointReadings::write_wanted() const { return lies_in_inbox(write_wish_name); }
+bool PointReadings::wanted() const { return waits(wish_name, read_wish_) || waits(write_wish_name, write_wish_); }
+
+bool PointReadings::take_write_wish() {
+  const bool waiting = waits(write_wish_name, write_wish_);
+  if (waiting) write_wish_ = look(write_wish_name);
+  return waiting;
+}
 
 void PointReadings::note(const hal::WriteCheck& check, CivilTime now) {
   check_ = check;
@@ -123,13 +135,14 @@ bool PointReadings::write(std::size_t bytes) const {
 
 void PointReadings::read(hal::ModbusLink& link, CivilTime now, bool answers) {
   std::ranges::fill(readings_, Reading{});
+  read_wish_ = look(wish_name);
   for (std::size_t i = 0; answers && i < points_.size(); ++i) answers = read_one(link, i);
   const bool written = write(format(now));
   if (!written && !said_) say("{} cannot be written in {}; look into that folder", file_name, state_dir_);
   said_ = !written;
   if (const auto inbox = hal::StorageFile::open_existing_dir(inbox_dir_.c_str(), hal::FolderLink::refused)) {
-    (void)::unlinkat(inbox->descriptor(), wish_name, 0);
-    (void)::unlinkat(inbox->descriptor(), write_wish_name, 0);
+    if (look(wish_name) == read_wish_) (void)::unlinkat(inbox->descriptor(), wish_name, 0);
+    if (look(write_wish_name) == write_wish_) (void)::unlinkat(inbox->descriptor(), write_wish_name, 0);
   }
 }
 
