@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <set>
+#include <string>
 
 #include "adopt/small_model.hpp"
 #include "sim/energyplus/install.hpp"
 #include "support/program.hpp"
 #include "tools/adopt/adoption.hpp"
 #include "tools/adopt/loop/loop_meters.hpp"
+#include "tools/adopt/observation.hpp"
 #include "tools/adopt/site_text.hpp"
 #include "tools/adopt/sizes.hpp"
 
@@ -199,6 +202,45 @@ TEST(UnusualModel, ALoopIsMeteredByItselfWhereNoPlantServesIt) {
   EXPECT_EQ(served.patch["Meter:Custom"].size(), 1U) << "fans alone";
 }
 
+TEST(UnusualModel, PartsBesideTheBranchesAreMeteredToo) {
+  json model = {{"AirLoopHVAC:OutdoorAirSystem", {{"oa", {{"outdoor_air_equipment_list_name", "oa parts"}}}}},
+                {"AirLoopHVAC:OutdoorAirSystem:EquipmentList",
+                 {{"oa parts",
+                   {{"component_1_object_type", "OutdoorAir:Mixer"},
+                    {"component_1_name", "mixer"},
+                    {"component_2_object_type", "Coil:Heating:Water"},
+                    {"component_2_name", "preheat"},
+                    {"component_3_object_type", "Fan:SystemModel"},
+                    {"component_3_name", "outdoor fan"}}}}},
+                {"AirLoopHVAC:UnitarySystem", {{"unit", {{"supply_fan_name", "unit fan"}}}}},
+                {"AirTerminal:SingleDuct:SeriesPIU:Reheat",
+                 {{"box",
+                   {{"fan_name", "box fan"},
+                    {"reheat_coil_object_type", "Coil:Heating:Electric"},
+                    {"reheat_coil_name", "box coil"}}}}}};
+  AirLoop loop;
+  loop.name = "A";
+  loop.components = {{"Fan:ConstantVolume", "return fan", "", ""},
+                     {"AirLoopHVAC:OutdoorAirSystem", "oa", "", ""},
+                     {"AirLoopHVAC:UnitarySystem", "unit", "", ""}};
+  loop.fan = {"Fan:SystemModel", "Unit Fan", "", ""};
+  loop.terminals.push_back({.type = "AirTerminal:SingleDuct:SeriesPIU:Reheat", .name = "box", .zone = "z"});
+  const auto keys_of = [](const LoopMeters& meters) {
+    std::set<std::string> keys;
+    for (const json& part : meters.patch["Meter:Custom"][loop_fans_meter]["variable_details"])
+      keys.insert(part["key_name"].get<std::string>());
+    return keys;
+  };
+  const LoopMeters own = loop_meters(ModelView(model, "m"), loop);
+  EXPECT_EQ(keys_of(own), (std::set<std::string>{"box fan", "outdoor fan", "return fan", "unit fan"}));
+  EXPECT_FALSE(own.heating) << "the preheat coil is served by a plant";
+
+  model["AirLoopHVAC:OutdoorAirSystem:EquipmentList"]["oa parts"]["component_2_object_type"] = "Coil:Heating:Electric";
+  const LoopMeters electric = loop_meters(ModelView(model, "m"), loop);
+  EXPECT_TRUE(electric.heating);
+  EXPECT_EQ(electric.patch["Meter:Custom"][loop_heating_meter]["variable_details"].size(), 2U) << "preheat and box";
+}
+
 TEST(UnusualModel, AHeatingCoilOfTheLoopIsSizedByTheEngineAtEachStart) {
   if (!sim::have_energyplus()) GTEST_SKIP() << "no EnergyPlus";
   const json water = {{"u_factor_times_area_value", "Autosize"}, {"maximum_water_flow_rate", "Autosize"}};
@@ -218,6 +260,31 @@ TEST(UnusualModel, AHeatingCoilOfTheLoopIsSizedByTheEngineAtEachStart) {
   EXPECT_FALSE(coils.at("main").contains("u_factor_times_area_value")) << "its design flow is not its largest flow";
   EXPECT_DOUBLE_EQ(coils.at("main").at("maximum_water_flow_rate"), 0.0096);
   EXPECT_DOUBLE_EQ(coils.at("box coil").at("u_factor_times_area_value"), 260.4);
+}
+
+TEST(UnusualModel, AHolidayOfTheModelIsNoDayThatIsCompared) {
+  if (!sim::have_energyplus()) GTEST_SKIP() << "no EnergyPlus";
+  json model = small_model();
+  json& schedule = model["Schedule:Compact"]["nobody on holidays"];
+  schedule["schedule_type_limits_name"] = "Any Number";
+  for (const json& field : {json("Through: 12/31"), json("For: Holidays"), json("Until: 24:00"), json(0.0),
+                            json("For: AllOtherDays"), json("Until: 24:00"), json(1.0)})
+    schedule["data"].push_back({{"field", field}});
+  for (json& people : model["People"]) people["number_of_people_schedule_name"] = "nobody on holidays";
+  model["RunPeriodControl:SpecialDays"]["Columbus Day"] = {
+      {"start_date", "2nd Monday in October"}, {"duration", 1}, {"special_day_type", "Holiday"}};
+  const AirLoop loop = walk_air_loop(ModelView(model, "m"), "AHU");
+  const TemporaryFolder folder;
+  const sim::EnergyPlusInstall install = sim::find_energyplus();
+  const ObservationPlan plan{&model, &loop, sim::default_weather(install), 10, 11, 2};
+  const Observation seen = observe(plan, install, folder.path(), "m");
+  const auto steps = static_cast<std::size_t>(seen.steps_per_day);
+  ASSERT_EQ(seen.steps(), 2 * steps);
+  for (const auto& zone : seen.people) {
+    ASSERT_EQ(zone.size(), 2 * steps);
+    EXPECT_GT(zone[steps / 2], 0) << "11 October";
+    EXPECT_DOUBLE_EQ(zone[steps / 2], zone[steps + steps / 2]);
+  }
 }
 
 /// A week at one step an hour, people from 8 to 18 on working days and to `saturday_to` on Saturday.

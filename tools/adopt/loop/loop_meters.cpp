@@ -23,17 +23,37 @@ class MeterParts {
   json parts_ = json::array();
 };
 
-/// The coils of the loop: those on its branches, in its coil systems and packaged unit, and those of its terminals.
+using TypeAndName = std::pair<std::string, std::string>;
+
+/// What outdoor air passes before it meets return air: preheat coils, fans.
+std::vector<TypeAndName> outdoor_air_equipment(const ModelView& model, const AirLoop& loop) {
+  std::vector<TypeAndName> parts;
+  for (const LoopComponent& c : loop.components) {
+    if (c.type != "AirLoopHVAC:OutdoorAirSystem") continue;
+    const ModelObject list = model.find("AirLoopHVAC:OutdoorAirSystem:EquipmentList",
+                                        model.find(c.type, c.name).text("outdoor_air_equipment_list_name"));
+    for (int n = 1; list && n <= 9; ++n) {
+      const std::string base = "component_" + std::to_string(n);
+      const std::string type = list.text((base + "_object_type").c_str());
+      if (!type.empty()) parts.emplace_back(type, list.text((base + "_name").c_str()));
+    }
+  }
+  return parts;
+}
+
+/// The coils of the loop: those on its branches, in its coil systems and packaged unit, and those of its terminals;
+/// with `more` parts those among them too.
 class Coils {
  public:
-  Coils(const ModelView& model, const AirLoop& loop) : model_(model) {
+  Coils(const ModelView& model, const AirLoop& loop, const std::vector<TypeAndName>& more = {}) : model_(model) {
+    for (const auto& [type, name] : more) add(type, name);
     for (const LoopComponent& c : loop.components) add(c.type, c.name);
     for (const LoopTerminal& t : loop.terminals) {
       const ModelObject terminal = model.find(t.type, t.name);
       add(terminal.text("reheat_coil_object_type"), terminal.text("reheat_coil_name"));
     }
   }
-  const std::vector<std::pair<std::string, std::string>>& list() const { return list_; }
+  const std::vector<TypeAndName>& list() const { return list_; }
 
  private:
   void add(const std::string& type, const std::string& name) {
@@ -50,7 +70,7 @@ class Coils {
   }
 
   const ModelView& model_;
-  std::vector<std::pair<std::string, std::string>> list_;
+  std::vector<TypeAndName> list_;
 };
 
 /// A number that the model has, or that its sizing found; 0 where neither is there.
@@ -97,19 +117,40 @@ std::vector<ModelObject> loop_coils(const ModelView& model, const AirLoop& loop)
   return coils;
 }
 
+namespace {
+
+/// Each once: on the branches, before the mixing of outdoor air, in packaged units and in terminals.
+std::vector<std::string> loop_fans(const ModelView& model, const AirLoop& loop,
+                                   const std::vector<TypeAndName>& outdoor_air) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    const auto same = [&](const std::string& known) { return same_name(known, name); };
+    if (!name.empty() && std::none_of(names.begin(), names.end(), same)) names.push_back(name);
+  };
+  const auto add_of = [&](const std::string& type, const std::string& name) {
+    if (type.starts_with("Fan:")) return add(name);
+    const ModelObject holder = model.find(type, name);
+    for (const char* field : {"supply_fan_name", "supply_air_fan_name", "fan_name"}) add(holder.text(field));
+  };
+  for (const auto& [type, name] : outdoor_air) add_of(type, name);
+  for (const LoopComponent& c : loop.components) add_of(c.type, c.name);
+  for (const LoopTerminal& t : loop.terminals) add_of(t.type, t.name);
+  add(loop.fan.name);
+  return names;
+}
+
+}  // namespace
+
 LoopMeters loop_meters(const ModelView& model, const AirLoop& loop) {
   MeterParts fans, cooling, heating, gas;
   LoopMeters out;
-  const auto add_fan = [&](const std::string& name) {
+  const std::vector<TypeAndName> outdoor_air = outdoor_air_equipment(model, loop);
+  for (const std::string& name : loop_fans(model, loop, outdoor_air)) {
     fans.add(name, "Fan Electricity Energy");
     out.fans = true;
-  };
-  for (const LoopComponent& c : loop.components) {
-    if (c.type.starts_with("Fan:")) add_fan(c.name);
   }
-  if (!out.fans && !loop.fan.name.empty()) add_fan(loop.fan.name);
   int cooled_by_water = 0, heated_by_water = 0, cools = 0, heats = 0;
-  const Coils coils(model, loop);
+  const Coils coils(model, loop, outdoor_air);
   for (const auto& [type, name] : coils.list()) {
     if (type.starts_with("Coil:Cooling:DX")) {
       cooling.add(name, "Cooling Coil Electricity Energy");

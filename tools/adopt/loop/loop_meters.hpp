@@ -24,7 +24,7 @@ struct LoopMeters {
   bool heating = false;  ///< the same of heating coils, those of its terminals included
 };
 
-/// Fans and coils of the supply side, and the coils of the terminals.
+/// Fans and coils of the supply side, of what outdoor air passes before, and of the terminals.
 LoopMeters loop_meters(const ModelView& model, const AirLoop& loop);
 
 /// The coils of a loop: on its branches, in its coil systems and packaged unit, and those of its terminals.
