@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "firmware/page/data/facts.hpp"
 #include "firmware/page/data/metrics.hpp"
@@ -63,6 +64,7 @@ Answers::Answers(const hal::SiteFile& site)
     : state_dir_(site.state_dir),
       site_text_(without_markup(dumped(site_facts(site)))),
       of_band_(site.objective == Objective::band),
+      plant_clock_(site.clock == hal::ClockSource::plant),
       gap_hint_(site),
       status_(site.state_dir),
       ledger_(site.page.dir),
@@ -109,9 +111,13 @@ Answer Answers::status() {
   }
   if (status_.text().empty()) return {503, json_of(refusal(503, refusals::no_status))};
   MHD_Response* response = response_of(without_markup(status_.text()));
-  // The status has the site's clock, which nobody can compare with a browser's.
-  if (response != nullptr)
-    MHD_add_response_header(response, "Age", fmt::format("{:.0f}", std::max(0.0, status_.age_s())).c_str());
+  // The status has the site's clock, which nobody can compare with a browser's. Age knows no file from the future, as
+  // a box without a battery for its clock leaves behind; it must not pass for a new one.
+  if (response != nullptr) {
+    const double age_s = status_.age_s();
+    MHD_add_response_header(response, "Age", fmt::format("{:.0f}", std::abs(age_s)).c_str());
+    if (age_s <= -1) MHD_add_response_header(response, "X-Airside-Ahead", fmt::format("{:.0f}", -age_s).c_str());
+  }
   return {MHD_HTTP_OK, response};
 }
 
@@ -128,20 +134,26 @@ Answer Answers::weights() const {
   return typed(response, "application/octet-stream");
 }
 
+bool Answers::is_of_now(const Cached& cached) const {
+  return !cached.text.empty() && cached.generation == store_.generation() && cached.count == store_.count() &&
+         cached.reading == store_.is_reading();
+}
+
 Answer Answers::trends_json(std::string_view span) {
   if (!rows_of_span(span)) return {400, json_of(refusal(400, refusals::span_unknown))};
   Cached& cached = cached_[span == "day" ? 0 : span == "week" ? 1 : 2];
-  if (cached.text.empty() || cached.count != store_.count() || cached.reading != store_.is_reading()) {
-    cached = {store_.count(), store_.is_reading(), without_markup(dumped(trends(store_, span, of_band_)))};
+  if (!is_of_now(cached)) {
+    cached = {store_.generation(), store_.count(), store_.is_reading(),
+              without_markup(dumped(trends(store_, span, of_band_)))};
   }
   return {MHD_HTTP_OK, response_of(cached.text)};
 }
 
 Answer Answers::gap() {
-  if (gap_.text.empty() || gap_.count != store_.count() || gap_.reading != store_.is_reading()) {
+  if (!is_of_now(gap_)) {
     nlohmann::json gap = forecast_gap(store_);
     gap["commands"] = gap_hint_.commands(gap["reference_days"].get<int>());
-    gap_ = {store_.count(), store_.is_reading(), without_markup(dumped(gap))};
+    gap_ = {store_.generation(), store_.count(), store_.is_reading(), without_markup(dumped(gap))};
   }
   return {MHD_HTTP_OK, response_of(gap_.text)};
 }

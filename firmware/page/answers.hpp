@@ -10,6 +10,7 @@
 #include "firmware/page/data/checkout.hpp"
 #include "firmware/page/data/forecast_gap.hpp"
 #include "firmware/page/data/ledger.hpp"
+#include "firmware/page/data/site_clock.hpp"
 #include "firmware/page/data/state_folder.hpp"
 #include "firmware/page/data/trend_store.hpp"
 #include "firmware/page/http/request_check.hpp"
@@ -34,13 +35,17 @@ class Answers {
   Answer read(Route route, const char* span);
   Ledger& ledger() { return ledger_; }
   Checkout& checkout() { return checkout_; }
+  /// What the site's clock shows now, as the times of the status and of the log.
+  std::string site_time() const { return page::site_time(status_, plant_clock_); }
 
  private:
   struct Cached {
-    std::uint64_t count = 0;
+    std::uint64_t generation = 0, count = 0;
     bool reading = true;
     std::string text;
   };
+  /// Whether it is of the rows that the store has now.
+  bool is_of_now(const Cached& cached) const;
   Answer status();
   Answer weights() const;
   Answer trends_json(std::string_view span);
@@ -48,7 +53,7 @@ class Answers {
   Answer gap();
 
   std::string state_dir_, site_text_;
-  bool of_band_;
+  bool of_band_, plant_clock_;
   GapHint gap_hint_;
   StatusReader status_;
   Ledger ledger_;

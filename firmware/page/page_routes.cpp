@@ -49,13 +49,15 @@ std::string one_line(std::string_view body) {
   return line;
 }
 
-/// The number of an alarm, 0 for all of them.
-std::optional<std::uint64_t> alarm_of(std::string_view body) {
-  if (body == "all") return 0;
+/// `4`: that alarm; `all 4`: those up to it, as who sends it has seen no later one; `all`: all of them.
+std::optional<AlarmIds> alarms_of(std::string_view body) {
+  if (body == "all") return AlarmIds{};
+  const bool up_to = body.starts_with("all ");
+  if (up_to) body.remove_prefix(4);
   std::uint64_t id = 0;
   const auto [end, error] = std::from_chars(body.data(), body.data() + body.size(), id);
   if (error != std::errc{} || end != body.data() + body.size() || id == 0) return {};
-  return id;
+  return AlarmIds{.first = up_to ? 1 : id, .last = id};
 }
 
 }  // namespace
@@ -156,7 +158,7 @@ MHD_Result PageServer::end_upload(MHD_Connection* c, Connection& connection, std
   const std::string who = answered.log.empty() ? "nobody's signature" : answered.log;
   if (said.status == 202) {
     log_.say(fmt::format("upload from {} accepted: {} bytes, {}", connection.peer.text, blob.size(), who));
-    answers_.ledger().note("uploaded", who, connection.who);
+    answers_.ledger().note("uploaded", who, connection.who, answers_.site_time());
   } else {
     log_.refusal(fmt::format("upload from {} refused: {} {} ({} bytes, {})", connection.peer.text, said.status,
                              said.text, blob.size(), who));
@@ -178,7 +180,7 @@ MHD_Result PageServer::do_order(MHD_Connection* c, Connection& connection, std::
       break;
     case Route::rollback:
       if (body.empty()) said = ask_rollback(inbox_dir_);
-      if (said.status == 202) answers_.ledger().note("rollback asked", "", connection.who);
+      if (said.status == 202) answers_.ledger().note("rollback asked", "", connection.who, answers_.site_time());
       break;
     case Route::points_read:
       if (body.empty()) said = ask_readings(inbox_dir_);
@@ -189,10 +191,14 @@ MHD_Result PageServer::do_order(MHD_Connection* c, Connection& connection, std::
     case Route::points_sign: said = answers_.checkout().sign(body, connection.who); break;
     case Route::points_withdraw: said = answers_.checkout().withdraw(body); break;
     case Route::alarm_seen: {
-      const auto id = alarm_of(body);
-      if (!id) said = refusal(400, refusals::alarm_form);
-      if (id)
-        said = answers_.ledger().see(*id, connection.who) ? Said{200, "seen"} : refusal(404, refusals::alarm_unknown);
+      const auto ids = alarms_of(body);
+      if (!ids) {
+        said = refusal(400, refusals::alarm_form);
+      } else if (answers_.ledger().see(*ids, connection.who, answers_.site_time())) {
+        said = {200, "seen"};
+      } else {
+        said = refusal(404, refusals::alarm_unknown);
+      }
       break;
     }
     case Route::logout: {
@@ -237,6 +243,7 @@ MHD_Result PageServer::end_login(MHD_Connection* c, Connection& connection) {
   if (!login_outcome_) return MHD_NO;  // the page is ending
   const SignIn::Outcome outcome = *login_outcome_;
   login_outcome_.reset();
+  if (outcome.put_off) return put_off(c, connection, 503, *outcome.put_off, 1);
   if (outcome.session == nullptr) return answer(c, connection, 403, json_of(refusal(403, refusals::password_wrong)));
   Response* response = json_of({200, "signed in"});
   if (response == nullptr) return MHD_NO;

@@ -55,20 +55,30 @@ SignIn::Start SignIn::begin(std::string_view body, const PeerAddress& from, std:
   }
   asked_role_ = role;
   asked_from_ = from;
+  asked_generation_ = watch_.generation();
   return {};
 }
 
 std::optional<SignIn::Outcome> SignIn::finish(std::int64_t now_ns) {
-  const std::optional<bool> right = check_.result();
-  if (!right) return {};
-  if (!*right) {
-    lockout_.failed(asked_from_.prefix(), now_ns);
+  const std::optional<PasswordResult> found = check_.result();
+  if (!found) return {};
+  refresh();
+  const auto put_off = [this](const Refused& why) {
+    log_.refusal(
+        fmt::format("sign-in of the {} from {} put off: {}", text_of(asked_role_), asked_from_.text, why.text));
+    return Outcome{nullptr, why};
+  };
+  // The hash is of passwords that hold no longer: the old one must not open a session that outlives it.
+  if (watch_.generation() != asked_generation_) return put_off(refusals::passwords_changed);
+  if (*found == PasswordResult::no_memory) return put_off(refusals::sign_in_no_memory);
+  if (*found == PasswordResult::wrong) {
+    lockout_.failed(asked_from_.prefix(), asked_role_, now_ns);
     log_.refusal(fmt::format("wrong password of the {} from {}", text_of(asked_role_), asked_from_.text));
     return Outcome{};
   }
-  lockout_.succeeded(asked_from_.prefix());
+  lockout_.succeeded(asked_from_.prefix(), asked_role_);
   log_.say(fmt::format("the {} has signed in from {}", text_of(asked_role_), asked_from_.text));
-  return Outcome{&sessions_.begin(asked_role_, now_ns)};
+  return Outcome{&sessions_.begin(asked_role_, now_ns), {}};
 }
 
 std::string SignIn::cookie_line(const Session* session) const {

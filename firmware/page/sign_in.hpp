@@ -39,9 +39,11 @@ class SignIn {
   };
   /// `body`: the role's name, a line's end, the password.
   Start begin(std::string_view body, const PeerAddress& from, std::int64_t now_ns);
-  /// Of the verification that was begun: the session, or nothing where the password was wrong. Once only.
+  /// Of the verification that was begun: the session; or why it is to be tried again; or neither where the password was
+  /// wrong. Once only.
   struct Outcome {
     const Session* session = nullptr;
+    std::optional<Refused> put_off{};
   };
   std::optional<Outcome> finish(std::int64_t now_ns);
   int descriptor() const { return check_.descriptor(); }
@@ -61,6 +63,7 @@ class SignIn {
   bool tls_;
   Role asked_role_ = Role::none;
   PeerAddress asked_from_{};
+  std::uint64_t asked_generation_ = 0;  ///< of the file that the hash is from
 };
 
 }  // namespace airside::page

@@ -21,9 +21,9 @@ export async function until(what, look, seconds = 30) {
 
 export class Box {
   /** `init`: options of `airside init`; `room`: of `airside serve`; `dir`, `file`: names of the site's folder and file;
-   *  `weights`: pretrained ones to start with, for an objective that has some. */
-  constructor(bin, { init = [], room = '301', dir = 'site', file = 'site.toml', weights = true } = {}) {
-    Object.assign(this, { bin, room, dir, file });
+   *  `weights`: pretrained ones to start with, for an objective that has some; `zone`: the TZ of its programs. */
+  constructor(bin, { init = [], room = '301', dir = 'site', file = 'site.toml', weights = true, zone = 'UTC' } = {}) {
+    Object.assign(this, { bin, room, dir, file, zone });
     this.folder = mkdtempSync(join(tmpdir(), 'airside_browser_'));
     this.children = [];
     this.run('airside', 'init', this.path(dir), ...init);
@@ -49,7 +49,7 @@ export class Box {
   }
   start(log, name, ...words) {
     const out = openSync(this.path(log), 'a');
-    const child = spawn(this.program(name), words, { stdio: ['ignore', out, out] });
+    const child = spawn(this.program(name), words, { stdio: ['ignore', out, out], env: { ...process.env, TZ: this.zone } });
     child.ended = new Promise((done) => child.on('exit', (code) => done(code)));
     this.children.push(child);
     return child;

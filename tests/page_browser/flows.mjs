@@ -248,6 +248,46 @@ step('each room has a line of its own, a chart says how it is read, a day has it
   await says(view, 'trends-span', ' to 2021-08-08');
 });
 
+step('who has enlarged a stretch of a chart keeps it when the page looks again', async () => {
+  const over = () => view.locator('#charts .u-over').first();
+  const begins = async () => {
+    await over().hover({ position: { x: 60, y: 60 } });
+    await over().hover({ position: { x: 1, y: 60 } });
+    return /Time\s*(08-\d\d \d\d:\d\d)/.exec(await view.locator('#charts .u-legend').first().innerText())?.[1];
+  };
+  const looks = async () => {
+    const answer = view.waitForResponse((r) => r.url().includes('/trends.json'));
+    await view.locator('.span[data-span=week]').click();
+    await answer;
+    await pause(500);
+  };
+  const whole = await begins();
+  await over().scrollIntoViewIfNeeded();
+  const place = await over().boundingBox();
+  await view.mouse.move(place.x + place.width * 0.4, place.y + 80);
+  await view.mouse.down();
+  await view.mouse.move(place.x + place.width * 0.6, place.y + 80, { steps: 5 });
+  await view.mouse.up();
+  const enlarged = await begins();
+  check(enlarged > whole, `a stretch is enlarged: ${whole}, ${enlarged}`);
+  await over().evaluate((e) => { e.dataset.mark = 'kept'; });
+  await looks();
+  same(await over().getAttribute('data-mark'), 'kept', 'the same data once more: the same chart');
+  same(await begins(), enlarged, 'where it begins');
+  await view.route('**/trends.json*', async (route) => {
+    const answer = await route.fetch(), data = await answer.json();
+    data.held_degc[data.points - 1] += 0.5;
+    await route.fulfill({ response: answer, json: data });
+  });
+  await looks();
+  same(await over().getAttribute('data-mark'), null, 'a new row: a new chart');
+  same(await begins(), enlarged, 'where it begins with a new row');
+  await over().dblclick({ position: { x: 60, y: 60 } });
+  same(await begins(), whole, 'all of it again');
+  await view.unroute('**/trends.json*');
+  await looks();
+});
+
 /** The page with a status that a daemon may write, put there by hand. */
 async function with_status(change) {
   const file = box.path('site', 'state', 'status.json'), before = readFileSync(file, 'utf8');
@@ -292,6 +332,10 @@ step('what was is not shown as what is: stopped, old, unreachable, released for 
   await reload(view);
   await says(view, 'badge', 'No news');
   await says(view, 'no-alarms', 'No alarm was active at 2021-08-08');
+  utimesSync(box.path('site', 'state', 'status.json'), Date.now() / 1000 + 3600, Date.now() / 1000 + 3600);
+  await reload(view);
+  await says(view, 'badge', 'No news');
+  check(/The file is dated (60|59) min after what the clock of the box shows/.test(await text_of(view, 'age')), `a file from the future: ${await text_of(view, 'age')}`);
   await restore();
   restore = await with_status({ stopped: false, state: 'expert', reason: 'no reading', fault: 'no reading', alarms: [{ reason: 'no reading', since: '2021-08-08T12:48:00' }], room_temp_degc: [] });
   await says(view, 'badge', 'AHU does not answer');
@@ -307,9 +351,44 @@ step('what was is not shown as what is: stopped, old, unreachable, released for 
   await says(view, 'alarms', 'ends at 2021-08-08 14:00');
   check(!(await text_of(view, 'why')).includes('never leaves'), 'limits of the box are not the AHU’s');
   check(!/:[^.]*:/.test((await text_of(view, 'sentence')).replace(/\d:\d/g, '')), `one colon a sentence: ${await text_of(view, 'sentence')}`);
-  await says(view, 'weights-said', 'was refused: an older or the same blob was sent already.');
-  await says(view, 'history', 'refused: an older or the same blob');
+  await says(view, 'weights-said', 'was refused: a newer or the same blob was taken already.');
+  await says(view, 'history', 'refused: a newer or the same blob');
   await restore();
+});
+
+step('the site’s clock and that of this device differ, and the page says so', async () => {
+  const site = new Box(bin, { weights: false, zone: 'CET-1CEST,M3.5.0,M10.5.0/3' });
+  others.push(site);
+  site.edit((text) => text.replace('source = "plant"', 'source = "system"'));
+  mkdirSync(site.path('site', 'state'), { recursive: true });
+  const released = { stopped: false, time: '2026-07-01T13:00:00', state: 'release', reason: 'released by hand', alarms: [{ reason: 'released by hand', since: '2026-07-01T13:00:00' }] };
+  const write = (ends) => writeFileSync(site.path('site', 'state', 'status.json'), JSON.stringify({ ...box.status(), ...released, release_ends: ends }));
+  write('2026-07-01T14:00:00');
+  await site.open_page();
+  same((await (await fetch(`${site.address}/site.json`)).json()).utc_offset_min, 60, 'the site’s clock in min from UTC, also in summer');
+  same((await (await fetch(`${box.address}/site.json`)).json()).utc_offset_min, null, 'that of an AHU’s clock');
+  same(await view.locator('#clock-note').isVisible(), false, 'a note on a clock that nobody knows');
+  const far = await open({ timezoneId: 'Asia/Taipei' }, site);
+  await says(far, 'clock-note', 'Times are the site’s standard time, UTC+01:00, the whole year, without daylight saving; the clock of this device shows UTC+08:00.');
+  await says(far, 'sentence', 'ends at 2026-07-01 14:00 of the site’s clock, 21:00 by the clock of this device, or when it is handed back');
+  await says(far, 'alarms', '21:00 by the clock of this device');
+  await accessible(far, 'a note on clocks');
+  write('2026-07-01T18:00:00');
+  await reload(far);
+  await says(far, 'sentence', 'ends at 2026-07-01 18:00 of the site’s clock, 2026-07-02 01:00 by the clock of this device');
+  await far.locator('#language').selectOption('zh-Hant');
+  await says(far, 'clock-note', 'UTC+01:00');
+  await says(far, 'sentence', '此裝置的時鐘為 2026-07-02 01:00');
+  await far.context().close();
+  const near = await open({ timezoneId: 'Europe/Berlin' }, site);
+  await says(near, 'sentence', '18:00 of the site’s clock, 19:00 by the clock of this device');  // that is in summer
+  await near.context().close();
+  write('2026-12-01T18:00:00');
+  const same_clock = await open({ timezoneId: 'Africa/Lagos' }, site);
+  await says(same_clock, 'sentence', 'ends at 2026-12-01 18:00, or when it is handed back');
+  same(await same_clock.locator('#clock-note').isVisible(), false, 'a note where both clocks show the same');
+  await same_clock.context().close();
+  await site.end(site.page);
 });
 
 step('keyboard: skip link, order, visible focus', async () => {
@@ -347,8 +426,12 @@ step('a password that is set on the box opens the orders', async () => {
   await accessible(view, 'the dialog for signing in');
   await picture(view, 'sign-in', false);
   await view.locator('#password').fill(password.operator);
-  await view.keyboard.press('Enter');
+  let posts = 0;
+  view.on('request', (r) => { posts += r.url().endsWith('/login') ? 1 : 0; });
+  await view.evaluate(() => { const form = document.getElementById('sign-in-f'); form.requestSubmit(); form.requestSubmit(); });  // Enter twice
   await says(view, 'who', 'operator');
+  await pause(500);
+  same(posts, 1, 'passwords that were sent');
   same(await view.locator('#orders').isVisible(), true, 'orders');
   same(await view.locator('#upload').isVisible(), false, 'an operator sends no weights');
   const cookie = (await view.context().cookies())[0];
@@ -440,6 +523,7 @@ step('release for 4 h and for 24 h; release and hand-back by thumb on a phone', 
     await view.locator('#release-hours').selectOption(String(hours));
     await view.locator('#release').click();
     await says(view, 'confirm-said', `After ${hours} h airside takes over by itself`);
+    same(await view.locator('#confirm-d').getAttribute('aria-describedby'), 'confirm-said', 'what a screen reader says of the question');
     await view.locator('#confirm-yes').click();
     await says(view, 'order-said', `Released for ${hours} h`);
     await until(`a release that ends ${hours} h later`, () => {
@@ -464,6 +548,20 @@ step('release for 4 h and for 24 h; release and hand-back by thumb on a phone', 
   await until('the daemon has taken over again', () => box.status().state !== 'release');
   await phone.context().close();
   await view.locator('#release-hours').selectOption('');
+});
+
+step('“Acknowledge all” is of the alarms that are shown', async () => {
+  const alarm = (id, reason) => ({ id, reason, since: '2021-08-08T01:00:00', ended: '2021-08-08T02:00:00', times: id, seen_by: '', seen_at: '' });
+  let body = null;
+  await view.route('**/alarms.json', (route) => route.fulfill({ json: { alarms: [alarm(9, 'no reading'), alarm(7, 'two masters'), alarm(1, 'state lost')], kept: true } }));
+  await view.route('**/alarms/seen', (route) => { body = route.request().postData(); return route.fulfill({ json: { status: 200 } }); });
+  await reload(view);
+  await says(view, 'alarms', '7 times from 2021-08-08 01:00 to 2021-08-08 02:00, not active now');
+  await says(view, 'alarms', 'from 2021-08-08 01:00 to 2021-08-08 02:00, not active now');
+  await view.locator('#seen-all').click();
+  await says(view, 'alarms-said', 'Acknowledged.');
+  same(body, 'all 9', 'which are acknowledged');
+  for (const path of ['**/alarms.json', '**/alarms/seen']) await view.unroute(path);
 });
 
 step('an alarm that has ended stays until it is acknowledged', async () => {
@@ -582,6 +680,19 @@ step('point checkout: read, signed off by name, kept, withdrawn, exported', asyn
   check(Math.abs(Math.abs(tried.sent - tried.before) - 0.5) < 1e-9 && tried.taken === tried.sent && tried.restored === tried.before, JSON.stringify(tried));
   await says(view, 'points-written', 'The setpoint can be written');
   check(!existsSync(box.path('site', 'inbox', 'check-write')), 'that wish is gone too');
+  await says(view, 'points-said', 'Tried; all points were read again');
+  await view.route('**/points/write', (route) => route.fulfill({ status: 202, json: { status: 202 } }));
+  await view.route('**/points.json', async (route) => {  // points were read, but what was asked for was thrown away
+    const answer = await route.fetch(), now = await answer.json();
+    await route.fulfill({ response: answer, json: { ...now, time: '2021-08-30T00:00:00', waiting: false } });
+  });
+  await view.locator('#points-write').press('Enter');
+  await says(view, 'points-said', 'Asked: the daemon tries it');
+  await until('nothing is said of a trial', async () => (await text_of(view, 'points-said')) === '');
+  for (const path of ['**/points/write', '**/points.json']) await view.unroute(path);
+  await reload(view);
+  await view.locator('#points-list-h').press('Enter');
+  await until('the list is there again', () => button('point-withdraw').isVisible());
   await accessible(view, 'the checkout');
   await picture(view, 'checkout', false);
   for (const width of [390, 320]) {

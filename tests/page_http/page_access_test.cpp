@@ -22,7 +22,7 @@ TEST(PageLockout, LetsAFewTriesThroughAndThenWaitsLongerEachTime) {
   double now_s = 1000;
   for (int i = 0; i < Lockout::free_failures; ++i) {
     EXPECT_EQ(lockout.wait_s(here, ns(now_s)), 0) << i;
-    lockout.failed(here, ns(now_s));
+    lockout.failed(here, Role::operator_, ns(now_s));
     now_s += 10;
   }
   EXPECT_NEAR(lockout.wait_s(here, ns(now_s)), Lockout::first_wait_s - 10, 1e-6);
@@ -31,15 +31,28 @@ TEST(PageLockout, LetsAFewTriesThroughAndThenWaitsLongerEachTime) {
   for (int i = 0; i < 12; ++i) {
     now_s += Lockout::longest_wait_s;
     EXPECT_EQ(lockout.wait_s(here, ns(now_s)), 0);
-    lockout.failed(here, ns(now_s));
+    lockout.failed(here, Role::operator_, ns(now_s));
     const double wait_s = lockout.wait_s(here, ns(now_s));
     EXPECT_GE(wait_s, last_s);
     EXPECT_LE(wait_s, Lockout::longest_wait_s);
     last_s = wait_s;
   }
   EXPECT_EQ(last_s, Lockout::longest_wait_s);
-  lockout.succeeded(here);
+  lockout.succeeded(here, Role::operator_);
   EXPECT_EQ(lockout.wait_s(here, ns(now_s)), 0);
+}
+
+TEST(PageLockout, ForgetsNoFailuresAtOnePasswordWhenAnotherWasRight) {
+  Lockout lockout;
+  const Lockout::Prefix here{1};
+  for (int i = 0; i < Lockout::free_failures - 1; ++i) lockout.failed(here, Role::installer, ns(1000));
+  lockout.succeeded(here, Role::viewer);
+  EXPECT_EQ(lockout.wait_s(here, ns(1001)), 0);
+  lockout.failed(here, Role::installer, ns(1001));
+  EXPECT_NEAR(lockout.wait_s(here, ns(1001)), Lockout::first_wait_s, 1e-6);
+  lockout.succeeded(here, Role::installer);
+  lockout.failed(here, Role::installer, ns(2000));
+  EXPECT_EQ(lockout.wait_s(here, ns(2000)), 0) << "begun anew by the right one";
 }
 
 TEST(PageLockout, HoldsFailuresOfManyPlacesToARate) {
@@ -49,7 +62,7 @@ TEST(PageLockout, HoldsFailuresOfManyPlacesToARate) {
     for (std::uint8_t place = 0; place < 200; ++place) {
       const Lockout::Prefix from{place, static_cast<std::uint8_t>(second % 250), 7};
       if (lockout.wait_s(from, ns(second)) > 0) continue;
-      lockout.failed(from, ns(second));
+      lockout.failed(from, Role::operator_, ns(second));
       ++tried;
     }
   }
@@ -85,9 +98,23 @@ TEST(PageSessions, AreToldApartByTheWholeCookie) {
   EXPECT_EQ(sessions.find(one.cookie, ns(1)), nullptr);
   EXPECT_NE(sessions.find(two.cookie, ns(1)), nullptr);
   for (std::size_t i = 0; i < Sessions::max_sessions; ++i) {
-    sessions.begin(Role::viewer, ns(10 + static_cast<double>(i)));
+    sessions.begin(Role::installer, ns(10 + static_cast<double>(i)));
   }
   EXPECT_EQ(sessions.find(two.cookie, ns(30)), nullptr) << "the one that was idle longest made room";
+}
+
+TEST(PageSessions, OfALowerRoleMakeRoomFirst) {
+  Sessions sessions;
+  const std::string installer = sessions.begin(Role::installer, ns(0)).cookie;
+  const std::string worker = sessions.begin(Role::operator_, ns(1)).cookie;
+  const std::string first = sessions.begin(Role::viewer, ns(2)).cookie;
+  for (int i = 0; i < 2 * static_cast<int>(Sessions::max_sessions); ++i) sessions.begin(Role::viewer, ns(10 + i));
+  EXPECT_EQ(sessions.find(first, ns(60)), nullptr) << "of the viewers the one that was idle longest";
+  EXPECT_NE(sessions.find(installer, ns(60)), nullptr) << "a crowd of viewers signs no installer out";
+  EXPECT_NE(sessions.find(worker, ns(60)), nullptr);
+  for (int i = 0; i < static_cast<int>(Sessions::max_sessions); ++i) sessions.begin(Role::operator_, ns(70 + i));
+  EXPECT_NE(sessions.find(installer, ns(90)), nullptr);
+  EXPECT_EQ(sessions.find(worker, ns(90)), nullptr) << "an operator gives way to operators";
 }
 
 class PageAccess : public PageRig {
@@ -161,7 +188,7 @@ TEST_F(PageAccess, VerifiesOnePasswordAtATimeBesideTheServer) {
   const std::string hash = hash_of_password("seven quiet dampers");
   const auto outcome = [&check] {
     const double until = now_s() + 30;
-    std::optional<bool> result;
+    std::optional<PasswordResult> result;
     while (!result && now_s() < until) {
       sleep_s(0.002);
       result = check.result();
@@ -170,11 +197,16 @@ TEST_F(PageAccess, VerifiesOnePasswordAtATimeBesideTheServer) {
   };
   ASSERT_TRUE(check.begin(hash, "seven quiet dampers"));
   EXPECT_FALSE(check.begin(hash, "another one at the same time"));
-  EXPECT_EQ(outcome(), true);
+  EXPECT_EQ(outcome(), PasswordResult::right);
   ASSERT_TRUE(check.begin(hash, "seven quiet damperS"));
-  EXPECT_EQ(outcome(), false);
+  EXPECT_EQ(outcome(), PasswordResult::wrong);
   ASSERT_TRUE(check.begin("", ""));
-  EXPECT_EQ(outcome(), false) << "a role without a password lets nobody in";
+  EXPECT_EQ(outcome(), PasswordResult::wrong) << "a role without a password lets nobody in";
+  for (const std::string& damaged : {hash + "A", hash.substr(0, hash.size() - 1), std::string("$argon2id$"),
+                                     "$argon2i" + hash.substr(9), hash.substr(0, 20) + "x" + hash.substr(21)}) {
+    ASSERT_TRUE(check.begin(damaged, "seven quiet dampers"));
+    EXPECT_EQ(outcome(), PasswordResult::wrong) << damaged;
+  }
 }
 
 TEST_F(PageAccess, ServesOthersWhileAPasswordIsTriedAndTurnsAFloodOfThemAway) {

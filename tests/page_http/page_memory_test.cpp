@@ -11,6 +11,7 @@
 #include "firmware/page/data/trends.hpp"
 #include "hal/points/point_map.hpp"
 #include "hal/site/site_settings.hpp"
+#include "hal/text/civil_text.hpp"
 #include "page_http/page_rig.hpp"
 
 namespace airside::page {
@@ -32,6 +33,10 @@ class PageMemory : public PageRig {
     s["alarms"] = json::array();
     for (const std::string& a : alarms) s["alarms"].push_back({{"reason", a}, {"since", time}});
     return s;
+  }
+  static constexpr const char* seen_at = "2021-07-05T08:00:00";
+  static AlarmIds only(const json& alarm) {
+    return {alarm["id"].get<std::uint64_t>(), alarm["id"].get<std::uint64_t>()};
   }
   std::string dir() const { return folder / "page"; }
 
@@ -75,15 +80,16 @@ TEST_F(PageMemory, AnAlarmStaysUntilItHasEndedAndWasSeen) {
   alarms = later.alarms()["alarms"];
   ASSERT_EQ(alarms.size(), 2u);
   EXPECT_EQ(alarms[0]["reason"], "sensor drifts") << "active ones first";
-  EXPECT_TRUE(later.see(alarms[1]["id"].get<std::uint64_t>(), "operator"));
-  EXPECT_FALSE(later.see(alarms[1]["id"].get<std::uint64_t>(), "operator")) << "once";
-  EXPECT_FALSE(later.see(999, "operator"));
-  EXPECT_TRUE(later.see(0, "operator")) << "an active one can be seen too";
+  EXPECT_TRUE(later.see(only(alarms[1]), "operator", seen_at));
+  EXPECT_FALSE(later.see(only(alarms[1]), "operator", seen_at)) << "once";
+  EXPECT_FALSE(later.see({999, 999}, "operator", seen_at));
+  EXPECT_TRUE(later.see({}, "operator", seen_at)) << "an active one can be seen too";
   later.watch(status("2021-07-01T10:18:00", {"sensor drifts"}));
   alarms = Ledger(dir()).alarms()["alarms"];
   ASSERT_EQ(alarms.size(), 2u);
   EXPECT_EQ(alarms[0]["ended"], "");
   EXPECT_EQ(alarms[0]["seen_by"], "operator");
+  EXPECT_EQ(alarms[0]["seen_at"], seen_at) << "and not the time of the last status";
   later.watch(status("2021-07-01T10:24:00", {}));
   later.watch(status("2021-07-01T10:30:00", {"sensor drifts"}));
   EXPECT_EQ(later.alarms()["alarms"].size(), 3u) << "what comes again is another one, unseen";
@@ -97,13 +103,42 @@ TEST_F(PageMemory, HoldsAtMostAHundredAlarmsAndKeepsTheUnseen) {
     ledger.watch(status(fmt::format("2021-07-02T{:02}:{:02}:00", i / 60, i % 60), {"no reading"}));
     ledger.watch(status(fmt::format("2021-07-02T{:02}:{:02}:30", i / 60, i % 60), {}));
     if (i > 2) {
-      ledger.see(ledger.alarms()["alarms"][0]["id"].get<std::uint64_t>(), "operator");
+      ledger.see(only(ledger.alarms()["alarms"][0]), "operator", seen_at);
     }
   }
   const json alarms = ledger.alarms()["alarms"];
   EXPECT_EQ(alarms.size(), Ledger::max_alarms);
   EXPECT_TRUE(std::ranges::any_of(alarms, [](const json& a) { return a["reason"] == "state lost"; }));
   EXPECT_LE(fs::file_size(folder / "page/ledger.json"), Ledger::max_bytes);
+}
+
+TEST_F(PageMemory, WhatFlapsPushesOutNothingElse) {
+  Ledger ledger(dir());
+  ledger.watch(status("2021-07-01T00:00:00", {"two masters"}));
+  ledger.watch(status("2021-07-01T00:06:00", {}));
+  for (int i = 0; i < 120; ++i) {
+    ledger.watch(status(fmt::format("2021-07-02T{:02}:{:02}:00", i / 60, i % 60), {"no reading"}));
+    ledger.watch(status(fmt::format("2021-07-02T{:02}:{:02}:30", i / 60, i % 60), {}));
+  }
+  const json alarms = Ledger(dir()).alarms()["alarms"];  // as the file has it
+  ASSERT_EQ(alarms.size(), Ledger::max_alarms);
+  EXPECT_EQ(alarms[99]["reason"], "two masters");
+  EXPECT_EQ(alarms[99]["times"], 1);
+  EXPECT_EQ(alarms[98]["since"], "2021-07-02T00:00:00") << "the oldest of those that were made one";
+  EXPECT_EQ(alarms[98]["ended"], "2021-07-02T00:21:30");
+  EXPECT_EQ(alarms[98]["times"], 22);
+  EXPECT_EQ(alarms[97]["times"], 1);
+  EXPECT_LE(fs::file_size(folder / "page/ledger.json"), Ledger::max_bytes);
+}
+
+TEST_F(PageMemory, OfAllThatWasShownNothingLaterIsAcknowledged) {
+  Ledger ledger(dir());
+  ledger.watch(status("2021-07-01T00:00:00", {"two masters", "no reading", "sensor drifts"}));
+  ledger.watch(status("2021-07-01T00:06:00", {"state lost"}));  // after the page was drawn
+  EXPECT_TRUE(ledger.see({.first = 1, .last = 3}, "operator", seen_at));
+  const json alarms = ledger.alarms()["alarms"];
+  ASSERT_EQ(alarms.size(), 4u);
+  for (const json& a : alarms) EXPECT_EQ(a["seen_at"], a["reason"] == "state lost" ? "" : seen_at) << a;
 }
 
 TEST_F(PageMemory, NotesWhatBecameOfWeightsOnce) {
@@ -151,6 +186,38 @@ TEST_F(PageMemory, FollowsALogAsItGrows) {
   read_all(s);
   EXPECT_EQ(s.count(), 241u) << "cut after a crash: read anew";
   EXPECT_EQ(s.trouble(), "");
+}
+
+TEST_F(PageMemory, BeginsAnewWhereTheLogWasMovedAway) {
+  write("log/airside-2027-07-01.csv", log_rows("2027-07-01", 0, 240, 25));
+  TrendStore s = store();
+  read_all(s);
+  ASSERT_EQ(s.count(), 240u);
+  const std::uint64_t before = s.generation();
+  fs::rename(folder / "log", folder / "log.future");
+  fs::create_directory(folder / "log");
+  write("log/airside-2026-07-01.csv", log_rows("2026-07-01", 0, 3, 26));
+  read_all(s);
+  ASSERT_EQ(s.count(), 3u);
+  EXPECT_EQ(s.row(0).time, (hal::civil_time({2026, 7, 1, 0, 0, 0})));
+  EXPECT_NE(s.generation(), before);
+  fs::rename(folder / "log/airside-2026-07-01.csv", folder / "log/kept");
+  write("log/airside-2025-07-01.csv", log_rows("2025-07-01", 0, 2, 26));
+  read_all(s);
+  EXPECT_EQ(s.count(), 2u) << "the file alone was moved";
+}
+
+TEST_F(PageMemory, AMeterThatIsLostIsNotLeftOutOfASum) {
+  std::string log = log_rows("2021-07-01", 0, 10, 25);
+  for (std::size_t at = 0; (at = log.find(",2.5,0.5,", at)) != std::string::npos;) log.replace(at, 9, ",,0.5,");
+  write("log/airside-2021-07-01.csv", log);
+  TrendStore s = store();
+  read_all(s);
+  ASSERT_EQ(s.count(), 10u) << s.trouble();
+  EXPECT_TRUE(std::isnan(s.row(0).power_kw)) << s.row(0).power_kw;
+  const json t = trends(s, "day", false);
+  EXPECT_TRUE(t["days"][0]["energy_kwh"].is_null()) << t["days"][0];
+  EXPECT_TRUE(t["has_meters"].get<bool>());
 }
 
 TEST_F(PageMemory, LeavesOutWhatCannotBeReadAndSaysSo) {

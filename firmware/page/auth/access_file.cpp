@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <span>
 #include <stdexcept>
 
@@ -44,6 +45,26 @@ bool read_line(std::string_view line, Access& access) {
   if (kind != "key" || digest.size() != 64 || !is_hex(digest) || access.keys.size() == Access::max_keys) return false;
   access.keys.push_back({role, std::string(digest), std::string(line)});
   return true;
+}
+
+/// Of a hash: what it has to begin with, a number, bytes as base64. False: it does not.
+bool take(std::string_view& rest, std::string_view words) {
+  const bool good = rest.starts_with(words);
+  if (good) rest.remove_prefix(words.size());
+  return good;
+}
+bool take(std::string_view& rest, unsigned& number) {
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+  rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+  return error == std::errc{};
+}
+bool take(std::string_view& rest, std::span<unsigned char> bytes) {
+  std::size_t got = 0;
+  const char* end = rest.data();
+  const bool good = sodium_base642bin(bytes.data(), bytes.size(), rest.data(), rest.size(), nullptr, &got, &end,
+                                      sodium_base64_VARIANT_ORIGINAL_NO_PADDING) == 0;
+  rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+  return good && got == bytes.size();
 }
 
 void start_sodium() {
@@ -89,6 +110,24 @@ std::string hash_of_password(const std::string& password) {
     throw std::runtime_error("no memory for the hash of a password (19 MiB)");
   }
   return hash.data();
+}
+
+/// By hand, since crypto_pwhash_str_verify gives one answer for a wrong password and for too little memory.
+bool is_password(const std::string& password, const std::string& hash) {
+  start_sodium();
+  std::string_view rest = hash;
+  unsigned memory_kib = 0, passes = 0;
+  std::array<unsigned char, crypto_pwhash_SALTBYTES> salt{};
+  std::array<unsigned char, 32> digest{}, made{};
+  const bool is_ours = take(rest, "$argon2id$v=19$m=") && take(rest, memory_kib) && take(rest, ",t=") &&
+                       take(rest, passes) && take(rest, ",p=1$") && take(rest, salt) && take(rest, "$") &&
+                       take(rest, digest) && rest.empty();
+  if (!is_ours) return false;
+  if (crypto_pwhash(made.data(), made.size(), password.data(), password.size(), salt.data(), passes,
+                    std::size_t{memory_kib} * 1024, crypto_pwhash_ALG_ARGON2ID13) != 0) {
+    throw std::runtime_error("no memory to verify a password");
+  }
+  return sodium_memcmp(made.data(), digest.data(), digest.size()) == 0;
 }
 
 std::string digest_of_key(std::string_view key) {
@@ -151,6 +190,9 @@ void write_access(const std::string& dir, const Access& access) {
     refuse("the disk refuses it");
   }
   if (::rename(staged.c_str(), path.c_str()) != 0) refuse("it cannot be replaced");
+  // Without this a power cut may bring the old password back.
+  const hal::StorageFile names(::open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!names.is_open() || ::fsync(names.descriptor()) != 0) refuse("the disk may forget it at a power cut");
 }
 
 bool AccessWatch::refresh() {
@@ -164,6 +206,7 @@ bool AccessWatch::refresh() {
   }
   if (seen == seen_) return false;
   seen_ = seen;
+  ++generation_;
   try {
     access_ = read_access(dir_);
     trouble_.clear();

@@ -38,14 +38,17 @@ struct Access {
 };
 
 /// The hash of a new password: argon2id with 19 MiB and two passes, as fits a small box beside its control.
+/// Errors: std::runtime_error without that memory.
 std::string hash_of_password(const std::string& password);
+/// Whether `password` has that hash. Errors: std::runtime_error without the memory.
+bool is_password(const std::string& password, const std::string& hash);
 /// Digest of a program's key as the file has it.
 std::string digest_of_key(std::string_view key);
 
 /// Reads `dir`/access; what is not there is an empty Access.
 /// Errors: InputError for another owner's or group's rights to it, and for any line that is not as above.
 Access read_access(const std::string& dir);
-/// Replaces it: mode 600, owned by whom the folder is owned. Errors: InputError.
+/// Replaces it for good, a power cut included: mode 600, owned by whom the folder is owned. Errors: InputError.
 void write_access(const std::string& dir, const Access& access);
 
 /// The file, read again where it has changed. Where it cannot be read nobody may do anything.
@@ -56,6 +59,8 @@ class AccessWatch {
   /// True: it has changed, so every session ends.
   bool refresh();
   const Access& access() const { return access_; }
+  /// Of the file: rises with each change.
+  std::uint64_t generation() const { return generation_; }
   Rights of_anybody() const { return trouble_.empty() ? access_.of_anybody() : Rights{}; }
   /// Why it cannot be read; empty where it can.
   const std::string& trouble() const { return trouble_; }
@@ -63,6 +68,7 @@ class AccessWatch {
  private:
   std::string dir_, trouble_;
   Access access_;
+  std::uint64_t generation_ = 0;
   std::array<std::int64_t, 3> seen_{-1, -1, -1};  ///< inode, time of change, size
 };
 

@@ -11,7 +11,7 @@ double since_s(std::int64_t then_ns, std::int64_t now_ns) { return static_cast<d
 }  // namespace
 
 const Lockout::Place* Lockout::find(const Prefix& from) const {
-  const auto at = std::ranges::find_if(places_, [&](const Place& p) { return p.failures > 0 && p.prefix == from; });
+  const auto at = std::ranges::find_if(places_, [&](const Place& p) { return p.all() > 0 && p.prefix == from; });
   return at == places_.end() ? nullptr : &*at;
 }
 
@@ -23,26 +23,26 @@ double Lockout::wait_s(const Prefix& from, std::int64_t now_ns) const {
   return std::max(own_s, all_s);
 }
 
-void Lockout::failed(const Prefix& from, std::int64_t now_ns) {
+void Lockout::failed(const Prefix& from, Role role, std::int64_t now_ns) {
   credit_ = std::min(failures_a_minute, credit_ + since_s(credited_ns_, now_ns) * failures_a_minute / 60) - 1;
   credited_ns_ = now_ns;
   Place* place = find(from);
   if (place != nullptr && since_s(place->last_ns, now_ns) > forget_s) *place = {};
   if (place == nullptr) {
-    place = &*std::ranges::min_element(places_, {}, [](const Place& p) { return p.failures == 0 ? 0 : p.last_ns; });
+    place = &*std::ranges::min_element(places_, {}, [](const Place& p) { return p.all() == 0 ? 0 : p.last_ns; });
     *place = {};
   }
   place->prefix = from;
-  place->failures += 1;
+  place->failures[static_cast<std::size_t>(role)] += 1;
   place->last_ns = now_ns;
-  const int beyond = place->failures - free_failures;
+  const int beyond = place->all() - free_failures;
   if (beyond < 0) return;
   const double wait = std::min(longest_wait_s, first_wait_s * std::pow(2.0, std::min(beyond, 20)));
   place->until_ns = now_ns + static_cast<std::int64_t>(wait * 1e9);
 }
 
-void Lockout::succeeded(const Prefix& from) {
-  if (Place* place = find(from); place != nullptr) *place = {};
+void Lockout::succeeded(const Prefix& from, Role role) {
+  if (Place* place = find(from); place != nullptr) place->failures[static_cast<std::size_t>(role)] = 0;
 }
 
 }  // namespace airside::page

@@ -3,11 +3,15 @@
 
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <utility>
+
+#include "firmware/page/auth/rights.hpp"
 
 namespace airside::page {
 
-/// By network prefix. Places are forgotten when their time is over or when newer ones need the table.
+/// By network prefix, in each by role: who knows one password gets no free tries at another. Places are forgotten when
+/// their time is over or when newer ones need the table.
 class Lockout {
  public:
   static constexpr int free_failures = 5;                            ///< from one prefix, before it has to wait
@@ -18,14 +22,17 @@ class Lockout {
 
   /// s until somebody from there may try; 0: now.
   double wait_s(const Prefix& from, std::int64_t now_ns) const;
-  void failed(const Prefix& from, std::int64_t now_ns);
-  void succeeded(const Prefix& from);
+  void failed(const Prefix& from, Role role, std::int64_t now_ns);
+  /// Forgets the failures from there at that role's password alone.
+  void succeeded(const Prefix& from, Role role);
 
  private:
   struct Place {
     Prefix prefix{};
-    int failures = 0;  ///< 0: free
+    std::array<int, role_count> failures{};  ///< by role
     std::int64_t last_ns = 0, until_ns = 0;
+    /// 0: the place is free.
+    int all() const { return std::accumulate(failures.begin(), failures.end(), 0); }
   };
   const Place* find(const Prefix& from) const;
   Place* find(const Prefix& from) { return const_cast<Place*>(std::as_const(*this).find(from)); }

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <exception>
 #include <utility>
 
 #include "firmware/page/auth/access_file.hpp"
@@ -42,7 +43,7 @@ bool PasswordCheck::begin(std::string hash, std::string password) {
   return true;
 }
 
-std::optional<bool> PasswordCheck::result() {
+std::optional<PasswordResult> PasswordCheck::result() {
   std::uint64_t count = 0;
   (void)!::read(event_.descriptor(), &count, sizeof count);  // before the look: what comes later wakes again
   const std::lock_guard lock(mutex_);
@@ -64,15 +65,19 @@ void PasswordCheck::work() {
     asked_ = false;
     std::string password = std::exchange(password_, {}), hash = std::exchange(hash_, {});
     lock.unlock();
-    bool right = false;
-    if (hash.empty()) {
-      (void)hash_of_password(password);  // the time must not show whether a role has a password
-    } else {
-      right = crypto_pwhash_str_verify(hash.c_str(), password.data(), password.size()) == 0;
+    PasswordResult found = PasswordResult::wrong;
+    try {  // nobody above would catch it: the page would end
+      if (hash.empty()) {
+        (void)hash_of_password(password);  // the time must not show whether a role has a password
+      } else if (is_password(password, hash)) {
+        found = PasswordResult::right;
+      }
+    } catch (const std::exception&) {
+      found = PasswordResult::no_memory;
     }
     sodium_memzero(password.data(), password.size());
     lock.lock();
-    result_ = right;
+    result_ = found;
     lock.unlock();
     const std::uint64_t one = 1;
     (void)!::write(event_.descriptor(), &one, sizeof one);

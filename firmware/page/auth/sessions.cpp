@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace airside::page {
@@ -26,12 +27,12 @@ std::string random_hex(std::size_t bytes) {
 }
 
 const Session& Sessions::begin(Role role, std::int64_t now_ns) {
-  Session* place = &sessions_[0];
   for (Session& s : sessions_) {
     if (s.role != Role::none && is_over(s, now_ns)) s = {};
-    if (place->role == Role::none) continue;
-    if (s.role == Role::none || s.used_ns < place->used_ns) place = &s;
   }
+  // A free place is below every role; viewers, whose password many have, cannot push an installer out.
+  const auto place =
+      std::ranges::min_element(sessions_, {}, [](const Session& s) { return std::pair(s.role, s.used_ns); });
   *place = {role, random_hex(32), random_hex(16), now_ns, now_ns};
   return *place;
 }

@@ -22,7 +22,7 @@ class Sessions {
   static constexpr std::size_t max_sessions = 16;
   static constexpr double idle_s = 1800, longest_s = 12 * 3600;
 
-  /// A new one; the one that has been idle longest makes room.
+  /// A new one. Of the lowest role that is signed in, the one that has been idle longest makes room.
   const Session& begin(Role role, std::int64_t now_ns);
   /// The session of a cookie, which is used by that; null where there is none. Its time does not tell which differs.
   const Session* find(std::string_view cookie, std::int64_t now_ns);

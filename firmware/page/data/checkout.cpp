@@ -161,7 +161,7 @@ json Checkout::latest() const {
   const double age_s = ::fstat(file.descriptor(), &status) == 0
                            ? std::difftime(std::time(nullptr), status.st_mtim.tv_sec)
                            : std::numeric_limits<double>::quiet_NaN();
-  found["age_s"] = thousandths(std::max(0.0, age_s));
+  found["age_s"] = thousandths(age_s);
   return found;
 }
 

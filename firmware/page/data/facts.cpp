@@ -6,6 +6,7 @@
 
 #include "airside/controller/blob.hpp"
 #include "airside/held_rooms.hpp"
+#include "firmware/page/data/site_clock.hpp"
 #include "firmware/page/data/state_folder.hpp"
 #include "hal/site/site_settings.hpp"
 #include "hal/system/version.hpp"
@@ -16,6 +17,7 @@ namespace airside::page {
 using nlohmann::json;
 
 json site_facts(const hal::SiteFile& site) {
+  const std::optional<int> offset_min = utc_offset_min(site);
   return {{"site", site.name},
           {"topology", site.topology},
           {"version", hal::version()},
@@ -31,6 +33,7 @@ json site_facts(const hal::SiteFile& site) {
           {"schedule_work_degc", site.expert_work_degc},
           {"schedule_off_degc", site.expert_off_degc},
           {"cycle_min", site.cycle_min},
+          {"utc_offset_min", offset_min ? json(*offset_min) : json()},
           {"heartbeat_s", site.modbus ? json(site.modbus->heartbeat_s) : json()}};
 }
 

@@ -8,7 +8,8 @@
 
 namespace airside::page {
 
-/// Name, topology, objective and band, target, working hours, limits of the setpoint, schedule, control cycle.
+/// Name, topology, objective and band, target, working hours, limits of the setpoint, schedule, control cycle,
+/// the clock against UTC.
 nlohmann::json site_facts(const hal::SiteFile& site);
 
 /// {bytes, created, provenance, residual} of weights.blob in the state folder; null where there is none that is whole.

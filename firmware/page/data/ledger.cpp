@@ -1,6 +1,7 @@
 #include "firmware/page/data/ledger.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <span>
 
@@ -10,6 +11,16 @@
 namespace airside::page {
 
 using nlohmann::json;
+
+namespace {
+
+/// 1 in files of versions that merged none.
+std::uint64_t times_of(const json& alarm) {
+  const double times = number_of(alarm, "times");
+  return times >= 2 && times < 1e9 ? static_cast<std::uint64_t>(times) : 1;
+}
+
+}  // namespace
 
 Ledger::Ledger(std::string dir) : dir_(std::move(dir)) { load(); }
 
@@ -24,7 +35,8 @@ void Ledger::load() {
   has_seen_status_ = !weights_.empty();
   for (const json& a : all.value("alarms", json::array())) {
     Alarm alarm{++last_id_,          text_in(a, "reason"),  text_in(a, "since"),
-                text_in(a, "ended"), text_in(a, "seen_by"), text_in(a, "seen_at")};
+                text_in(a, "ended"), text_in(a, "seen_by"), text_in(a, "seen_at"),
+                times_of(a)};
     if (!alarm.reason.empty()) alarms_.push_back(std::move(alarm));
   }
   for (const json& e : all.value("events", json::array())) {
@@ -38,6 +50,7 @@ void Ledger::save() {
   for (const Alarm& a : alarms_) {
     all["alarms"].push_back(
         {{"reason", a.reason}, {"since", a.since}, {"ended", a.ended}, {"seen_by", a.seen_by}, {"seen_at", a.seen_at}});
+    if (a.times > 1) all["alarms"].back()["times"] = a.times;
   }
   for (const Event& e : events_) {
     all["events"].push_back({{"at", e.at}, {"what", e.what}, {"detail", e.detail}, {"by", e.by}});
@@ -64,7 +77,7 @@ bool Ledger::follow_alarms(const json& status) {
     if (reason.empty() || reason == "none" || !active.insert(reason).second) return;
     const auto open = [&reason](const Alarm& a) { return a.reason == reason && a.ended.empty(); };
     if (std::ranges::any_of(alarms_, open)) return;
-    alarms_.push_back({++last_id_, reason, since, "", "", ""});
+    alarms_.push_back({++last_id_, reason, since, "", "", "", 1});
     changed = true;
   };
   const auto listed = status.find("alarms");
@@ -96,22 +109,44 @@ bool Ledger::follow_weights(const json& status) {
   return true;
 }
 
-/// Those that have ended and were seen go first, the oldest of them first.
+/// Two of the reason that waits most often become one, whose number is that of the newer: who has seen the older alone
+/// has not seen it. False: there is no reason with two.
+bool Ledger::merge_two() {
+  std::map<std::string_view, std::size_t> waiting;
+  for (const Alarm& a : alarms_) {
+    if (a.is_waiting()) ++waiting[a.reason];
+  }
+  const auto most = std::ranges::max_element(waiting, {}, [](const auto& entry) { return entry.second; });
+  if (most == waiting.end() || most->second < 2) return false;
+  const auto is_one = [reason = std::string(most->first)](const Alarm& a) {
+    return a.is_waiting() && a.reason == reason;
+  };
+  const auto older = std::ranges::find_if(alarms_, is_one);
+  const auto newer = std::find_if(older + 1, alarms_.end(), is_one);
+  newer->since = older->since;
+  newer->times += older->times;
+  alarms_.erase(older);
+  return true;
+}
+
+/// Those that have ended and were seen go first, the oldest of them first; then what comes again and again is made one,
+/// so that one sensor cannot push out what happened once.
 void Ledger::make_room() {
   while (alarms_.size() > max_alarms) {
     auto at = std::ranges::find_if(alarms_, [](const Alarm& a) { return !a.ended.empty() && !a.seen_at.empty(); });
+    if (at == alarms_.end() && merge_two()) continue;
     if (at == alarms_.end()) at = std::ranges::find_if(alarms_, [](const Alarm& a) { return !a.ended.empty(); });
     alarms_.erase(at == alarms_.end() ? alarms_.begin() : at);
   }
   if (events_.size() > max_events) events_.erase(events_.begin(), events_.end() - max_events);
 }
 
-bool Ledger::see(std::uint64_t id, std::string_view by) {
+bool Ledger::see(AlarmIds ids, std::string_view by, const std::string& at) {
   bool found = false;
   for (Alarm& a : alarms_) {
-    if ((id != 0 && a.id != id) || !a.seen_at.empty()) continue;
+    if (a.id < ids.first || a.id > ids.last || !a.seen_at.empty()) continue;
     a.seen_by = by;
-    a.seen_at = now_.empty() ? "-" : now_;
+    a.seen_at = at;
     found = true;
   }
   if (found) save();
@@ -123,8 +158,8 @@ void Ledger::add_event(Event event) {
   make_room();
 }
 
-void Ledger::note(const std::string& what, const std::string& detail, const std::string& by) {
-  add_event({now_, what, detail, by});
+void Ledger::note(const std::string& what, const std::string& detail, const std::string& by, const std::string& at) {
+  add_event({at, what, detail, by});
   save();
 }
 
@@ -139,6 +174,7 @@ json Ledger::alarms() const {
                     {"reason", a->reason},
                     {"since", a->since},
                     {"ended", a->ended},
+                    {"times", a->times},
                     {"seen_by", a->seen_by},
                     {"seen_at", a->seen_at}});
   }

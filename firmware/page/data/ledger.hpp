@@ -10,6 +10,11 @@
 
 namespace airside::page {
 
+/// The alarms first to last, both included; of all numbers without limits.
+struct AlarmIds {
+  std::uint64_t first = 1, last = UINT64_MAX;
+};
+
 class Ledger {
  public:
   static constexpr const char* file_name = "ledger.json";
@@ -21,10 +26,10 @@ class Ledger {
 
   /// Follows a status of the daemon.
   void watch(const nlohmann::json& status);
-  /// Somebody has seen alarm `id`, or all where it is 0. False: there is none of that number that was not seen.
-  bool see(std::uint64_t id, std::string_view by);
-  /// Something that happened to weights, such as an upload.
-  void note(const std::string& what, const std::string& detail, const std::string& by);
+  /// Somebody has seen the alarms `ids`, at `at` of the site's clock. False: none of those numbers was unseen.
+  bool see(AlarmIds ids, std::string_view by, const std::string& at);
+  /// Something that happened to weights at `at` of the site's clock, such as an upload.
+  void note(const std::string& what, const std::string& detail, const std::string& by, const std::string& at);
 
   /// {alarms: active ones first, then those that ended unseen, then the rest}, newest first in each; {kept}.
   nlohmann::json alarms() const;
@@ -37,6 +42,8 @@ class Ledger {
   struct Alarm {
     std::uint64_t id = 0;
     std::string reason, since, ended, seen_by, seen_at;  ///< times of the site's clock; "": not yet
+    std::uint64_t times = 1;                             ///< that it came from since to ended
+    bool is_waiting() const { return !ended.empty() && seen_at.empty(); }
   };
   struct Event {
     std::string at, what, detail, by;
@@ -46,6 +53,7 @@ class Ledger {
   void save();
   bool follow_alarms(const nlohmann::json& status);
   bool follow_weights(const nlohmann::json& status);
+  bool merge_two();
   void make_room();
   void add_event(Event event);
 

@@ -1,9 +1,13 @@
 #include "firmware/page/data/trend_store.hpp"
 
+#include <sys/stat.h>
+
 #include <Eigen/Core>
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "airside/demand/zone_comfort.hpp"
 #include "airside/supervision/mode_table.hpp"
@@ -77,6 +81,7 @@ std::uint64_t TrendStore::from(CivilTime t) const {
 }
 
 void TrendStore::begin_anew() {
+  ++generation_;
   count_ = 0;
   file_.clear();
   header_.clear();
@@ -130,11 +135,24 @@ bool TrendStore::read_some() {
   return offset_ < size;
 }
 
+/// The file that is being read is gone, or the whole folder is another one: a log that was moved away, as one from the
+/// future has to be. Its rows would keep those of the log that follows it out.
+bool TrendStore::is_moved_away() {
+  struct stat folder {
+  }, file{};
+  const bool is_there = ::stat(dir_.c_str(), &folder) == 0;
+  const std::uint64_t inode = is_there ? static_cast<std::uint64_t>(folder.st_ino) : 0;
+  const std::uint64_t before = std::exchange(folder_inode_, inode);
+  if (file_.empty()) return false;
+  return inode != before || (::lstat((dir_ + "/" + file_).c_str(), &file) != 0 && errno == ENOENT);
+}
+
 bool TrendStore::step() {
   if (rows_.empty()) {
     rows_.resize(capacity);
     rooms_.resize(capacity * static_cast<std::size_t>(counts_.vavs));
   }
+  if (is_moved_away()) begin_anew();
   bool more = !file_.empty() && read_some();
   if (!more) {
     if (const auto next = next_file()) {
@@ -170,10 +188,11 @@ void TrendStore::add(const hal::LogRow& from) {
   row.setpoint_degc = static_cast<float>(from.setpoint_degc);
   row.supply_degc = static_cast<float>(from.supply_temp_degc);
   const int first_power = 2 * n + 2 * counts_.fcus;
+  if (has_meters_) row.power_kw = 0;
   for (int i = 0; i < counts_.powers; ++i) {
     if (counts_.stand_in(first_power + i)) continue;  // nobody measured it
-    const auto kw = static_cast<float>(from.value[static_cast<std::size_t>(first_power + i)]);
-    row.power_kw = std::isnan(row.power_kw) ? kw : row.power_kw + kw;
+    // Where one meter is lost the sum is: the others alone would pass for a saving.
+    row.power_kw += static_cast<float>(from.value[static_cast<std::size_t>(first_power + i)]);
   }
   const int outdoor = first_power + counts_.powers + 1;
   if (!counts_.stand_in(outdoor)) {

@@ -53,6 +53,8 @@ class TrendStore {
 
   /// Rows ever stored; the newest is number count() - 1, the oldest that is still there number first().
   std::uint64_t count() const { return count_; }
+  /// Changes where rows are counted anew, because the log is another one.
+  std::uint64_t generation() const { return generation_; }
   std::uint64_t first() const { return count_ > capacity ? count_ - capacity : 0; }
   const TrendRow& row(std::uint64_t number) const { return rows_[static_cast<std::size_t>(number % capacity)]; }
   /// Of that row. Shape: vavs().
@@ -74,6 +76,7 @@ class TrendStore {
  private:
   std::optional<std::string> next_file() const;
   bool read_some();
+  bool is_moved_away();
   void take(const hal::Log& log);
   void add(const hal::LogRow& row);
   void add_zones(const hal::LogRow& from, TrendRow& row);
@@ -83,7 +86,7 @@ class TrendStore {
   ControllerSettings settings_{};
   HeldRooms held_;
   std::string dir_, file_, header_, trouble_;
-  std::uint64_t offset_ = 0;
+  std::uint64_t offset_ = 0, folder_inode_ = 0, generation_ = 0;
   double target_degc_ = 0;
   bool has_meters_ = false, is_reading_ = true;
   std::vector<TrendRow> rows_;

@@ -57,6 +57,8 @@ inline constexpr Refused passwords_unreadable{"passwords_unreadable",
                                               "the passwords cannot be read; the log of airside-page says why"};
 inline constexpr Refused passwords_locked{"passwords_locked", "too many wrong passwords; wait"};
 inline constexpr Refused sign_in_busy{"sign_in_busy", "somebody else is signing in at this moment"};
+inline constexpr Refused sign_in_no_memory{"sign_in_no_memory", "the box has no memory free to verify a password"};
+inline constexpr Refused passwords_changed{"passwords_changed", "the passwords were changed at this moment; try again"};
 inline constexpr Refused password_wrong{"password_wrong", "wrong password, or a role without one"};
 
 // Of weights that are sent.
@@ -84,7 +86,7 @@ inline constexpr Refused hours_wrong{"hours_wrong",
                                      "hours that are no whole number from 1 to 168; leave the body empty for no end"};
 inline constexpr Refused inbox_full{"inbox_full", "the inbox cannot be written"};
 inline constexpr Refused inbox_unwritable{"inbox_unwritable", "the inbox cannot be written"};
-inline constexpr Refused alarm_form{"alarm_form", "expected the number of an alarm, or all"};
+inline constexpr Refused alarm_form{"alarm_form", "expected the number of an alarm, all, or all and the last number"};
 inline constexpr Refused alarm_unknown{"alarm_unknown", "no alarm of that number waits to be seen"};
 
 // Of the point checkout.

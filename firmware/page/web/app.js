@@ -3,7 +3,7 @@
 
 const $ = (id) => document.getElementById(id);
 const nothing = { site: {}, status: null, age: 0, answered: 0, alarms: null, weights: null, trends: null, gap: null };
-/** What is known. `age`: of the status, s, when it was given out at `answered`; `lost`: the last question had no answer. */
+/** What is known. `age`: of the status, s, when it was given out at `answered`, below 0 for one from the future; `lost`: the last question had no answer. */
 export const page = { texts: {}, session: { roles: [] }, ...nothing, lost: false, span_text: String, span: 'day' };
 
 export const t = (key, values = {}) =>
@@ -50,7 +50,8 @@ export async function get(path) {
   const answer = await ask(path);
   if (!answer.ok) throw new Error(`${answer.status}`);
   try {
-    return { json: await answer.json(), age: Number(answer.headers.get('Age') ?? 0) };
+    const ahead = Number(answer.headers.get('X-Airside-Ahead') ?? 0);  // of a file from the future
+    return { json: await answer.json(), age: ahead ? -ahead : Number(answer.headers.get('Age') ?? 0) };
   } catch (error) { throw new NoAnswer(error.message); }
 }
 async function post(path, body = '') {
@@ -293,11 +294,15 @@ function listen() {
   };
   $('sign-in').onclick = () => open_sign_in();
   for (const b of document.querySelectorAll('[data-close]')) b.onclick = () => b.closest('dialog').close();
+  let signing_in = false;  // until the box has answered; what follows may be behind a dialog that is open again
   $('sign-in-f').onsubmit = async (event) => {
     event.preventDefault();
+    if (signing_in) return;
+    signing_in = true;
     let said;
     try { said = await post('/login', `${$('role').value}\n${$('password').value}`); } catch { said = { status: 0 }; }
     $('password').value = '';
+    signing_in = false;
     if (said.status !== 200) {
       say('sign-in-said', said.status === 0 ? t('unsure') : why_refused(said));
       if (said.status === 429) lock_out(said.wait);
@@ -346,7 +351,7 @@ function listen() {
     if (good) until_weights('on trial');
   });
   $('upload').onsubmit = (event) => { event.preventDefault(); upload(); };
-  $('seen-all').onclick = once($('seen-all'), () => acknowledge('all', 0));
+  $('seen-all').onclick = once($('seen-all'), () => acknowledge(`all ${Math.max(...page.alarms.alarms.map((a) => a.id))}`, 0));
   for (const link of document.querySelectorAll('a[download]')) {
     link.onclick = (event) => { event.preventDefault(); quietly(download(link)); };
   }

@@ -6,6 +6,7 @@ import { el, page, t } from '/app.js';
 const $ = (id) => document.getElementById(id);
 let loading = null;
 let drawn = [];
+let drawn_as = '', drawn_span = '';
 
 /** The library is no module: it becomes a global of the window. */
 function library() {
@@ -27,10 +28,10 @@ function axis(extra = {}) {
 }
 const upper = (words) => words[0].toUpperCase() + words.slice(1);
 
-function chart(title, d, gaps, series, unit, digits, height) {
+function chart(key, d, gaps, series, unit, digits, height) {
   const shown = series.filter(([, values]) => values.some((v) => v !== null));
   if (shown.length === 0) return null;
-  const place = el('div');
+  const place = el('div'), title = t(key);
   const figure = el('figure', '', {}, el('figcaption', title), place);
   $('charts').append(figure);
   const options = {
@@ -45,25 +46,38 @@ function chart(title, d, gaps, series, unit, digits, height) {
     hooks: { drawClear: [bands(d.spells, gaps)], setCursor: [(u) => place.classList.toggle('read', u.cursor.idx != null)] },
   };
   const u = new window.uPlot(options, [d.time_s, ...shown.map(([, values]) => values)], place);
-  drawn.push(u);
+  drawn.push([key, u]);
   draw_keys(place, u);
   for (const canvas of place.querySelectorAll('canvas')) { canvas.setAttribute('role', 'img'); canvas.setAttribute('aria-label', `${title}. ${t('chart-alternative')}`); }
   return figure;
 }
 
+/** The stretches that somebody has enlarged, by chart. */
+function enlarged(d) {
+  if (drawn_span !== d.span || !$('charts').firstChild) return {};
+  const part = drawn.filter(([, u]) => u.scales.x.min > u.data[0][0] || u.scales.x.max < u.data[0].at(-1));
+  return Object.fromEntries(part.map(([key, u]) => [key, { min: u.scales.x.min, max: u.scales.x.max }]));
+}
 export async function draw(d, gaps) {
   await library();
   if (page.trends !== d) return;
-  for (const u of drawn) u.destroy();
+  // The same once more, every few minutes: nothing is to be done. Else whoever has enlarged a stretch keeps it.
+  const now = JSON.stringify([page.texts.lang, innerWidth, colour('quiet'), page.status?.hold ?? page.site.hold, d]);
+  if (now === drawn_as && $('charts').firstChild) return;
+  drawn_as = now;
+  const kept = enlarged(d);
+  for (const [, u] of drawn) u.destroy();
   drawn = [];
+  drawn_span = d.span;
   $('charts').replaceChildren();
   const rooms = d.rooms_degc.map((values, i) => [t('room', { n: i + 1 }), values, colour(`c${i % 8}`), 1.3, pattern(`d${i % 8 + 1}`)]);
   const target = d.target_degc === null ? [] : [[t('target'), d.time_s.map(() => d.target_degc), colour('schedule'), 1.5, pattern('dref')]];
   const few = rooms.length <= 8 ? rooms : [[t('coldest'), d.low_degc, colour('c4'), 1.3, pattern('d1')], [t('warmest'), d.high_degc, colour('c0'), 1.3, pattern('d2')]];
   const tall = innerWidth < 600 ? 220 : 260;
-  chart(t('chart-rooms'), d, gaps, [...few, ...target, [upper(t(`hold.${page.status?.hold ?? page.site.hold ?? 'mean'}`)), d.held_degc, colour('held'), 2.5]], '°C', 2, tall);
-  chart(t('chart-setpoint'), d, gaps, [[t('p.schedule'), d.schedule_degc, colour('schedule'), 1, pattern('dref')], [t('p.g36'), d.g36_degc, colour('outdoor'), 1, pattern('d2')],
+  chart('chart-rooms', d, gaps, [...few, ...target, [upper(t(`hold.${page.status?.hold ?? page.site.hold ?? 'mean'}`)), d.held_degc, colour('held'), 2.5]], '°C', 2, tall);
+  chart('chart-setpoint', d, gaps, [[t('p.schedule'), d.schedule_degc, colour('schedule'), 1, pattern('dref')], [t('p.g36'), d.g36_degc, colour('outdoor'), 1, pattern('d2')],
     [t('supply'), d.supply_degc, colour('supply'), 1.5, pattern('d1')], [t('setpoint'), d.setpoint_degc, colour('set'), 2.5]], '°C', 2, tall);
-  chart(t('chart-power'), d, gaps, [[t('power'), d.power_kw, colour('power'), 2]], 'kW', 2, 180);
-  chart(t('chart-outdoor'), d, gaps, [[t('outdoor'), d.outdoor_degc, colour('outdoor'), 2]], '°C', 1, 180);
+  chart('chart-power', d, gaps, [[t('power'), d.power_kw, colour('power'), 2]], 'kW', 2, 180);
+  chart('chart-outdoor', d, gaps, [[t('outdoor'), d.outdoor_degc, colour('outdoor'), 2]], '°C', 1, 180);
+  for (const [key, u] of drawn) if (kept[key]) u.setScale('x', kept[key]);
 }

@@ -71,7 +71,8 @@ export function show() {
   $('points-read').hidden = !page.session.operate;
   for (const id of ['points-sign', 'points-write', 'points-write-why']) $(id).hidden = !may_sign();
   $('points-needs').hidden = may_sign();
-  say('points-time', p.waiting ? t('points-waiting') : p.time ? t('points-time', { at: moment(p.time), age: page.span_text(p.age_s) }) : t('points-never'));
+  const ahead = p.age_s < -60;  // of a box whose clock has gone back since
+  say('points-time', p.waiting ? t('points-waiting') : p.time ? t(ahead ? 'points-time-ahead' : 'points-time', { at: moment(p.time), age: page.span_text(Math.abs(p.age_s)) }) : t('points-never'));
   say('points-trouble', [p.trouble && p.total ? p.trouble : '', p.kept ? '' : t('points-not-kept')].filter(Boolean).join(' '));
   show_write(p.write);
   const now = JSON.stringify([filled_in, p.points, may_sign(), page.texts.lang]);
@@ -92,24 +93,25 @@ export async function load() {
   points = answer;
   show();
 }
-/** Until the daemon has read: it looks with each heartbeat and each row. */
-async function follow(before, done) {
+/** Until the daemon has done what was asked for: it looks with each heartbeat and each row. `of`: the time of the last
+ *  reading, or of the last write; a wish that was thrown away leaves it as it was. */
+async function follow(before, done, of) {
   for (let i = 0; i < 150; ++i) {
     await load();
     if (!points) return;
-    if (!points.waiting && points.time !== before) return say('points-said', t(done, { at: moment(points.time) }));
+    if (!points.waiting && of(points) && of(points) !== before) return say('points-said', t(done, { at: moment(points.time) }));
     if (!points.waiting && i > 3) return say('points-said', '');
     await pause(i < 20 ? 500 : 3000);
   }
 }
 export function listen() {
   $('points-d').ontoggle = () => { filled_in = $('points-d').open; show(); };
-  const ask = (id, path, asked, done) => {
+  const ask = (id, path, asked, done, of) => {
     $(id).onclick = once($(id), async () => {
-      const before = points?.time;
-      if (await post_and_tell('points-said', path, '', t(asked))) await quietly(follow(before, done));
+      const before = points ? of(points) : undefined;
+      if (await post_and_tell('points-said', path, '', t(asked))) await quietly(follow(before, done, of));
     });
   };
-  ask('points-read', '/points/read', 'points-asked', 'points-read-done');
-  ask('points-write', '/points/write', 'points-write-asked', 'points-write-done');
+  ask('points-read', '/points/read', 'points-asked', 'points-read-done', (p) => p.time);
+  ask('points-write', '/points/write', 'points-write-asked', 'points-write-done', (p) => p.write?.time);
 }

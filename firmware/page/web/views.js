@@ -10,7 +10,7 @@ const number = (v, digits, unit) => (known(v) ? `${v.toFixed(digits)}${unit}` : 
 export const moment = (text) => (text ?? '').replace('T', ' ').slice(0, 16);
 
 const short = (text) => moment(text).slice(5);
-const silent_ms = 60000, stale_s = 900, late_ms = 600000, zones_apart_ms = 3600000;
+const silent_ms = 60000, ahead_s = 60, stale_s = 900, late_ms = 600000, zones_apart_ms = 3600000;
 
 const age = () => page.age + (Date.now() - page.answered) / 1000;
 /** As `airside status` has it: a status that is old says what was, not what is. So does one that the page's program has
@@ -35,7 +35,8 @@ const reason_text = (name, part, otherwise) => (has(`reason.${name}.${part}`) ? 
 
 /** What of a failing storage to mend the box knows better than the table of reasons, in English. */
 function ending(reason, otherwise) {
-  if (reason === 'released by hand' && page.status?.release_ends) return t('release-ends', { at: moment(page.status.release_ends) });
+  const ends = reason === 'released by hand' && page.status?.release_ends, own = ends && own_time(ends);
+  if (ends) return t(own ? 'release-ends-here' : 'release-ends', { at: moment(ends), own: own.slice(0, 10) === ends.slice(0, 10) ? own.slice(11) : own });
   const box_knows = reason === 'storage failed' && page.status?.reason === reason && page.texts.lang === 'en';
   return box_knows ? page.status.way_out : reason_text(reason, 'out', otherwise);
 }
@@ -68,7 +69,7 @@ function show_asked() {
   const a = asked(), s = page.status;
   if (!a) return;
   const by_hand = s && s.state === 'release' && [s.reason, ...s.alarms.map((x) => x.reason)].includes('released by hand');
-  const follows = s && page.answered - 1000 * page.age > a.at && (a.what === 'release' ? by_hand : !by_hand && (s.state !== 'release' || s.reason !== 'none'));
+  const follows = s && page.answered - 1000 * Math.abs(page.age) > a.at && (a.what === 'release' ? by_hand : !by_hand && (s.state !== 'release' || s.reason !== 'none'));
   if (follows) {
     asked_done();
     $('order-said').classList.remove('bad');
@@ -78,6 +79,21 @@ function show_asked() {
   if (Date.now() - a.at > late_ms) say('order-said', t(`late.${a.what}`, { at }));
   else if (!$('order-said').textContent) say('order-said', sentences([t(`asked.${a.what}`, { at }), t(`${is_idle() ? 'waits' : 'follows'}.${a.what}`)]));
 }
+const written_text = () => t(age() < -ahead_s ? 'written-ahead' : 'written', { age: span_text(Math.abs(age())), at: moment(page.status.time) });
+const clock_of = (minutes) => `${minutes < 0 ? '−' : '+'}${[Math.floor(Math.abs(minutes) / 60), Math.abs(minutes) % 60].map((n) => String(n).padStart(2, '0')).join(':')}`;
+/** A time of the site's clock by the clock of this device; '' where both show the same, or where nobody knows. */
+function own_time(text) {
+  const offset = page.site.utc_offset_min, at = new Date(Date.parse(`${text}Z`) - 60000 * offset);
+  if (!known(offset) || Number.isNaN(at.getTime()) || -at.getTimezoneOffset() === offset) return '';
+  return moment(new Date(at.getTime() - 60000 * at.getTimezoneOffset()).toISOString());
+}
+/** Where the site's clock is not this device's: people compare times with their own. */
+function show_clock_note() {
+  const offset = page.site.utc_offset_min, own = -new Date().getTimezoneOffset();
+  const differs = known(offset) && page.session.see && offset !== own;
+  $('clock-note').hidden = !differs;
+  say('clock-note', differs ? t('clock-note', { site: clock_of(offset), own: clock_of(own) }) : '');
+}
 function show_state() {
   const c = condition(), s = page.status;
   const word = c === 'none' || c === 'stopped' ? c : c === 'stale' || c === 'silent' ? 'stale' : unreached() ? 'unreached' : s.state;
@@ -86,10 +102,11 @@ function show_state() {
   say('badge', t(`badge.${word}`));
   say('sentence', sentence());
   const quiet_s = (Date.now() - page.answered) / 1000;
-  say('age', s ? `${t('written', { age: span_text(age()), at: moment(s.time) })}${quiet_s > 30 ? ` · ${t('answered', { age: span_text(quiet_s) })}` : ''}` : '');
+  say('age', s ? `${written_text()}${quiet_s > 30 ? ` · ${t('answered', { age: span_text(quiet_s) })}` : ''}` : '');
   say('site', name || 'airside');
   say('topology', s?.topology ?? page.site.topology ?? '');
   document.title = [t(`badge.${word}`), name, 'airside'].filter(Boolean).join(' – ');
+  show_clock_note();
   show_asked();
   const then = is_old() ? t('as-of', { at: moment(s.time) }) : '';
   for (const id of ['rooms', 'setpoint', 'box']) {
@@ -106,7 +123,7 @@ export function tick() {
 }
 
 function alarm_line(a, place) {
-  const times = a.ended ? t('alarm-ended', { since: moment(a.since), ended: moment(a.ended) }) : t('alarm-since', { since: moment(a.since) });
+  const times = a.ended ? t(a.times > 1 ? 'alarm-ended-times' : 'alarm-ended', { n: a.times, since: moment(a.since), ended: moment(a.ended) }) : t('alarm-since', { since: moment(a.since) });
   const words = el('div', '', {}, el('b', reason_text(a.reason, 'name', a.reason)), ` – ${reason_text(a.reason, 'why', '')}`, el('br'),
     el('span', `${times}${a.seen_at ? ` · ${t('alarm-seen', { by: has(`role.${a.seen_by}`) ? t(`role.${a.seen_by}`) : a.seen_by, at: moment(a.seen_at) })}` : ''}${a.ended ? '' : ` · ${ending(a.reason, '')}`}`, { class: 'quiet' }));
   const item = el('li', '', { class: a.ended ? (a.seen_at ? 'past' : 'ended') : 'active' }, words);
