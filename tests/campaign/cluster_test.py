@@ -1,9 +1,11 @@
-"""On a local Ray cluster of several node processes, one of which is killed in the middle: nothing is lost, nothing is done
-twice, and all bytes are those of a serial run. AIRSIDE_CAMPAIGN_JOBS sets how many jobs (40; 200 in docs/campaigns.md)."""
+"""On a local Ray cluster of several node processes, one of which is killed in the middle: nothing is lost, nothing is
+done twice, and all bytes are those of a serial run. AIRSIDE_CAMPAIGN_JOBS sets how many jobs (40; 200 in
+docs/campaigns.md)."""
 
 import json
 import os
 import subprocess
+import sys
 import time
 import unittest
 
@@ -54,6 +56,40 @@ class Cluster(unittest.TestCase):
             (desk.folder / "runs" / "results.parquet").read_bytes(),
             (serial.folder / "runs" / "results.parquet").read_bytes(),
         )
+
+    def test_a_job_that_no_machine_can_hold_is_refused_before_anything_runs(self):
+        desk = Desk(self)
+        desk.write(campaign() + "cpus = 5\n")
+        done = desk.run("--jobs", "2")
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertRegex(done.stderr, r"job 1: cpus: found 5; expected at most 2, as .*; lower it, or raise --jobs")
+        self.assertEqual(desk.files(), {})
+
+    def test_without_an_address_no_other_cluster_is_joined(self):
+        desk = Desk(self)
+        run = SHORT.replace("{room}", "301").replace("{seed}", "1")
+        desk.write(f'[campaign]\nout = "runs"\n[[job]]\nname = "a"\nrun = {run}\n')
+        desk.environment["RAY_ADDRESS"] = "127.0.0.1:1"
+        done = desk.run("--jobs", "1")
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_what_goes_to_other_machines_needs_no_package_there(self):
+        send = (
+            "import sys, ray; from airside_campaign import one_job, run\n"
+            "for module in run.SENT: ray.cloudpickle.register_pickle_by_value(module)\n"
+            "sys.stdout.buffer.write(ray.cloudpickle.dumps(one_job.run_one))"
+        )
+        take = (
+            "import pickle, sys; run_one = pickle.load(sys.stdin.buffer)\n"
+            "print(run_one({'key': 'k', 'out': '/nonexistent', 'token': ''})['why'])\n"
+            "print(run_one.__globals__['used_by'](sys.executable)['airside'])"
+        )
+        desk = Desk(self)
+        sent = subprocess.run([sys.executable, "-c", send], env=desk.environment, capture_output=True, check=True)
+        bare = {k: v for k, v in desk.environment.items() if k != "PYTHONPATH"}
+        words = [sys.executable, "-c", take]
+        said = subprocess.run(words, env=bare, input=sent.stdout, cwd=desk.folder, capture_output=True, check=True)
+        self.assertRegex(said.stdout.decode(), r"does not see /nonexistent;.*\n[0-9a-f]{64}\n")
 
     def test_no_cluster_at_the_address(self):
         desk = Desk(self)

@@ -31,12 +31,17 @@ WRONG = [
     (
         'name = "a-{x}"\nrun = ["blob", "{x}"]',
         'name = "b-{x}"\nrun = ["blob", "{x}"]\nover = {x = [1, 2]}\n'
-        '[[job]]\nname = "c-{x}"\nafter = {p = "b-*", q = "b-*"}\nrun = ["blob", "{p}{q}"]',
+        '[[job]]\nname = "c-{x}"\nafter = {p = "b-*", q = "b-*"}\nrun = ["blob", "{x}", "{p}{q}"]',
         ["job 2: run", "two places of several jobs", "one such place in a word"],
     ),
     ('name = "a-{x}"', 'name = "a-{x}"\ninputs = ["no.csv"]', ["job 1: inputs", "no.csv, which is not there"]),
     ('name = "a-{x}"', 'name = "a-{x}"\ncpus = 0', ["job 1: cpus", "0", "from 0.1 to 64"]),
     ("[campaign]", "[campaign", ["campaign.toml", "expected TOML"]),
+    (
+        'name = "a-{x}"\nrun = ["blob", "{x}"]\nover = {x = [1, 2]}',
+        'name = "a-{x}-{seed}"\nrun = ["blob", "{x}"]\nover = {x = [1, 2], seed = [1, 2]}',
+        ["job 1: over.seed", "a key that run does not use", "{seed} in run", "or remove it"],
+    ),
 ]
 
 
@@ -105,6 +110,39 @@ class File(unittest.TestCase):
         (desk.folder / "other.csv").write_text("a\n")
         desk.write((desk.folder / "campaign.toml").read_text().replace("faults.csv", "other.csv"))
         self.assertEqual(first, keys(), "a file's name is nothing")
+
+    def keys(self, desk):
+        done = desk.run("--list")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return [line.split()[0] for line in done.stdout.splitlines()]
+
+    def test_a_key_of_over_may_be_used_by_the_job_before(self):
+        desk = Desk(self)
+        desk.write(
+            '[[job]]\nname = "a-{x}"\nrun = ["blob", "{x}"]\nover = {x = [1, 2]}\n'
+            '[[job]]\nname = "b-{x}"\nafter = "a-{x}"\nrun = ["blob", "{after}"]\nover = {x = [1, 2]}\n'
+        )
+        self.assertEqual(len(set(self.keys(desk))), 4)
+
+    def test_keys_know_files_of_options_and_those_that_a_site_file_names(self):
+        desk = Desk(self)
+        site = '[site]\npoints = "plan/points.csv"\n[weights]\nblob = ["w.blob"]\nnext = "other.toml"\n'
+        desk.write(site, "site.toml")
+        desk.write('more = "deep.csv"\n', "other.toml")
+        (desk.folder / "plan").mkdir()
+        texts = {"plan/points.csv": "a", "w.blob": "b", "deep.csv": "c"}
+        for name, text in texts.items():
+            desk.write(text, name)
+        desk.write('[[job]]\nname = "a"\nrun = ["simulate", "--site={dir}/site.toml"]\n')
+        seen = [self.keys(desk)]
+        for name in texts:
+            desk.write("changed", name)
+            self.assertNotIn(self.keys(desk), seen, name)
+            seen.append(self.keys(desk))
+            desk.write(texts[name], name)
+        self.assertEqual(self.keys(desk), seen[0])
+        desk.write(site + "# changed\n", "site.toml")
+        self.assertNotIn(self.keys(desk), seen)
 
     def test_the_program_itself_hands_over(self):
         desk = Desk(self)

@@ -1,59 +1,20 @@
 """The weight library: what is in it is what was signed, and what is revoked is not given out."""
 
 import json
+import os
 import re
 import subprocess
 import sys
 import threading
 import unittest
-from pathlib import Path
 
 import fsspec
-from desk import BIN, Desk
+from desk import BIN
+from library_shelf import Shelf
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools" / "campaign"))
 from airside_campaign.complaint import BadInput
-from airside_campaign.library import Library, children_of, parents_of, why_not
-from airside_campaign.trusted_keys import read_secret, read_trusted
-
-
-class Shelf(Desk):
-    """A desk with a key pair and two short trainings."""
-
-    def __init__(self, test):
-        super().__init__(test)
-        self.airside("keygen", "-o", "me", "--name", "Ann")
-        for name, room in (("a", "301"), ("b", "401")):
-            self.airside("pretrain", "--plant", "rc", "--room", room, "--days", "2", "-o", f"{name}.blob")
-
-    def airside(self, *words):
-        return subprocess.run(
-            [str(BIN / "airside"), *words], cwd=self.folder, capture_output=True, text=True, check=True, timeout=300
-        )
-
-    def library(self, action, *words):
-        command = [sys.executable, "-B", "-m", "airside_campaign.library_command", "--program", str(BIN / "airside")]
-        return subprocess.run(
-            [*command, action, *words],
-            cwd=self.folder,
-            env=self.environment,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-
-    def add(self, *words):
-        done = self.library("add", *words, "--key", "me.key", "--json")
-        if done.returncode != 0:
-            raise AssertionError(done.stderr)
-        return [one["digest"] for one in json.loads(done.stdout)["added"]]
-
-    def read(self, action, *words):
-        return self.library(action, *words, "--keys", "me.pub")
-
-    def found(self, *words):
-        done = self.read("find", "--json", *words)
-        return json.loads(done.stdout)["weights"]
+from airside_campaign.library import Library
+from airside_campaign.lineage import children_of, parents_of, why_not
 
 
 class Weights(unittest.TestCase):
@@ -96,7 +57,9 @@ class Weights(unittest.TestCase):
         line = json.loads(shelf.read("lineage", second, "--json").stdout)
         self.assertEqual((line["made_from"], line["made_of_it"]), ([first], []))
         done = shelf.library("revoke", first, "--why", "wrong weather", "--key", "me.key", "--json")
-        self.assertEqual(json.loads(done.stdout), {"revoked": [first], "made_from_them": [second]})
+        expected = {"revoked": [first], "signed_copies": [], "made_from_them": [second]}
+        self.assertEqual(json.loads(done.stdout), expected)
+        self.assertIn("8 to 64 hex digits", shelf.read("show", "zz").stderr)
         self.assertEqual(shelf.read("find").returncode, 1)
         self.assertEqual({w["digest"] for w in shelf.found("--all")}, {first, second})
         refused = shelf.read("get", second, "-o", "no.blob")
@@ -190,7 +153,7 @@ over = {seed = [1, 2]}
             ("mode 600", ["add", "a.blob", "--key", "open.key", "--keys", "me.pub"]),
             ("one line `airside-secret-key-1", ["add", "a.blob", "--key", "me.pub"]),
             ("0 weights that begin", ["add", "a.blob", "--key", "me.key", "--parent", "0123456789"]),
-            ("hex digits", ["show", "zz", "--keys", "me.pub"]),
+            ("no index", ["show", "zz", "--keys", "me.pub"]),
             ("the public keys that are believed", ["find"]),
             ("an address that fsspec knows", ["find", "--library", "nonsense://x", "--keys", "me.pub"]),
         ):
@@ -238,11 +201,11 @@ over = {seed = [1, 2]}
     def test_ten_who_add_at_once_lose_nothing(self):
         shelf = self.shelf
         blob = (shelf.folder / "a.blob").read_bytes()
-        secret, trusted = read_secret(shelf.folder / "me.key")[0], read_trusted(shelf.folder / "me.pub")
+        secret, trusted = shelf.keys()
 
         def add_one(number):
             library = Library(str(shelf.folder / "shared"), trusted)
-            with library.change(secret) as index:
+            with library.change(secret, begin=True) as index:
                 library.put(index, blob + bytes([number]), {"room": str(number)})
 
         threads = [threading.Thread(target=add_one, args=[n]) for n in range(10)]
@@ -254,12 +217,25 @@ over = {seed = [1, 2]}
         self.assertEqual({entry["room"] for entry in index["weights"].values()}, {str(n) for n in range(10)})
         self.assertEqual(index["serial"], 10)
 
+    def test_index_and_blobs_are_on_the_disk_before_and_after_their_renames(self):
+        synced, real = [], os.fsync
+        os.fsync = lambda handle: (synced.append(os.readlink(f"/proc/self/fd/{handle}")), real(handle))
+        self.addCleanup(setattr, os, "fsync", real)
+        secret, trusted = self.shelf.keys()
+        with Library(str(self.shelf.folder / "new"), trusted).change(secret, begin=True) as index:
+            Library(str(self.shelf.folder / "new"), trusted).put(index, b"some", {})
+        names = [name.rsplit("/new", 1)[1] for name in synced]
+        (digest,) = index["weights"]
+        self.assertEqual([name.split(".")[0] for name in names[::2]], [f"/blobs/{digest}", "/index"])
+        self.assertTrue(all(name.endswith(".new") for name in names[::2]), names)
+        self.assertEqual(names[1::2], ["/blobs", ""])
+
     def test_an_object_store_serves_as_well_and_tells_two_writers(self):
         shelf = self.shelf
-        secret, trusted = read_secret(shelf.folder / "me.key")[0], read_trusted(shelf.folder / "me.pub")
+        secret, trusted = shelf.keys()
         self.addCleanup(fsspec.filesystem("memory").rm, "/weights", recursive=True)
         library = Library("memory://weights", trusted)
-        with library.change(secret) as index:
+        with library.change(secret, begin=True) as index:
             first = library.put(index, b"first", {"room": "301"})
         with library.change(secret) as index:
             second = library.put(index, b"second", {"parents": [first]})

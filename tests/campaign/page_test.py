@@ -75,6 +75,15 @@ class Look(unittest.TestCase):
         self.assertIn("<td>1.250</td>", self.page, "one seed has no spread")
         self.assertEqual(self.page.count("<circle"), 3)
 
+    def test_a_seed_without_the_figure_is_not_passed_over_in_silence(self):
+        one, rows = campaign()
+        rows[1]["figures"] = {"own_figure": 12.5}
+        rows[3] |= {"done": True, "figures": {"dae_degc": float("nan")}}
+        whole = page.page_of(one, rows, "")
+        self.assertIn('<td>0.200<span class="unit"> 1 of 2</span></td>', whole)
+        self.assertIn('<td>1.250<span class="unit"> 1 of 2</span></td>', whole)
+        self.assertNotIn("1 of 2</span>", self.page, "a job that failed is in the column of done ones")
+
     def test_failures_come_first_and_are_counted(self):
         self.assertIn("3 of 4 jobs done, 1 failed", self.page)
         order = [self.page.index(words) for words in ("1 failed</h2>", "airside simulate</h2>", "How to repeat")]

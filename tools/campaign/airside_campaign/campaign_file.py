@@ -30,6 +30,7 @@ class Job:
     inputs: list = field(default_factory=list)  # files that no argument names
     cpus: float = 1
     timeout_min: float = 60
+    reads: dict = field(default_factory=dict)  # path -> digest, of all files that are known to be read
 
 
 @dataclass
@@ -170,7 +171,21 @@ class _Reader:
                 if not (self.folder / path).exists():
                     self.refuse(where + "inputs", f"{path}, which is not there", "a file or a folder", "check the path")
             jobs.append(job)
+        self.all_used(over, after, run + entry.get("inputs", []), where)
         return jobs
+
+    def all_used(self, over, after, words, where):
+        """A key that no job takes would count the same work several times, as seeds that agree to the last digit."""
+        used = {place for word in words for place in PLACE.findall(word)}
+        used |= {key for place, name in after.items() if place in used for key in PLACE.findall(name)}
+        for key in over:
+            if key not in used:
+                self.refuse(
+                    f"{where}over.{key}",
+                    "a key that run does not use",
+                    f"{{{key}}} in run, in inputs, or in a name of after",
+                    f'write it there, such as "--{key}", "{{{key}}}", or remove it',
+                )
 
     def filled(self, text, known, kept, where):
         def one(match):

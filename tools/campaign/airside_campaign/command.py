@@ -6,13 +6,14 @@ import os
 import subprocess
 import sys
 
+from airside_campaign import one_job
 from airside_campaign.campaign_file import read_campaign
 from airside_campaign.complaint import BadInput
 from airside_campaign.keys import add_keys
 from airside_campaign.page import write_page
 from airside_campaign.program import check_commands, find_program
 from airside_campaign.results import missing_figures, rows_of, write_parquet
-from airside_campaign.run import Folder, OnRay, Serial, run_jobs
+from airside_campaign.run import Folder, OnRay, Serial, check_cpus, run_jobs
 
 EXAMPLE = """\
 # Six trainings, and what each is worth in the room that it was trained for. {room} and {seed} are values of `over`,
@@ -65,7 +66,7 @@ def parser():
 
 
 def is_done(campaign, job):
-    return (campaign.out / "jobs" / job.key / "job.json").is_file()
+    return one_job.is_done(campaign.out / "jobs" / job.key)
 
 
 def listed(campaign):
@@ -89,7 +90,7 @@ def run(arguments):
     campaign = read_campaign(arguments.file)
     program = find_program(arguments.program)
     check_commands(campaign, program)
-    digest = add_keys(campaign, program)
+    used = add_keys(campaign, program)
     if arguments.list:
         return listed(campaign)
     folder = Folder(campaign.out)
@@ -99,7 +100,8 @@ def run(arguments):
         else:
             executor = OnRay(arguments.address, arguments.jobs, campaign.retries, folder.path / "ray.log")
         try:
-            records = run_jobs(campaign, folder, program, digest, executor, people)
+            check_cpus(campaign, executor)
+            records = run_jobs(campaign, folder, program, used, executor, people)
         finally:
             executor.close()
             folder.clear()

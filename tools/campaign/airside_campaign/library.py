@@ -1,9 +1,11 @@
 """A library of weights: blobs by their content in a folder or an object store (fsspec), and one signed index that says
-where each comes from. Nothing is believed that no trusted key has signed, and no blob whose bytes are not the index's."""
+where each comes from. Nothing is believed that no trusted key has signed, and no blob whose bytes are not the
+index's."""
 
 import datetime
 import hashlib
 import json
+import os
 import re
 import time
 from contextlib import contextmanager
@@ -11,9 +13,10 @@ from contextlib import contextmanager
 import fsspec
 
 from airside_campaign.complaint import BadInput
+from airside_campaign.lineage import content_of
 from airside_campaign.trusted_keys import id_of, is_signed, sign
 
-FORMAT = 1
+KIND, FORMAT = "airside weight library", 1
 MAX_BLOB_BYTES = 1 << 20  # the longest blob has some 275 kB
 INDEX, LOCK = "index", "lock"
 HEAD = re.compile(r"airside-library-1 ([0-9a-f]{16}) ([0-9a-f]{128})")
@@ -25,8 +28,8 @@ def now_text():
 
 
 class Library:
-    """`url`: a path, or what fsspec knows, such as s3://bucket/weights. `trusted`: public keys by their id. `at_least`: serial number of the
-    oldest index that is taken; one that was put back has a valid signature too."""
+    """`url`: a path, or what fsspec knows, such as s3://bucket/weights. `trusted`: public keys by their id. `at_least`:
+    serial number of the oldest index that is taken; one that was put back has a valid signature too."""
 
     def __init__(self, url, trusted, at_least=0):
         self.url = url
@@ -62,8 +65,12 @@ class Library:
             self.files.makedirs(final.rsplit("/", 1)[0], exist_ok=True)
             with self.files.open(staged if is_local else final, "wb") as file:
                 file.write(data)
+                if is_local:
+                    file.flush()
+                    os.fsync(file.fileno())
             if is_local:
                 self.files.mv(staged, final)
+                _sync_folder(final.rsplit("/", 1)[0])
         except OSError as error:
             if is_local and self.files.exists(staged):
                 self.files.rm(staged)
@@ -75,11 +82,17 @@ class Library:
             ) from error
 
     def read(self):
-        """The index as it was signed last; an empty one where the library is new."""
+        """The index as it was signed last. Raises BadInput where there is none: at a wrong address nothing is
+        revoked."""
         raw = self._read(INDEX)
-        if raw is None:
-            return {"kind": "airside weight library", "format": FORMAT, "serial": 0, "weights": {}}
         place = self._path(INDEX)
+        if raw is None:
+            raise BadInput(
+                place,
+                "no index",
+                "the index of a library" + (f", {self.at_least} or later" if self.at_least else ""),
+                "check the address; `airside library add` begins a library",
+            )
         head, _, text = raw.decode("utf-8", errors="replace").partition("\n")
         match = HEAD.fullmatch(head)
         if not match:
@@ -106,21 +119,57 @@ class Library:
             raise BadInput(
                 place, f"index {index['serial']}", f"{self.at_least} or later", "ask who has put an older one back"
             )
+        if any("revoked" in entry for entry in index["weights"].values()):
+            self._add_contents(index)
         return index
 
+    def _add_contents(self, index):
+        """To entries of indexes that were written before they had `content`; where the blob is gone there is none."""
+        for digest, entry in index["weights"].items():
+            if "content" not in entry:
+                try:
+                    entry["content"] = content_of(self.blob(index, digest))
+                except BadInput:
+                    pass
+
+    def _is_new(self):
+        """Whether nothing was ever added. Raises BadInput for blobs whose index is gone, with all that it revoked."""
+        if self._read(INDEX) is not None or self.at_least:
+            return False
+        if self.files.exists(self._path("blobs")):
+            raise BadInput(
+                self._path(INDEX),
+                "no index, though there are blobs",
+                "the index that names them",
+                "restore it from a copy; if there never was one, remove blobs and add them again",
+            )
+        return True
+
     @contextmanager
-    def change(self, secret):
-        """Yields the index to be changed; signs and writes it at the end, unless nothing was changed. One writer at a
-        time: whoever finds the lock waits a minute. On an object store two that begin at once are only noticed, not
-        kept apart: the second is refused."""
+    def change(self, secret, begin=False):
+        """Yields the index to be changed; signs and writes it at the end, unless nothing was changed. `begin`: where
+        there is none, with an empty one. One writer at a time: whoever finds the lock waits a minute. On an object
+        store two that begin at once are only noticed, not kept apart: the second is refused."""
+        key = id_of(bytes(secret.verify_key))
+        if key not in self.trusted:
+            raise BadInput(
+                "--key",
+                f"{key}, which is none of the trusted keys",
+                "a key whose index can be read afterwards",
+                "give another key, or its .pub with --keys",
+            )
+        if not begin:
+            self.read()  # before the lock makes a folder at a wrong address
         self._lock()
         try:
-            index = self.read()
+            new = begin and self._is_new()
+            index = {"kind": KIND, "format": FORMAT, "serial": 0, "weights": {}} if new else self.read()
+            self._add_contents(index)
             before, serial = json.dumps(index, sort_keys=True), index["serial"]
             yield index
             if json.dumps(index, sort_keys=True) == before:
                 return
-            if self.read()["serial"] != serial:
+            if (0 if new and self._read(INDEX) is None else self.read()["serial"]) != serial:
                 raise BadInput(
                     self._path(INDEX),
                     "a change by somebody else meanwhile",
@@ -130,7 +179,7 @@ class Library:
             index["serial"] = serial + 1
             index["changed"] = now_text()
             text = json.dumps(index, sort_keys=True, indent=1) + "\n"
-            head = f"airside-library-1 {id_of(bytes(secret.verify_key))} {sign(secret, text)}"
+            head = f"airside-library-1 {key} {sign(secret, text)}"
             self._write(f"{head}\n{text}".encode(), INDEX)
         finally:
             self._unlock()
@@ -192,12 +241,10 @@ class Library:
     def put(self, index, data, entry):
         """The digest. What is known of the same bytes already is kept, and filled up by what is new."""
         digest = hashlib.sha256(data).hexdigest()
-        for parent in entry.get("parents", []):
-            if parent not in index["weights"]:
-                raise BadInput("--parent", parent, "weights of this library", "add them first")
         if self._read("blobs", f"{digest}.blob") != data:
             self._write(data, "blobs", f"{digest}.blob")
         known = index["weights"].setdefault(digest, {"added": now_text(), "bytes": len(data)})
+        known["content"] = content_of(data)
         for name, value in entry.items():
             if isinstance(value, dict):
                 known.setdefault(name, {}).update(value)
@@ -208,34 +255,10 @@ class Library:
         return digest
 
 
-def parents_of(index, digest):
-    """Those it was made from, nearest first, each once."""
-    found, waiting = [], list(index["weights"][digest].get("parents", []))
-    while waiting:
-        at = waiting.pop(0)
-        if at in found or at not in index["weights"]:
-            continue
-        found.append(at)
-        waiting += index["weights"][at].get("parents", [])
-    return found
-
-
-def children_of(index, digest):
-    found, waiting = [], [digest]
-    while waiting:
-        at = waiting.pop(0)
-        for other, entry in index["weights"].items():
-            if at in entry.get("parents", []) and other not in found:
-                found.append(other)
-                waiting.append(other)
-    return found
-
-
-def why_not(index, digest):
-    """Why weights are not to be used: revoked themselves, or made from such; empty where they may."""
-    for at in [digest, *parents_of(index, digest)]:
-        reason = index["weights"][at].get("revoked")
-        if reason is not None:
-            own = "revoked" if at == digest else f"made from {at[:12]}, which is revoked"
-            return f"{own}: {reason['why']} ({reason['at']})"
-    return ""
+def _sync_folder(path):
+    """So that a rename in it outlives a power cut."""
+    folder = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)

@@ -9,7 +9,9 @@ import tempfile
 from pathlib import Path
 
 from airside_campaign.complaint import BadInput
-from airside_campaign.library import MAX_BLOB_BYTES, Library, children_of, now_text, parents_of, why_not
+from airside_campaign.from_campaign import of_campaign
+from airside_campaign.library import MAX_BLOB_BYTES, Library, now_text
+from airside_campaign.lineage import Family
 from airside_campaign.trusted_keys import read_secret, read_trusted
 
 EPILOG = """\
@@ -137,70 +139,29 @@ def of_arguments(arguments, key_name):
     return {name: value for name, value in entry.items() if value}
 
 
-def option(command, name):
-    return command[command.index(name) + 1] if name in command[:-1] else None
-
-
-def of_campaign(folder):
-    """Blobs of the finished jobs with what their jobs tell, each after those it was made from."""
-    jobs = {}
-    for record in sorted((folder / "jobs").glob("*/job.json")):
-        job = json.loads(record.read_text(encoding="utf-8"))
-        blobs = sorted(record.parent.glob("**/*.blob"))
-        if blobs:
-            jobs[job["key"]] = (job, record.parent, blobs)
-    if not jobs:
-        raise BadInput(
-            folder, "no finished job with a blob", "a folder that `airside campaign` left", "run the campaign"
-        )
-    done, out = set(), []
-
-    def visit(key):
-        if key in done:
-            return
-        done.add(key)
-        job, place, blobs = jobs[key]
-        text = " ".join(job["command"])
-        sources = [other for other in jobs if other != key and other in text]
-        for other in sources:
-            visit(other)
-        entry = {"command": "airside " + text, "room": option(job["command"], "--room")}
-        try:
-            said = json.loads((place / "stdout").read_text(encoding="utf-8"))
-            entry["figures"] = {
-                k: v for k, v in said.items() if isinstance(v, (int, float)) and not isinstance(v, bool)
-            }
-        except (OSError, ValueError, AttributeError):
-            pass
-        out.extend((blob, entry, [b for other in sources for b in jobs[other][2]]) for blob in blobs)
-
-    for key in jobs:
-        visit(key)
-    return out
+def blob_of(program, path, said, made_from):
+    """The file, its bytes, what is known of it, and digests of what it was made from."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise BadInput(path, error.strerror.lower(), "a weight blob", "check the path and its rights") from error
+    return path, data, {**inspected(program, path), **said}, made_from
 
 
 def add(arguments, library):
     secret, key_name = read_secret(arguments.key)
     given = of_arguments(arguments, key_name)
     added = []
-    with library.change(secret) as index:
+    with library.change(secret, begin=True) as index:
         parents = [library.find_one(index, p) for p in arguments.parent]
         sources = []
         for source in map(Path, arguments.sources):
             sources += of_campaign(source) if source.is_dir() else [(source, {}, [])]
-        digests = {}
-        for path, told, made_from in sources:
-            try:
-                data = path.read_bytes()
-            except OSError as error:
-                raise BadInput(
-                    path, error.strerror.lower(), "a weight blob", "check the path and its rights"
-                ) from error
-            entry = {**inspected(arguments.program, path), **told, **given}
-            entry["figures"] = {**told.get("figures", {}), **given.get("figures", {})}
-            entry["parents"] = parents + [digests[p] for p in made_from]
-            digests[path] = library.put(index, data, entry)
-            added.append({"digest": digests[path], "file": str(path)})
+        read = [blob_of(arguments.program, *source) for source in sources]
+        for path, data, entry, made_from in read:  # all are sound: nothing is written before
+            figures = {**entry.get("figures", {}), **given.get("figures", {})}
+            digest = library.put(index, data, {**entry, **given, "figures": figures, "parents": parents + made_from})
+            added.append({"digest": digest, "file": str(path)})
     if arguments.json:
         print(json.dumps({"added": added}))
     else:
@@ -209,9 +170,10 @@ def add(arguments, library):
     return 0
 
 
-def line_of(digest, entry, index):
+def line_of(digest, family):
+    entry = family.weights[digest]
     figures = "  ".join(f"{name} {value:.4g}" for name, value in sorted(entry.get("figures", {}).items())[:3])
-    bad = why_not(index, digest)
+    bad = family.why_not(digest)
     return (
         f"{digest[:12]}  {entry.get('topology', '?'):18}  {entry.get('room', '-'):14}  {entry['added'][:10]}  {figures}"
         + (f"  [{bad}]" if bad else "")
@@ -220,6 +182,7 @@ def line_of(digest, entry, index):
 
 def find(arguments, library):
     index = library.read()
+    family = Family(index)
     found = []
     for digest, entry in index["weights"].items():
         if arguments.topology and entry.get("topology") != arguments.topology:
@@ -228,16 +191,16 @@ def find(arguments, library):
             continue
         if arguments.effect and arguments.effect not in entry.get("effects", []):
             continue
-        if not arguments.all and why_not(index, digest):
+        if not arguments.all and family.why_not(digest):
             continue
         found.append((entry["added"], digest))
     found.sort(reverse=True)
     if arguments.json:
-        rows = [{"digest": d, **index["weights"][d], "why_not": why_not(index, d)} for _, d in found]
+        rows = [{"digest": d, **index["weights"][d], "why_not": family.why_not(d)} for _, d in found]
         print(json.dumps({"serial": index["serial"], "weights": rows}))
     else:
         for _, digest in found:
-            print(line_of(digest, index["weights"][digest], index))
+            print(line_of(digest, family))
         if not found:
             print(f"nothing like that among {len(index['weights'])} weights", file=sys.stderr)
     return 0 if found else 1
@@ -246,7 +209,7 @@ def find(arguments, library):
 def show(arguments, library):
     index = library.read()
     digest = library.find_one(index, arguments.digests[0])
-    entry = {"digest": digest, **index["weights"][digest], "why_not": why_not(index, digest)}
+    entry = {"digest": digest, **index["weights"][digest], "why_not": Family(index).why_not(digest)}
     print(json.dumps(entry) if arguments.json else json.dumps(entry, indent=1, ensure_ascii=False))
     return 0
 
@@ -254,33 +217,42 @@ def show(arguments, library):
 def lineage(arguments, library):
     index = library.read()
     digest = library.find_one(index, arguments.digests[0])
-    before, after = parents_of(index, digest), children_of(index, digest)
+    family = Family(index)
+    before, after, copies = family.parents(digest), family.children(digest), family.same(digest)[1:]
     if arguments.json:
-        print(json.dumps({"digest": digest, "made_from": before, "made_of_it": after}))
+        print(json.dumps({"digest": digest, "made_from": before, "made_of_it": after, "signed_copies": copies}))
         return 0
-    for title, digests in (("made from", before), ("these weights", [digest]), ("made of them", after)):
+    for title, digests in (
+        ("made from", before),
+        ("these weights", [digest]),
+        ("the same under another signature", copies),
+        ("made of them", after),
+    ):
         print(f"{title}:" + ("" if digests else " nothing"))
         for at in digests:
-            print("  " + line_of(at, index["weights"][at], index))
+            print("  " + line_of(at, family))
     return 0
 
 
 def revoke(arguments, library):
     secret, key_name = read_secret(arguments.key)
-    hit = []
     with library.change(secret) as index:
         digests = [library.find_one(index, d) for d in arguments.digests]
         for digest in digests:
             index["weights"][digest].setdefault("revoked", {"why": arguments.why, "by": key_name, "at": now_text()})
-        hit = sorted({c for d in digests for c in children_of(index, d)} - set(digests))
+        family = Family(index)
+        copies = sorted({c for d in digests for c in family.same(d)} - set(digests))
+        hit = sorted({c for d in digests for c in family.children(d)} - {*digests, *copies})
     if arguments.json:
-        print(json.dumps({"revoked": digests, "made_from_them": hit}))
+        print(json.dumps({"revoked": digests, "signed_copies": copies, "made_from_them": hit}))
         return 0
     for digest in digests:
         print(f"{digest[:12]} is revoked")
+    for digest in copies:
+        print(f"{digest[:12]} is the same under another signature, and is not given out either")
     for digest in hit:
         print(f"{digest[:12]} was made from it, and is not given out either")
-    if any(index["weights"][d].get("signed_by") for d in [*digests, *hit]):
+    if any(index["weights"][d].get("signed_by") for d in [*digests, *copies, *hit]):
         print("boxes that have them keep them: push others, or airside rollback", file=sys.stderr)
     return 0
 
@@ -288,7 +260,7 @@ def revoke(arguments, library):
 def get(arguments, library):
     index = library.read()
     digest = library.find_one(index, arguments.digests[0])
-    bad = why_not(index, digest)
+    bad = Family(index).why_not(digest)
     if bad and not arguments.revoked:
         raise BadInput(digest[:12], bad, "weights that may be used", "choose others, or --revoked to look into these")
     data = library.blob(index, digest)

@@ -147,7 +147,9 @@ def cell_of(group, figure):
     if not values:
         return '<td class="text">–</td>'
     spread = f'<span class="pm"> ± {number(statistics.stdev(values), figure)}</span>' if len(values) > 1 else ""
-    return f"<td>{number(statistics.fmean(values), figure)}{spread}</td>"
+    done = sum(row["done"] for row in group)
+    some = f'<span class="unit"> {len(values)} of {done}</span>' if len(values) < done else ""  # the others have none
+    return f"<td>{number(statistics.fmean(values), figure)}{spread}{some}</td>"
 
 
 def entry_of(campaign, rows, entry):
@@ -157,7 +159,7 @@ def entry_of(campaign, rows, entry):
     keys = [k for k in first.values if k != SEED]
     names = [job.name for job in campaign.jobs if job.entry == entry]
     note = f"{names[0]} to {names[-1]}. " if len(names) > 1 else f"{names[0]}. "
-    note += "Mean ± standard deviation where there are several seeds."
+    note += "Mean ± standard deviation where there are several seeds; n of m: m jobs are done, n have this figure."
     renamed = [f"{WORDS[f][0]} is {f}" for f in figures if f in WORDS]
     if renamed:
         note += " In results.parquet " + ", ".join(renamed) + "."

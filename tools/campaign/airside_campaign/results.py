@@ -43,9 +43,11 @@ def rows_of(campaign, folder, records):
             "figures": {},
         }
         if row["done"]:
-            row["figures"] = figures_of(
-                (folder.path / "jobs" / job.key / "stdout").read_text(encoding="utf-8", errors="replace")
-            )
+            printed = folder.path / "jobs" / job.key / "stdout"
+            try:
+                row["figures"] = figures_of(printed.read_text(encoding="utf-8", errors="replace"))
+            except OSError as error:
+                row |= {"done": False, "why": f"{printed}: {error.strerror.lower()}; run the campaign again"}
         rows.append(row)
     return rows
 

@@ -2,15 +2,20 @@
 
 import fcntl
 import itertools
+import math
 import os
+import secrets
 import shutil
 import socket
+import time
 from collections import deque
 from pathlib import Path
 
-from airside_campaign import one_job
+from airside_campaign import one_job, uses
 from airside_campaign.complaint import BadInput
 from airside_campaign.progress import Progress
+
+SENT = (one_job, uses)  # go by value, so that no machine needs this package
 
 
 class Folder:
@@ -28,7 +33,7 @@ class Folder:
                     "give another in campaign.out",
                 )
             (self.path / "jobs").mkdir(parents=True, exist_ok=True)
-            self._lock = open(self.path / ".lock", "w", encoding="utf-8")  # held until this process ends
+            self._lock = open(self.path / ".lock", "a", encoding="utf-8")  # held until this process ends
         except OSError as error:
             raise BadInput(
                 error.filename or path,
@@ -42,6 +47,14 @@ class Folder:
             raise BadInput(
                 path, "a campaign that runs in it", "a folder of its own", "wait for it, or choose another"
             ) from error
+        self.token = secrets.token_hex(16)  # other machines find it in the lock, or have another folder of that name
+        try:
+            self._lock.truncate(0)
+            self._lock.write(self.token)
+            self._lock.flush()
+            os.fsync(self._lock.fileno())
+        except OSError as error:
+            raise BadInput(path, error.strerror.lower(), "room for a lock file", "make room") from error
         self.clear()
 
     def clear(self):
@@ -49,13 +62,16 @@ class Folder:
         for part in (self.path / "jobs").glob(".*.part"):
             shutil.rmtree(part, ignore_errors=True)
 
-    def spec(self, job, program, digest):
+    def spec(self, job, program, used):
         return {
             "name": job.name,
             "key": job.key,
             "command": job.command,
             "program": str(program),
-            "program_digest": digest,
+            "uses": used,
+            "reads": job.reads,
+            "out": str(self.path.resolve()),
+            "token": self.token,
             "folder": str((self.path / "jobs" / job.key).resolve()),
             "failed": str((self.path / "failed").resolve()),
             "logs": str((self.path / "logs").resolve()),
@@ -76,6 +92,9 @@ class Serial:
 
     def __init__(self):
         self._waiting = deque()
+
+    def largest(self):
+        return math.inf, ""  # it has this machine to itself
 
     def can_take(self):
         return not self._waiting
@@ -142,16 +161,24 @@ class OnRay:
             if address:
                 ray.init(address=address, logging_level="ERROR", log_to_driver=False)
             else:
-                ray.init(num_cpus=slots, include_dashboard=False, logging_level="ERROR", log_to_driver=False)
+                ray.init(  # "local": else it joins a cluster that $RAY_ADDRESS names, or that runs here
+                    address="local",
+                    num_cpus=slots,
+                    include_dashboard=False,
+                    logging_level="ERROR",
+                    log_to_driver=False,
+                )
         except Exception as error:  # whatever Ray raises, nothing has been run
             self._quiet.end()
             raise BadInput(
                 "--address",
                 f"no cluster at {address or 'this machine'} ({type(error).__name__}: see {log})",
                 "a running Ray cluster",
-                "start one by `ray start --head`, or leave --address out",
+                "start one by `ray start --head`, or leave --address out" if address else "give --serial",
             ) from error
-        ray.cloudpickle.register_pickle_by_value(one_job)  # so that no machine needs this package
+        for module in SENT:
+            ray.cloudpickle.register_pickle_by_value(module)
+        self._address = address
         self._run = ray.remote(max_retries=retries)(one_job.run_one)
         self._refs = {}
         self._finished = deque()
@@ -159,6 +186,11 @@ class OnRay:
     @property
     def slots(self):
         return max(1, int(self._ray.cluster_resources().get("CPU", 1)))
+
+    def largest(self):
+        """Processors of the largest machine, and how to have more."""
+        have = (n["Resources"].get("CPU", 0) for n in self._ray.nodes() if n["Alive"])
+        return max(have, default=0), "start a larger machine" if self._address else "raise --jobs"
 
     def can_take(self):
         return len(self._refs) < 2 * self.slots + 2  # a few more than are at work, so that nobody waits for the next
@@ -185,7 +217,28 @@ class OnRay:
         self._quiet.end()
 
 
-def run_jobs(campaign, folder, program, digest, executor, stream):
+def check_cpus(campaign, executor):
+    """Raises BadInput for a job that would wait for ever, since no machine is large enough."""
+    most, remedy = executor.largest()
+    for job in campaign.jobs:
+        if job.cpus > most:
+            place = f"{campaign.path}: job {job.entry + 1}: cpus"
+            expected = f"at most {most:g}, as the largest machine has"
+            raise BadInput(place, f"{job.cpus:g}", expected, f"lower it, or {remedy}")
+
+
+def seen_from_here(spec, record):
+    """The record of a job, done only if its folder is found here too. A network file system may take a while."""
+    for wait_s in (0, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4):
+        time.sleep(wait_s)
+        if not record["done"] or one_job.is_done(spec["folder"]):
+            return record
+        os.listdir(os.path.dirname(spec["folder"]))  # so that it asks its server again
+    why = f"{record.get('host', 'its machine')} does not see {spec['out']}: what it wrote is not there"
+    return record | {"done": False, "why": why}
+
+
+def run_jobs(campaign, folder, program, used, executor, stream):
     """Runs what is missing. Returns a record for each job, by name: a job whose need failed is not run."""
     progress = Progress(campaign.jobs, stream)
     records, by_key, blocked_by, needed_by = {}, {}, {}, {}
@@ -198,7 +251,7 @@ def run_jobs(campaign, folder, program, digest, executor, stream):
         blocked_by[job.name] = len(needs)
         if not needs:
             ready.append(job)
-    at_work = set()
+    at_work = {}  # key -> what it was sent with
 
     def finish(job, record):
         """And what waited for it."""
@@ -224,15 +277,15 @@ def run_jobs(campaign, folder, program, digest, executor, stream):
             job = ready.popleft()
             if job.name in records or job.key in at_work:
                 continue  # two names for the same work are run once
-            spec = folder.spec(job, program, digest)
-            if os.path.isfile(os.path.join(spec["folder"], "job.json")):
+            spec = folder.spec(job, program, used)
+            if one_job.is_done(spec["folder"]):
                 finish(job, {"key": job.key, "done": True, "kept": True})
                 continue
-            at_work.add(job.key)
+            at_work[job.key] = spec
             executor.submit(spec, job.cpus)
         if at_work:
             key, record = executor.next()
-            at_work.discard(key)
+            record = seen_from_here(at_work.pop(key), record)
             for job in by_key[key]:
                 if job.name not in records and blocked_by[job.name] == 0:
                     finish(job, record)

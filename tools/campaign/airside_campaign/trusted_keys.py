@@ -1,4 +1,4 @@
-"""Keys that sign the index of a weight library: the files of `airside keygen`, and a folder of public ones as a box has."""
+"""Keys that sign the index of a weight library: files of `airside keygen`, and a folder of public ones as a box has."""
 
 import hashlib
 import os

@@ -1,6 +1,7 @@
 """Sends signed weights to many boxes: a canary share first, then waves. It halts by itself when trials end badly."""
 
 import argparse
+import functools
 import json
 import os
 import sys
@@ -9,10 +10,12 @@ import time
 
 from airside_campaign.complaint import BadInput
 from airside_campaign.fleet.box import unfit
+from airside_campaign.fleet.boxes import PHASES, Boxes
 from airside_campaign.fleet.fleet_file import EXAMPLE, read_fleet
-from airside_campaign.fleet.push import PHASES, Boxes, Halt, Push, take_back
+from airside_campaign.fleet.push import Halt, Push
 from airside_campaign.fleet.record import Record, read_states
-from airside_campaign.fleet.weights import read_weights
+from airside_campaign.fleet.undo import take_back
+from airside_campaign.fleet.weights import check_again, read_weights
 from airside_campaign.program import find_program
 
 EPILOG = """\
@@ -138,7 +141,8 @@ def push_command(arguments, program):
             return dry_run(Push(fleet, weights, program, record), arguments.json)
         with record.alone():
             record.open(weights)
-            push = Push(fleet, weights, program, record, Progress(sys.stderr))
+            again = functools.partial(check_again, arguments, fleet, program, weights, folder)
+            push = Push(fleet, weights, program, record, Progress(sys.stderr), again)
             push.check()
             source = arguments.blob or f"library {arguments.from_library}"
             record.set({}, [{"event": "push", "source": source, "boxes": len(fleet.boxes), "crc": weights.crc}])

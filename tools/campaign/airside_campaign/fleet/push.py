@@ -1,17 +1,14 @@
 """Weights to a fleet, wave by wave: each box once, and no further wave where trials end badly."""
 
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from airside_campaign.complaint import BadInput
-from airside_campaign.fleet.box import Later, NoAnswer, Refused, reach, unfit
+from airside_campaign.fleet.box import Later, Refused, unfit
+from airside_campaign.fleet.boxes import BAD, SILENT, Boxes
 from airside_campaign.fleet.record import WAITING, now_text
 from airside_campaign.fleet.weights import try_on_site
 
-BAD = ("rolled back", "refused", "replaced")
-SILENT = ("no answer",)
-PHASES = (*WAITING, "kept", *BAD, *SILENT, "undone")
 ROWS_UNTIL_TAKEN = 3  # rows after which a box that has not taken the weights will not
 
 
@@ -19,40 +16,19 @@ class Halt(Exception):
     """Why no further box gets the weights."""
 
 
-class Boxes:
-    """All boxes of a fleet, asked several at a time."""
-
-    def __init__(self, fleet, program):
-        self.fleet = fleet
-        self.by_name = {name: reach(box, program) for name, box in fleet.boxes.items()}
-
-    def each(self, names, do):
-        """name -> what do(box) gave, or the NoAnswer or Refused that it raised."""
-
-        def guarded(name):
-            try:
-                return do(self.by_name[name])
-            except (NoAnswer, Refused) as error:
-                return error
-
-        names = list(names)
-        with ThreadPoolExecutor(max(1, min(self.fleet.at_once, len(names)))) as pool:
-            return dict(zip(names, pool.map(guarded, names)))
-
-    def seen(self, names):
-        return self.each(names, lambda box: box.seen())
-
-
 class Push:
-    """`progress`: called with this after each look at the boxes."""
+    """`progress`: called with this after each look at the boxes. `check_again`: raises BadInput where the weights may
+    not go out any more; called before each wave, since waves lie days apart."""
 
-    def __init__(self, fleet, weights, program, record, progress=None):
+    def __init__(self, fleet, weights, program, record, progress=None, check_again=None):
         self.fleet, self.weights, self.program, self.record = fleet, weights, program, record
         self.boxes = Boxes(fleet, program)
         self.progress = progress or (lambda push: None)
+        self.check_again = check_again or (lambda: None)
         self.unfit = {}  # box -> why nothing was sent to it
         self.rows = {}  # box -> times of the rows that were seen after it was sent to
-        self.wave, self.planned, self.silent = 0, 0, []
+        self.wave, self.planned = 0, {}  # wave -> how many boxes it is for
+        self.silent, self.passed_over = [], set()  # of the boxes asked in this wave
 
     def of(self, name):
         return self.record.state["boxes"].get(name, {})
@@ -133,6 +109,8 @@ class Push:
                 self.wave = wave
                 self.send_wave()
                 self.wait()
+            self.look_at_kept()
+            self.judge()
         except Halt as error:
             self.record.state["halted"] = {"wave": self.wave + 1, "why": str(error), "at": now_text()}
             self.record.set({}, [{"event": "halted", "wave": self.wave + 1, "why": str(error)}])
@@ -152,10 +130,37 @@ class Push:
             chosen += [n for n in self.fleet.groups[group] if self.is_open(n) and n not in asked][:need]
         return chosen[: self.fleet.at_once]
 
-    def send_wave(self):
-        asked, self.silent = set(), []
-        self.planned = len(self.of_wave()) + sum(need for _, need in self.needs())
+    def where(self, wave):
+        return f"wave {wave + 1} of {len(self.fleet.waves)}"
+
+    def before_wave(self):
+        """What may have changed in the days since the wave before: weights that were revoked, boxes that went back."""
+        self.look_at_kept()
+        needed = sum(need for _, need in self.needs())
+        self.planned[self.wave] = len(self.of_wave(self.wave)) + needed
         self.judge()
+        if not needed:
+            return
+        try:
+            self.check_again()
+        except BadInput as error:
+            raise Halt(f"{self.where(self.wave)}: revoked meanwhile, or not to be checked any more: {error}") from error
+
+    def look_at_kept(self):
+        changes = {}
+        for name, said in self.boxes.seen(self.named("kept")).items():
+            if isinstance(said, Exception):
+                continue  # its trial went well; who is silent now may be asked by `airside fleet status`
+            if said.crc != self.weights.crc:
+                changes[name] = {"phase": "replaced", "why": f"weights {said.crc} were pushed after these were kept"}
+            elif said.weights == "rolled back":
+                changes[name] = {"phase": "rolled back", "why": "after they were kept"}
+        if changes:
+            self.record.set(changes, [{"event": c["phase"], "box": n, "why": c["why"]} for n, c in changes.items()])
+
+    def send_wave(self):
+        asked, self.silent, self.passed_over = set(), [], set()
+        self.before_wave()
         while names := self.chunk(asked):
             asked.update(names)
             fit = {}
@@ -164,20 +169,31 @@ class Push:
                 if isinstance(said, Exception):
                     self.unfit[name] = str(said)
                     self.silent.append(name)
+                    self.passed_over.add(name)
                 elif said.crc == self.weights.crc and said.weights != "none":
                     self.adopt(name, said)
                 elif why := unfit(said, self.weights.crc):
                     self.unfit[name] = why
+                    self.passed_over.add(name)
                 else:
                     fit[name] = said
             self.judge()
             self.send(fit)
             self.judge()
-        if self.planned and not self.of_wave() and not self.wave:
-            raise Halt(f"wave 1 of {len(self.fleet.waves)}: no box is fit for it")
+        if self.wave == 0 and self.planned[0] and not self.of_wave(0):
+            raise Halt(f"{self.where(0)}: no box is fit for it")
 
-    def of_wave(self):
-        return [name for name in self.fleet.boxes if self.of(name).get("wave") == self.wave + 1]
+    def of_wave(self, wave):
+        return [name for name in self.fleet.boxes if self.of(name).get("wave") == wave + 1]
+
+    def not_replaced(self):
+        """Boxes that gave no answer when the wave came to them, as far as their group has no others in their place."""
+        found = []
+        for group, need in self.needs():
+            names = self.fleet.groups[group]
+            others = sum(self.is_open(name) and name not in self.passed_over for name in names)
+            found += [name for name in names if name in self.silent][: max(0, need - others)]
+        return found
 
     def adopt(self, name, seen):
         """A box that has these weights, from a push whose state is lost or by hand."""
@@ -199,6 +215,7 @@ class Push:
         for name, failed in self.boxes.each(fit, lambda box: box.push(self.weights.path)).items():
             if isinstance(failed, Later):
                 changes[name], self.unfit[name] = None, str(failed)
+                self.passed_over.add(name)
                 events.append({"event": "put off", "box": name, "why": str(failed)})
             elif isinstance(failed, Refused):
                 changes[name] = {"phase": "refused", "why": str(failed)}
@@ -277,20 +294,22 @@ class Push:
         return {"phase": "refused", "why": box.get("error") or said.refusal or "it was not taken"}
 
     def judge(self):
-        """Raises Halt where more of the wave went wrong than may."""
-        size = max(1, self.planned)
-        bad = [name for name in self.of_wave() if self.phase(name) in BAD]
-        silent = [name for name in self.of_wave() if self.phase(name) in SILENT] + self.silent
-        where = f"wave {self.wave + 1} of {len(self.fleet.waves)}"
-        for names, limit, what in (
-            (bad, self.fleet.rolled_back_limit, "rolled back or refused"),
-            (silent, self.fleet.no_answer_limit, "give no answer"),
-        ):
-            if len(names) > limit * size + 1e-9:
-                raise Halt(f"{where}: {len(names)} of {size} boxes {what}, more than {100 * limit:g} %")
+        """Raises Halt where more of a wave so far went wrong than may; a box may roll back long after its own wave."""
+        for wave, planned in self.planned.items():
+            names = self.of_wave(wave)
+            bad = [name for name in names if self.phase(name) in BAD]
+            silent = [name for name in names if self.phase(name) in SILENT]
+            silent += self.not_replaced() if wave == self.wave else []
+            for wrong, limit, what in (
+                (bad, self.fleet.rolled_back_limit, "rolled back or refused"),
+                (silent, self.fleet.no_answer_limit, "give no answer"),
+            ):
+                size = max(1, planned)
+                if len(wrong) > limit * size + 1e-9:
+                    raise Halt(f"{self.where(wave)}: {len(wrong)} of {size} boxes {what}, more than {100 * limit:g} %")
 
     def at_wave(self):
-        """Number of the wave whose trials go on, from 1; a push that goes on finds them before it comes to that wave."""
+        """The wave whose trials go on, from 1; a push that goes on finds them before it comes to that wave."""
         return max([self.wave + 1] + [self.of(name)["wave"] for name in self.named(*WAITING)])
 
     def left_s(self):
@@ -310,47 +329,3 @@ class Push:
             about += max(0, trial - begun)
             most += max(0, self.fleet.trial_limit_s - begun)
         return about, most
-
-
-def take_back(fleet, program, record, progress=None):
-    """Asks each box that has the weights of a push to go back, and waits until it has. Returns box -> why it has not."""
-    boxes, state = Boxes(fleet, program), record.state
-    state.setdefault("undone", now_text())
-    open_names = [
-        n for n, box in state["boxes"].items() if box["phase"] in (*WAITING, "kept", *SILENT) and n in fleet.boxes
-    ]
-    record.set({}, [{"event": "undo"}])
-    until = time.time() + max(3600, 4 * fleet.poll_s)
-    asked, missing = set(), {}
-    while open_names:
-        changes, events, ask = {}, [], []
-        for name, said in boxes.seen(open_names).items():
-            if isinstance(said, Exception):
-                missing[name] = str(said)
-            elif said.crc == state["crc"] and said.weights in ("on trial", "confirmed"):
-                missing[name] = "it has not gone back yet"
-                ask += [name] if name not in asked else []
-            elif said.crc == state["crc"]:
-                changes[name] = {"phase": "undone", "why": f"weights {said.weights}"}
-            elif state["boxes"][name]["phase"] in ("sending", "sent"):
-                missing[name] = "it has not taken them yet"  # they may still lie in its inbox
-            else:
-                changes[name] = {"phase": "undone", "why": f"weights {said.crc} were pushed since"}
-        for name, failed in boxes.each(ask, lambda box: box.roll_back()).items() if ask else ():
-            if failed is None:
-                asked.add(name)
-                events.append({"event": "rollback asked", "box": name})
-            else:
-                missing[name] = str(failed)
-        for name, change in changes.items():
-            missing.pop(name, None)
-            events.append({"event": "undone", "box": name, "why": change["why"]})
-        if changes or events:
-            record.set(changes, events)
-        open_names = [name for name in open_names if name not in changes]
-        if progress:
-            progress(len(open_names), missing)
-        if not open_names or time.time() > until:
-            break
-        time.sleep(fleet.poll_s)
-    return {name: missing.get(name, "") for name in open_names}

@@ -45,9 +45,13 @@ def crc32c(data):
     return crc ^ 0xFFFFFFFF
 
 
+def place_of(arguments):
+    return arguments.library or os.environ.get("AIRSIDE_LIBRARY")
+
+
 def bytes_of(arguments):
     """What is to be pushed, and its name. Raises BadInput, also for what the library has revoked."""
-    place = arguments.library or os.environ.get("AIRSIDE_LIBRARY")
+    place = place_of(arguments)
     if place is not None:
         from airside_campaign.fleet.shelf import of_library  # its packages take longer to load than all of this
 
@@ -91,8 +95,7 @@ def read_weights(arguments, fleet, program, folder):
             "the public keys that the boxes believe",
             "copy a box's keys folder (it is beside its site.toml) or the NAME.pub of `airside keygen` there",
         )
-    for topology, cycle in sorted({(box.topology, box.cycle_min) for box in fleet.boxes.values()}):
-        try_on_site(program, path, name, trial_site(folder, topology, cycle, fleet.keys), fleet.path)
+    try_on_kinds(program, path, name, fleet, folder)
     return Weights(
         path=path,
         name=str(name),
@@ -102,6 +105,22 @@ def read_weights(arguments, fleet, program, folder):
         key=head["key"],
         provenance=facts.get("provenance", ""),
     )
+
+
+def check_again(arguments, fleet, program, weights, folder):
+    """Reads the library's index and the keys anew. Raises BadInput where the weights may not go out any more."""
+    place = place_of(arguments)
+    if place is not None:
+        from airside_campaign.fleet.shelf import refuse_revoked
+
+        refuse_revoked(place, arguments, weights.path.read_bytes(), weights.name)
+    try_on_kinds(program, weights.path, weights.name, fleet, folder)
+
+
+def try_on_kinds(program, path, name, fleet, folder):
+    """Raises BadInput for weights that any kind of box in the fleet would refuse."""
+    for topology, cycle in sorted({(box.topology, box.cycle_min) for box in fleet.boxes.values()}):
+        try_on_site(program, path, name, trial_site(folder, topology, cycle, fleet.keys), fleet.path)
 
 
 def no_blob(said, path, name):
