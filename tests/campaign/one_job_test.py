@@ -16,7 +16,7 @@ from desk import ROOT, Desk
 sys.path.insert(0, str(ROOT / "tools" / "campaign"))
 from airside_campaign import one_job, results, run, uses
 
-PROGRAM = '#!/bin/sh\n[ "$1" = --version ] && exit\necho "{\\"a\\": 1}"\necho log > log.csv\nif [ -f "$1" ]; then sh "$1"; fi\n'
+PROGRAM = '#!/bin/sh\necho "{\\"a\\": 1}"\necho log > log.csv\nif [ -f "$1" ]; then sh "$1"; fi\n'
 
 
 class OneJob(unittest.TestCase):
@@ -105,7 +105,9 @@ class OneJob(unittest.TestCase):
             self.desk.environment = {**os.environ, "PYTHONPATH": str(ROOT / "tools" / "campaign"), **environment}
             words = self.desk.words("--list")
             words[words.index("--program") + 1] = str(self.bin / "airside")
-            done = subprocess.run(words, capture_output=True, text=True, env=self.desk.environment, check=True)
+            done = subprocess.run(
+                words, cwd=self.desk.folder, capture_output=True, text=True, env=self.desk.environment, check=True
+            )  # fmt: skip
             return done.stdout.split()[0]
 
         first = key()
