@@ -14,7 +14,7 @@ from library_shelf import Shelf
 
 from airside_campaign.complaint import BadInput
 from airside_campaign.library import Library
-from airside_campaign.lineage import children_of, parents_of, why_not
+from airside_campaign.lineage import Family
 
 
 class Weights(unittest.TestCase):
@@ -242,8 +242,8 @@ over = {seed = [1, 2]}
             third = library.put(index, b"third", {"parents": [second]})
         index = library.read()
         self.assertEqual(library.blob(index, second), b"second")
-        self.assertEqual(parents_of(index, third), [second, first])
-        self.assertEqual(sorted(children_of(index, first)), sorted([second, third]))
+        self.assertEqual(Family(index).parents(third), [second, first])
+        self.assertEqual(sorted(Family(index).children(first)), sorted([second, third]))
         with self.assertRaises(BadInput), library.change(secret) as index:
             index["weights"][first]["revoked"] = {"why": "x", "at": "now"}
             library._unlock()
@@ -251,7 +251,7 @@ over = {seed = [1, 2]}
                 meanwhile["weights"][first]["room"] = "302"
         index = library.read()
         self.assertEqual(index["weights"][first]["room"], "302")
-        self.assertEqual(why_not(index, third), "")
+        self.assertEqual(Family(index).why_not(third), "")
 
 
 if __name__ == "__main__":

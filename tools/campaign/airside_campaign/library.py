@@ -14,6 +14,7 @@ import fsspec
 
 from airside_campaign.complaint import BadInput
 from airside_campaign.lineage import content_of
+from airside_campaign.one_job import sync
 from airside_campaign.trusted_keys import id_of, is_signed, sign
 
 KIND, FORMAT = "airside weight library", 1
@@ -70,7 +71,7 @@ class Library:
                     os.fsync(file.fileno())
             if is_local:
                 self.files.mv(staged, final)
-                _sync_folder(final.rsplit("/", 1)[0])
+                sync(final.rsplit("/", 1)[0])
         except OSError as error:
             if is_local and self.files.exists(staged):
                 self.files.rm(staged)
@@ -253,12 +254,3 @@ class Library:
             elif value not in (None, ""):
                 known[name] = value
         return digest
-
-
-def _sync_folder(path):
-    """So that a rename in it outlives a power cut."""
-    folder = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)

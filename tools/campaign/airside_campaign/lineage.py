@@ -68,15 +68,3 @@ class Family:
 
 def _reason(entry):
     return f"{entry['revoked']['why']} ({entry['revoked']['at']})"
-
-
-def parents_of(index, digest):
-    return Family(index).parents(digest)
-
-
-def children_of(index, digest):
-    return Family(index).children(digest)
-
-
-def why_not(index, digest):
-    return Family(index).why_not(digest)

@@ -62,7 +62,7 @@ def run_one(spec):
             if not is_done(final):
                 raise
             shutil.rmtree(part, ignore_errors=True)  # another machine was first: the same bytes
-        _sync(parent)
+        sync(parent)
         shutil.rmtree(os.path.join(spec["failed"], spec["key"]), ignore_errors=True)  # what an earlier try left
         return {"key": spec["key"], "done": True, "kept": False, "seconds": seconds, "host": host}
     except OSError as error:
@@ -139,7 +139,8 @@ def _set_aside(final):
         os.rename(final, aside)
 
 
-def _sync(path):
+def sync(path):
+    """A file's content, or the names in a folder, onto the disk: they outlive a power cut."""
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
@@ -154,9 +155,9 @@ def _on_disk(part):
         for name in names:
             path = os.path.join(folder, name)
             if os.path.isfile(path) and not os.path.islink(path):
-                _sync(path)
+                sync(path)
                 sizes[os.path.relpath(path, part)] = os.path.getsize(path)
-        _sync(folder)
+        sync(folder)
     return sizes
 
 
@@ -168,7 +169,7 @@ def _write_record(spec, folder, sizes=None):
         json.dump(record, file, sort_keys=True)
         file.flush()
         os.fsync(file.fileno())
-    _sync(folder)
+    sync(folder)
 
 
 def _last_words(part, code):
