@@ -140,7 +140,7 @@ std::string text_of_map(const std::string& path) {
     throw InputError(path, std::string("no readable file (") + std::strerror(errno) + ")", "a point map in CSV",
                      "check the path, or start from the one that `airside init` writes");
   }
-  // In pieces: a buffer of the largest size would stay with the daemon for as long as it runs.
+  // In pieces: malloc, once it has given back a buffer of the largest size, keeps smaller ones for good.
   std::string text;
   std::array<char, 4096> piece{};
   while (text.size() <= max_file_bytes && in) {

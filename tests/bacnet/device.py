@@ -5,7 +5,7 @@ ADDRESS is as 192.0.2.10/24:47808, or 2001:5@192.0.2.10/24 for station 5 of netw
 Its objects show what `airside serve` has in its registers, its analog-output 1 is commandable with a priority array,
 and what comes out of that array is written to the room. Without MODBUS_PORT its inputs hold constants. One line of JSON
 on standard input, one answer on standard output: {"fault": [TYPE, INSTANCE, true]}, {"out_of_service": the same},
-{"set": [TYPE, INSTANCE, VALUE]}, {"rename": [TYPE, INSTANCE, NAME]},
+{"set": [TYPE, INSTANCE, VALUE]}, {"rename": [TYPE, INSTANCE, NAME]}, {"device_name": NAME},
 {"priorities": [TYPE, INSTANCE]}, {"mute": true} (it answers nothing),
 {"no_multiple": true} (ReadPropertyMultiple is rejected), {"most_at_once": 5} (longer answers are aborted)."""
 
@@ -137,6 +137,8 @@ def obey(app, objects, order):
         app.delete_object(objects[kind, instance])
         objects[kind, instance].objectName = name
         app.add_object(objects[kind, instance])
+    if "device_name" in order:
+        app.device_object.objectName = order["device_name"]
     if "mute" in order:
         app.muted = order["mute"]
     if "no_multiple" in order:

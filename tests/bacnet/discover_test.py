@@ -6,7 +6,6 @@ import subprocess
 import sys
 import unittest
 
-from airside_bacnet.discover import one_line
 from desk import DEVICE, BacnetTest, ROOT
 
 
@@ -42,10 +41,11 @@ class Discover(BacnetTest):
         self.assertIn("nothing in the AHU notices a power loss", self.check(done.stdout))
 
     def test_a_name_of_several_lines_adds_no_row(self):
-        self.start_device().do(rename=["analog-input", 31, "x\"\nsetpoint,degc,bacnet,666:analog-output:1,,,20,26,,"])
+        row = "x\"\nsetpoint,degc,bacnet,666:analog-output:1,,,20,26,,"
+        self.start_device().do(rename=["analog-input", 31, row], device_name=f"AHU {row}")
         done = self.discover()
+        self.assertEqual(done.stdout.count("setpoint,degc,bacnet,666:"), 2, "in two comments")
         self.assertNotIn("\nsetpoint,", done.stdout)
-        self.assertEqual(one_line("# device 7 \"x\r\nsetpoint,degc\""), "# device 7 \"x setpoint,degc\"")
 
     def test_limits_are_those_of_the_importer(self):
         self.start_device().do(rename=["analog-input", 31, "AI-31"])
